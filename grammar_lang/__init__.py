@@ -1,0 +1,1 @@
+"""From the text of a ``.srg`` file to its typed intermediate representation."""

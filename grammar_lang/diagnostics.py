@@ -1,0 +1,67 @@
+"""Diagnostics are values: collected while compiling, rendered elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from enum import Enum
+
+from grammar_lang.codes import Code
+from grammar_lang.source import Span
+
+
+class Severity(Enum):
+    """An error stops the compilation, a warning does not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding: a one-line message, where, and what to do about it."""
+
+    code: Code
+    severity: Severity
+    message: str
+    span: Span
+    hint: str | None = None
+    notes: tuple[tuple[Span, str], ...] = ()
+
+
+@dataclass(slots=True)
+class Sink:
+    """Collects diagnostics; passed to every pass that may find something."""
+
+    found: list[Diagnostic] = field(default_factory=list[Diagnostic])
+
+    def error(
+        self,
+        code: Code,
+        message: str,
+        span: Span,
+        hint: str | None = None,
+        notes: Iterable[tuple[Span, str]] = (),
+    ) -> None:
+        """Record an error."""
+        self.found.append(Diagnostic(code, Severity.ERROR, message, span, hint, tuple(notes)))
+
+    def warning(
+        self,
+        code: Code,
+        message: str,
+        span: Span,
+        hint: str | None = None,
+        notes: Iterable[tuple[Span, str]] = (),
+    ) -> None:
+        """Record a warning."""
+        self.found.append(Diagnostic(code, Severity.WARNING, message, span, hint, tuple(notes)))
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether at least one error was recorded."""
+        return any(d.severity is Severity.ERROR for d in self.found)
+
+    def sorted(self) -> tuple[Diagnostic, ...]:
+        """All findings in the order of their positions."""
+        return tuple(sorted(self.found, key=lambda d: (d.span.file, d.span, d.code.value)))
