@@ -1,0 +1,224 @@
+"""Which attributes a grammar's semantics defines: synthesized or inherited, each exactly once.
+
+Source: D. E. Knuth, "Semantics of Context-Free Languages", *Mathematical Systems Theory* 2 (1968).
+``this.a = …`` defines a synthesized attribute of the left side, ``A.a = …`` an inherited one of an
+occurrence.  The start symbol inherits only ``frame``, which is ``world``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.codes import Code
+from grammar_lang.diagnostics import Sink
+from grammar_lang.productions import GrammarInfo, ProductionInfo
+from grammar_lang.source import Span
+from grammar_lang.spelling import did_you_mean
+
+Key = tuple[str, str]
+ROOT_ATTRIBUTE = "frame"
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedRule:
+    """A rule of a block with its target resolved; ``key`` is (nonterminal, attribute)."""
+
+    label: str
+    target: ir.AttributeOf
+    key: Key
+    rule: s.Rule
+
+
+@dataclass(slots=True)
+class Attributes:
+    """The attributes of a grammar with the place of their first definition.
+
+    ``failed`` holds the labels of blocks with a rule whose target is wrong, which was reported.
+    """
+
+    synthesized: dict[Key, Span] = field(default_factory=dict[Key, Span])
+    inherited: dict[Key, Span] = field(default_factory=dict[Key, Span])
+    rules: list[PlacedRule] = field(default_factory=list[PlacedRule])
+    failed: set[str] = field(default_factory=set[str])
+
+    def has(self, key: Key) -> bool:
+        """Whether the attribute exists."""
+        return key in self.synthesized or key in self.inherited
+
+    def of(self, nonterminal: str) -> tuple[str, ...]:
+        """The attributes of a nonterminal."""
+        keys = (*self.synthesized, *self.inherited)
+        return tuple(dict.fromkeys(name for owner, name in keys if owner == nonterminal))
+
+
+def occurrence_of(owner: s.Ident, info: ProductionInfo, sink: Sink) -> int | None:
+    """The occurrence that an owner names, ``ir.THIS`` for ``this``; reported if there is none.
+
+    Silent in a broken production: its unknown symbol was reported.
+    """
+    if owner.text == "this":
+        return ir.THIS
+    if owner.text in info.names:
+        return info.names[owner.text]
+    if info.broken:
+        return None
+    label = info.production.label
+    if owner.text in info.repeated:
+        names = ", ".join(f"`{n}`" for n in info.repeated[owner.text])
+        message = f"`{owner.text}` occurs more than once in production `{label}`"
+        sink.error(Code.AMBIGUOUS_OCCURRENCE, message, owner.span, f"write {names}")
+        return None
+    message = f"no symbol is called `{owner.text}` on the right side of production `{label}`"
+    if owner.text == info.production.left:
+        hint = "the left side is called `this`"
+    else:
+        hint = did_you_mean(owner.text, ("this", *info.names), "symbol")
+    sink.error(Code.UNKNOWN_NAME, message, owner.span, hint)
+    return None
+
+
+def nonterminal_at(info: ProductionInfo, occurrence: int) -> str | None:
+    """The nonterminal at an occurrence; None for a module or an edge."""
+    if occurrence == ir.THIS:
+        return info.production.left
+    symbol = info.production.right[occurrence]
+    return symbol.name if symbol.kind == "nonterminal" else None
+
+
+def _place(label: str, rule: s.Rule, info: ProductionInfo, sink: Sink) -> PlacedRule | None:
+    owner = rule.target.owner
+    occurrence = occurrence_of(owner, info, sink)
+    if occurrence is None:
+        return None
+    nonterminal = nonterminal_at(info, occurrence)
+    if nonterminal is None:
+        message = f"`{owner.text}` has no attributes: it is a module or an edge"
+        sink.error(Code.WRONG_KIND, message, rule.target.span, "only nonterminals have attributes")
+        return None
+    name = rule.target.name.text
+    return PlacedRule(label, ir.AttributeOf(occurrence, name), (nonterminal, name), rule)
+
+
+def _collect(
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], failed: set[str], sink: Sink
+) -> Iterator[PlacedRule]:
+    for label, block in blocks.items():
+        first: dict[ir.AttributeOf, Span] = {}
+        for statement in block.statements:
+            if not isinstance(statement, s.Rule):
+                continue
+            placed = _place(label, statement, grammar.productions[label], sink)
+            if placed is None:
+                failed.add(label)
+                continue
+            if placed.target in first:
+                target = statement.target
+                message = f"`{target.owner.text}.{target.name.text}` is defined twice"
+                notes = [(first[placed.target], "first here")]
+                sink.error(
+                    Code.DOUBLE_ATTRIBUTE, message, target.span, "remove one definition", notes
+                )
+                failed.add(label)
+                continue
+            first[placed.target] = statement.target.span
+            yield placed
+
+
+def _reads_root(grammar: GrammarInfo, blocks: Mapping[str, s.Block]) -> bool:
+    """Whether a production of the start symbol reads ``this.frame``."""
+    for label, block in blocks.items():
+        if grammar.productions[label].production.left != grammar.grammar.start:
+            continue
+        for member in members(block):
+            if member.owner.text == "this" and member.name.text == ROOT_ATTRIBUTE:
+                return True
+    return False
+
+
+def members(block: s.Block) -> Iterator[s.Member]:
+    """Every ``owner.name`` that a block reads."""
+    stack: list[s.Expr] = []
+    for statement in block.statements:
+        if isinstance(statement, s.Rule):
+            stack.append(statement.value)
+        else:
+            stack.extend(argument.value for argument in statement.arguments)
+    while stack:
+        match stack.pop():
+            case s.Member() as member:
+                yield member
+            case s.Call(arguments=arguments):
+                stack.extend(argument.value for argument in arguments)
+            case s.Tuple(items=items):
+                stack.extend(items)
+            case s.Scaled(operand=operand) | s.Negate(operand=operand):
+                stack.append(operand)
+            case s.Binary(left=left, right=right):
+                stack.extend((left, right))
+            case _:
+                pass
+
+
+def _classify(found: Attributes, start: str, sink: Sink) -> None:
+    for placed in found.rules:
+        span = placed.rule.target.span
+        mine, other = found.inherited, found.synthesized
+        if placed.target.occurrence == ir.THIS:
+            mine, other = other, mine
+        if placed.key in other:
+            name = ".".join(placed.key)
+            message = f"`{name}` is both synthesized and inherited"
+            hint = "define it either as `this.…` or for the occurrences, not both"
+            notes = [(other[placed.key], "defined the other way here")]
+            sink.error(Code.DOUBLE_ATTRIBUTE, message, span, hint, notes)
+            continue
+        mine.setdefault(placed.key, span)
+        if mine is found.inherited and placed.key[0] == start and placed.key[1] != ROOT_ATTRIBUTE:
+            message = f"the start symbol `{start}` cannot inherit `{placed.key[1]}`"
+            hint = "nothing defines it at the root; the start symbol inherits only `frame`"
+            sink.error(Code.UNDEFINED_ATTRIBUTE, message, span, hint)
+
+
+def collect_attributes(
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], sink: Sink
+) -> Attributes:
+    """The attributes that the blocks define; double and impossible definitions are reported."""
+    found = Attributes()
+    found.rules.extend(_collect(grammar, blocks, found.failed, sink))
+    _classify(found, grammar.grammar.start, sink)
+    root = (grammar.grammar.start, ROOT_ATTRIBUTE)
+    if root not in found.synthesized and _reads_root(grammar, blocks):
+        found.inherited.setdefault(root, grammar.grammar.span)
+    return found
+
+
+def check_complete(
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], found: Attributes, sink: Sink
+) -> None:
+    """Report the attributes that a production leaves undefined."""
+    given = {(placed.label, placed.target) for placed in found.rules}
+    for label, block in blocks.items():
+        info = grammar.productions[label]
+        if info.broken or label in found.failed:
+            continue
+        due = [
+            (ir.THIS, "this", key) for key in found.synthesized if key[0] == info.production.left
+        ]
+        for position, symbol in enumerate(info.production.right):
+            if symbol.kind == "nonterminal":
+                called = _called(info, position)
+                due += [(position, called, k) for k in found.inherited if k[0] == symbol.name]
+        for occurrence, called, (_, name) in due:
+            if (label, ir.AttributeOf(occurrence, name)) not in given:
+                message = f"production `{label}` does not define `{called}.{name}`"
+                hint = f"add `{called}.{name} = …;`"
+                sink.error(Code.UNDEFINED_ATTRIBUTE, message, block.label.span, hint)
+
+
+def _called(info: ProductionInfo, position: int) -> str:
+    symbol = info.production.right[position]
+    names = [name for name, place in info.names.items() if place == position]
+    return symbol.alias or (names[0] if names else symbol.name)

@@ -1,0 +1,92 @@
+"""Diagnostics for people (text with the source line and a caret) and for programs (JSON)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+
+from grammar_lang.diagnostics import Diagnostic, Severity
+from grammar_lang.source import Source, Span
+
+_RESET = "\033[0m"
+_BOLD = "\033[1m"
+_COLOUR = {Severity.ERROR: "\033[1;31m", Severity.WARNING: "\033[1;33m"}
+_FAINT = "\033[36m"
+
+
+def _paint(text: str, code: str, *, colour: bool) -> str:
+    return f"{code}{text}{_RESET}" if colour else text
+
+
+def _excerpt(source: Source, span: Span, paint: str, *, colour: bool) -> list[str]:
+    """The source line and the carets under it; tabs are kept so that they align."""
+    line, column = source.position(span.start)
+    text = source.line(line)
+    if not text.strip():
+        return []
+    shown = "".join(
+        c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text
+    )
+    width = max(1, min(span.end - span.start, len(text) - column + 1))
+    margin = "".join(c if c == "\t" else " " for c in text[: column - 1])
+    gutter = f"{line:>5} | "
+    carets = _paint("^" * width, paint, colour=colour)
+    return [f"{gutter}{shown}", f"{' ' * 5} | {margin}{carets}"]
+
+
+def _place(source: Source, span: Span) -> str:
+    line, column = source.position(span.start)
+    return f"{source.name}:{line}:{column}"
+
+
+def to_text(
+    diagnostics: Iterable[Diagnostic], sources: Sequence[Source], *, colour: bool = False
+) -> str:
+    """Every diagnostic with its place, source line, caret and hint; ends with a line break.
+
+    ``sources[span.file]`` is the text that a span points into.
+    """
+    lines: list[str] = []
+    for found in diagnostics:
+        source, paint = sources[found.span.file], _COLOUR[found.severity]
+        kind = _paint(f"{found.severity.value}[{found.code.value}]", paint, colour=colour)
+        message = _paint(found.message, _BOLD, colour=colour)
+        lines.append(f"{_place(source, found.span)}: {kind}: {message}")
+        lines += _excerpt(source, found.span, paint, colour=colour)
+        for span, text in found.notes:
+            there = sources[span.file]
+            lines.append(f"{_place(there, span)}: {_paint('note', _FAINT, colour=colour)}: {text}")
+            lines += _excerpt(there, span, _FAINT, colour=colour)
+        if found.hint is not None:
+            lines.append(f"  {_paint('hint', _FAINT, colour=colour)}: {found.hint}")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def records(
+    diagnostics: Iterable[Diagnostic], sources: Sequence[Source]
+) -> list[dict[str, str | int | None]]:
+    """The diagnostics as the list of objects that ``srgc check --json`` prints."""
+    found: list[dict[str, str | int | None]] = []
+    for diagnostic in diagnostics:
+        source = sources[diagnostic.span.file]
+        line, column = source.position(diagnostic.span.start)
+        end_line, end_column = source.position(diagnostic.span.end)
+        found.append(
+            {
+                "code": diagnostic.code.value,
+                "severity": diagnostic.severity.value,
+                "message": diagnostic.message,
+                "file": source.name,
+                "line": line,
+                "column": column,
+                "end_line": end_line,
+                "end_column": end_column,
+                "hint": diagnostic.hint,
+            }
+        )
+    return found
+
+
+def to_json(diagnostics: Iterable[Diagnostic], sources: Sequence[Source]) -> str:
+    """The JSON list of :func:`records`, ending with a line break."""
+    return json.dumps(records(diagnostics, sources), indent=2, ensure_ascii=False) + "\n"

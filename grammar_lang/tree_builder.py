@@ -1,0 +1,227 @@
+"""From the parse tree of one item to its abstract syntax, bottom-up and without recursion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from lark import Token, Transformer_NonRecursive, Tree
+from lark.tree import Meta
+
+from grammar_lang import syntax as s
+from grammar_lang import syntax_tasks as t
+from grammar_lang.source import Span
+
+MAX_LITERAL = 300
+MAX_DEPTH = 100
+
+Children: TypeAlias = list[Any]
+Builder: TypeAlias = Callable[[Children, Span], object]
+
+
+def _ident(token: Token) -> s.Ident:
+    text = str(token)
+    if token.type == "STRING":
+        text = text[1:-1]
+    return s.Ident(text, Span(token.start_pos or 0, token.end_pos or 0))
+
+
+def _optional(token: Token | None) -> s.Ident | None:
+    return None if token is None else _ident(token)
+
+
+def _literal(text: str) -> Fraction | None:
+    """The exact value of a number; None where its digits or exponent exceed ``MAX_LITERAL``."""
+    exponent = text.lower().partition("e")[2]
+    if len(text) > MAX_LITERAL or (exponent and abs(int(exponent)) > MAX_LITERAL):
+        return None
+    return Fraction(text)
+
+
+def _present(children: Children) -> Children:
+    return [c for c in children if c is not None]
+
+
+def _binary(operator: s.Operator) -> Builder:
+    return lambda c, span: s.Binary(operator, c[0], c[1], span)
+
+
+def _call(c: Children, span: Span) -> object:
+    unit = c[-1] if isinstance(c[-1], Token) else None
+    call = s.Call(_ident(c[0]), tuple(_present(c[1:-1])), span)
+    return call if unit is None else s.Scaled(call, _ident(unit), span)
+
+
+def _symbol_word(where: Any) -> Builder:
+    return lambda c, _: s.Factor(where, tuple(c))
+
+
+def _unsupported(what: str) -> Builder:
+    return lambda _, span: s.Unsupported(what, span)
+
+
+def _start_in(c: Children, span: Span) -> object:
+    rates = c[2].rates if isinstance(c[2], t.StartIn) else None
+    return t.StartIn(_ident(c[0]), c[1], rates, span)
+
+
+def _avoid(c: Children, span: Span) -> object:
+    names = tuple(_ident(n) for n in c[:-2])
+    return t.Avoid(names, c[-2], c[-1], span)
+
+
+def _rates(c: Children, span: Span) -> object:
+    return t.StartIn(s.Ident(""), None, c[0], span)
+
+
+_EXPRESSIONS: dict[str, Builder] = {
+    "number": lambda c, span: s.Number(_literal(c[0]), _optional(c[1]), span),
+    "name": lambda c, _: s.Name(_ident(c[0])),
+    "member": lambda c, span: s.Member(c[0], _ident(c[1]), span),
+    "owner": lambda c, _: _ident(c[0]),
+    "call": _call,
+    "argument": lambda c, span: s.Argument(_optional(c[0]), c[1], span),
+    "world": lambda _, span: s.WorldName(span),
+    "axis_x": lambda _, span: s.AxisName("x", span),
+    "axis_y": lambda _, span: s.AxisName("y", span),
+    "axis_z": lambda _, span: s.AxisName("z", span),
+    "scaled": lambda c, span: s.Scaled(c[0], _ident(c[1]), span),
+    "tuple": lambda c, span: s.Tuple(tuple(c[:-1]), _optional(c[-1]), span),
+    "negate": lambda c, span: s.Negate(c[0], span),
+    "add": _binary("+"),
+    "subtract": _binary("-"),
+    "multiply": _binary("*"),
+    "divide": _binary("/"),
+    "raise": _binary("^"),
+    "interval": lambda c, span: s.Interval(c[0], c[1], _optional(c[2]), span),
+    "choices": lambda c, span: s.Choices(tuple(c[:-1]), _optional(c[-1]), span),
+    "comparison": lambda c, _: str(c[0]),
+    "symbol": lambda c, _: _ident(c[0]),
+}
+
+_MODULES: dict[str, Builder] = {
+    "module": lambda c, span: s.Module(_ident(c[0]), tuple(c[1:]), span),
+    "role": lambda c, span: s.Role(_ident(c[0]), span),
+    "param": lambda c, span: s.Param(_ident(c[0]), c[1], span),
+    "const": lambda c, span: s.Const(_ident(c[0]), c[1], span),
+    "dof": lambda c, span: s.Dof(_ident(c[0]), c[1], c[2], c[3], c[4], span),
+    "dof_kind": lambda c, _: str(c[0]),
+    "axis": lambda c, _: "".join(c),
+    "state": _unsupported("`state`"),
+    "input": _unsupported("`input`"),
+    "derivative": _unsupported("`der`"),
+    "torque": _unsupported("`torque`"),
+    "edges": lambda c, span: s.Edges(tuple(c), span),
+    "include": _unsupported("`include`"),
+}
+
+_GRAMMARS: dict[str, Builder] = {
+    "grammar": lambda c, span: s.Grammar(_ident(c[0]), tuple(c[1:]), span),
+    "start_symbol": lambda c, span: s.StartSymbol(_ident(c[0]), span),
+    "production": lambda c, span: s.Production(_ident(c[0]), _ident(c[1]), c[2], span),
+    "right": lambda c, _: tuple(c),
+    "occurrence": lambda c, _: s.Occurrence(_optional(c[0]), c[1]),
+    "accept": lambda c, span: s.Accept(c[0], span),
+    "disjunction": lambda c, _: s.Or(tuple(c)),
+    "conjunction": lambda c, _: s.And(tuple(c)),
+    "negation": lambda c, _: s.Not(c[0]),
+    "contains": _symbol_word("contains"),
+    "starts_with": _symbol_word("starts"),
+    "ends_with": _symbol_word("ends"),
+    "count": lambda c, _: s.Count(c[0], c[1], c[2]),
+    "word_length": lambda c, _: s.Count(None, c[0], c[1]),
+    "matches": lambda c, _: s.Matches(c[0]),
+    "choice": lambda c, _: s.RegexChoice(tuple(c)),
+    "sequence": lambda c, _: s.RegexSequence(tuple(c)),
+    "repeat": lambda c, _: s.RegexRepeat(c[0], c[1]),
+    "mark": lambda c, _: str(c[0]),
+    "regex_symbol": lambda c, _: s.RegexSymbol(c[0]),
+    "regex_empty": lambda _, __: s.RegexEmpty(),
+    "semantics": lambda c, span: s.Semantics(_ident(c[0]), tuple(c[1:]), span),
+    "block": lambda c, span: s.Block(_ident(c[0]), tuple(c[1:]), span),
+    "rule": lambda c, span: s.Rule(
+        s.Member(c[0], _ident(c[1]), c[0].span.to(_ident(c[1]).span)), c[2], span
+    ),
+    "emission": lambda c, span: s.Emission(_ident(c[0]), tuple(_present(c[1:])), span),
+}
+
+_WORKSPACES: dict[str, Builder] = {
+    "workspace": lambda c, span: t.Workspace(_ident(c[0]), tuple(c[1:]), span),
+    "plane": lambda _, span: t.Dimension(2, span),
+    "space": lambda _, span: t.Dimension(3, span),
+    "bounds": lambda c, span: t.Region("bounds", None, c[0], span),
+    "region": lambda c, span: t.Region(c[0], _ident(c[1]), c[2], span),
+    "region_kind": lambda c, _: str(c[0]),
+    "obstacles_from": _unsupported("`obstacles from`"),
+    "box": lambda c, span: t.Box(tuple(c), span),
+    "polytope": lambda c, span: t.Polytope(tuple(c[:-1]), _optional(c[-1]), span),
+    "inequality": lambda c, span: t.Inequality(c[0], c[1], c[2], span),
+    "hull": lambda c, span: t.Hull(tuple(c), span),
+    "point": lambda c, span: t.Point(tuple(c[:-1]), _optional(c[-1]), span),
+}
+
+_TASKS: dict[str, Builder] = {
+    "task": lambda c, span: t.Task(_ident(c[0]), tuple(c[1:]), span),
+    "robot": lambda c, span: t.Robot(_ident(c[0]), span),
+    "task_workspace": lambda c, span: t.TaskWorkspace(_ident(c[0]), span),
+    "start_in": _start_in,
+    "start_at": lambda c, span: t.StartAt(c[0], span),
+    "reach": lambda c, span: t.Reach(_ident(c[0]), c[1], c[2] is not None, span),
+    "by_effector": lambda c, _: c[0],
+    "at_rest": lambda _, span: span,
+    "rates": _rates,
+    "avoid": _avoid,
+    "subject": lambda c, _: str(c[0]),
+    "margin": lambda c, _: c[0],
+    "effort": lambda c, span: t.Effort(c[0], c[1], span),
+    "norm": lambda c, _: _ident(c[0]),
+    "horizon": lambda c, span: t.Horizon(c[0], c[1], span),
+    "slack": lambda c, span: t.Slack(c[0], span),
+    "gravity": lambda c, span: t.Gravity(c[0], span),
+    "modules": lambda c, span: t.Modules(c[0], c[1], span),
+    "bounds_body": lambda _, span: t.BoundsBody(span),
+    "from_word": _unsupported("`from`"),
+    "satisfy": _unsupported("`satisfy`"),
+    "robust": _unsupported("`robust`"),
+    "raw": lambda _, span: span,
+    "item": lambda c, _: c[0],
+}
+
+_BUILDERS = _EXPRESSIONS | _MODULES | _GRAMMARS | _WORKSPACES | _TASKS
+
+
+class _Fold(Transformer_NonRecursive[Token, object]):
+    """Applies the builder of each rule, children first."""
+
+    def __default__(self, data: str, children: Children, meta: Meta) -> object:
+        span = Span(0, 0) if meta.empty else Span(meta.start_pos, meta.end_pos)
+        return _BUILDERS[str(data)](children, span)
+
+
+def too_deep(tree: Tree[Token]) -> Span | None:
+    """Where the tree is nested deeper than ``MAX_DEPTH``; None if it is not."""
+    stack: list[tuple[Tree[Token], int]] = [(tree, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if depth > MAX_DEPTH:
+            return Span(node.meta.start_pos, node.meta.end_pos)
+        stack.extend((c, depth + 1) for c in node.children if isinstance(c, Tree))
+    return None
+
+
+def build(tree: Tree[Token]) -> t.Item:
+    """The abstract syntax of an item; its tree is not :func:`too_deep`."""
+    match _Fold().transform(tree):
+        case (
+            s.Module()
+            | s.Edges()
+            | s.Grammar()
+            | s.Semantics()
+            | t.Workspace()
+            | t.Task()
+            | s.Unsupported()
+        ) as item:
+            return item
+        case other:
+            raise TypeError(f"not an item: {other!r}")

@@ -1,0 +1,213 @@
+"""Certificates: what a verdict claims, as plain data with a digest of its canonical content.
+
+Numbers that a proof depends on are decimal strings, read as the exact rationals they denote.
+The digest guards against accidents and careless edits, not against malice: with a new digest an
+altered certificate is judged as a claim like any other.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+FORMAT = 1
+
+
+class CertificateError(ValueError):
+    """A file that is no certificate, or one whose digest does not match its content."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterClaim:
+    """A parameter of the module at word index ``symbol``, in SI units."""
+
+    symbol: int
+    name: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class FoundClaim:
+    """This robot, started so and driven so, does the task.
+
+    ``start`` holds the coordinates, then the rates; ``inputs`` one row per step; ``path`` the cell
+    of every effector at every sample; ``effector`` (from 0) is the one that starts and reaches.
+    """
+
+    task: str
+    spec: str
+    spec_sha256: str
+    word: tuple[str, ...]
+    derivation: tuple[str, ...]
+    parameters: tuple[ParameterClaim, ...]
+    effector: int
+    steps: int
+    step: str
+    start: tuple[str, ...]
+    inputs: tuple[tuple[str, ...], ...]
+    path: tuple[tuple[str, ...], ...]
+    effort_peak: str
+    robustness: str
+
+
+@dataclass(frozen=True, slots=True)
+class StructureClaim:
+    """One structure refuted by a script, or by being the same robot as an earlier structure."""
+
+    word: tuple[str, ...]
+    derivation: tuple[str, ...]
+    evidence: str | None
+    same_robot_as: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ImpossibleClaim:
+    """No structure with at most ``modules`` modules (None: none at all) can do the task."""
+
+    task: str
+    spec: str
+    spec_sha256: str
+    modules: int | None
+    structures: tuple[StructureClaim, ...]
+
+
+Claim = FoundClaim | ImpossibleClaim
+
+
+def decimal(value: float) -> str:
+    """The shortest decimal that reads back as this double, without an exponent."""
+    return exact_decimal(Fraction(repr(float(value))))
+
+
+def exact_decimal(value: Fraction) -> str:
+    """A rational whose denominator divides a power of ten, as a decimal.
+
+    Raises:
+        ValueError: the value is no finite decimal.
+    """
+    digits, power = 0, 1
+    while power % value.denominator:
+        digits, power = digits + 1, power * 10
+        if digits > 1100:
+            raise ValueError(f"{value} is no finite decimal")
+    whole = str(abs(value.numerator) * (power // value.denominator)).rjust(digits + 1, "0")
+    sign = "-" if value < 0 else ""
+    return sign + (f"{whole[:-digits]}.{whole[-digits:]}" if digits else whole)
+
+
+def spec_digest(files: Mapping[str, bytes]) -> str:
+    """SHA-256 over the sorted relative paths and bytes of a spec and what it includes."""
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        path, content = name.encode(), files[name]
+        digest.update(len(path).to_bytes(8, "big") + path)
+        digest.update(len(content).to_bytes(8, "big") + content)
+    return digest.hexdigest()
+
+
+def spec_files(folder: Path) -> dict[str, bytes]:
+    """The files below a folder, by their relative paths."""
+    return {
+        str(PurePosixPath(path.relative_to(folder))): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def to_text(claim: Claim) -> str:
+    """The certificate file of a claim."""
+    kind = "found" if isinstance(claim, FoundClaim) else "impossible"
+    content = {"format": FORMAT, "kind": kind, **asdict(claim)}
+    content["digest"] = _digest(content)
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    """SHA-256 of the canonical form: sorted keys, no blanks, without the digest itself."""
+    bare = {key: value for key, value in content.items() if key != "digest"}
+    canonical = json.dumps(bare, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def from_text(text: str) -> Claim:
+    """Read a certificate.
+
+    Raises:
+        CertificateError: not a certificate of this format, or altered since it was written.
+    """
+    try:
+        content = json.loads(text)
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise CertificateError(f"the certificate is not JSON: {error}") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise CertificateError(f"the certificate is not of format {FORMAT}")
+    if content.get("digest") != _digest(content):
+        raise CertificateError(
+            "the certificate has been altered: its digest does not match its content"
+        )
+    kind = content.get("kind")
+    fields = {k: v for k, v in content.items() if k not in ("format", "kind", "digest")}
+    try:
+        if kind == "found":
+            return _found(fields)
+        if kind == "impossible":
+            return _impossible(fields)
+    except (TypeError, KeyError, ValueError) as error:
+        raise CertificateError(f"the certificate is malformed: {error}") from None
+    raise CertificateError(f"the certificate is of an unknown kind: {kind!r}")
+
+
+def _texts(items: object) -> tuple[str, ...]:
+    if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
+        raise TypeError("a list of strings is due")
+    return tuple(items)
+
+
+def _number(value: object) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise TypeError("a whole number is due")
+    return value
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError("a string is due")
+    return value
+
+
+def _found(fields: dict[str, Any]) -> FoundClaim:
+    fields["parameters"] = tuple(
+        ParameterClaim(_number(p["symbol"]), _text(p["name"]), _text(p["value"]))
+        for p in fields["parameters"]
+    )
+    for name in ("word", "derivation", "start"):
+        fields[name] = _texts(fields[name])
+    for name in ("inputs", "path"):
+        fields[name] = tuple(_texts(row) for row in fields[name])
+    for name in ("task", "spec", "spec_sha256", "step", "effort_peak", "robustness"):
+        _text(fields[name])
+    for name in ("effector", "steps"):
+        _number(fields[name])
+    return FoundClaim(**fields)
+
+
+def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
+    fields["structures"] = tuple(
+        StructureClaim(
+            _texts(s["word"]),
+            _texts(s["derivation"]),
+            None if s["evidence"] is None else _text(s["evidence"]),
+            None if s["same_robot_as"] is None else _number(s["same_robot_as"]),
+        )
+        for s in fields["structures"]
+    )
+    for name in ("task", "spec", "spec_sha256"):
+        _text(fields[name])
+    if fields["modules"] is not None:
+        _number(fields["modules"])
+    return ImpossibleClaim(**fields)

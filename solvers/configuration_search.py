@@ -1,0 +1,141 @@
+"""P.Synthesis for one structure and one path: parameters, then polishing, then timing.
+
+GP-ACB finds a basin, the convex programs with the parameters as unknowns find its bottom, and the
+steps at which cells are entered are then moved as long as that helps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from compiler.float_reading import Array
+from solvers.control import ControlOutcome
+from solvers.evaluation import Evaluator, evaluate
+from solvers.parameter_search import BayesianSearch, parameter_space
+from solvers.path_following import Follower
+from solvers.progress import Conduct
+
+ROUNDS = 6
+BATCH = 2
+BASINS = 3
+SHIFTS = (4, -4, 2, -2, 1, -1)
+TIMING_ROUNDS = 2
+POLISH_ITERATIONS = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """The best outcome for a path, with its entry steps and the number of evaluations made."""
+
+    outcome: ControlOutcome
+    entries: tuple[int, ...]
+    evaluations: int
+
+
+def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Configuration:
+    """The best configuration found for a path; it may be infeasible.
+
+    ``label`` names the structure and path in the journal.
+    """
+    space = parameter_space(follower.model)
+    entries = follower.waypoints()[1]
+    best: list[ControlOutcome] = []
+    evaluations = 0
+    if space.is_point:
+        outcome = evaluate(follower, space.lower)
+        best, evaluations = [outcome], 1
+        conduct.reporter.robustness(outcome.robustness)
+    else:
+        search = BayesianSearch(space, conduct.seed)
+        with Evaluator(follower, conduct.jobs) as evaluator:
+            _explore(search, evaluator, label, conduct)
+            order = np.argsort(-np.array(search.values), kind="stable")[:BASINS]
+            thetas = [space.from_cube(search.points[i]) for i in order]
+            evaluations = len(search.points)
+            for outcome in evaluator.batch(thetas):
+                conduct.check_time()
+                best.append(_polished(follower, outcome, entries, conduct))
+    top = max(best, key=lambda outcome: outcome.robustness)
+    if top.feasible:
+        top, entries = _timed(follower, top, entries, conduct)
+    return Configuration(top, entries, evaluations)
+
+
+def _explore(
+    search: BayesianSearch, evaluator: Evaluator, label: str, conduct: Conduct
+) -> None:
+    """Evaluate the initial design, then what the acquisition rule asks for."""
+    _tell(search, search.initial(), evaluator, label, conduct)
+    for _ in range(ROUNDS):
+        points = search.ask(BATCH)
+        if not points:
+            break
+        _tell(search, points, evaluator, label, conduct)
+
+
+def _tell(
+    search: BayesianSearch,
+    points: list[Array],
+    evaluator: Evaluator,
+    label: str,
+    conduct: Conduct,
+) -> None:
+    """Evaluate points, as far as the journal does not know them, and tell their values."""
+    keys = [f"{label}|{np.array2string(point, precision=17)}" for point in points]
+    known = [conduct.journal.recall(key) for key in keys]
+    missing = [i for i, value in enumerate(known) if value is None]
+    outcomes = evaluator.batch([search.space.from_cube(points[i]) for i in missing])
+    for i, outcome in zip(missing, outcomes, strict=True):
+        conduct.check_time()
+        known[i] = outcome.robustness
+        conduct.journal.record(keys[i], outcome.robustness)
+        conduct.reporter.robustness(max(v for v in (*search.values, *known) if v is not None))
+    for point, value in zip(points, known, strict=True):
+        if value is not None:
+            search.tell(point, value)
+
+
+def _polished(
+    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...], conduct: Conduct
+) -> ControlOutcome:
+    """The outcome with its parameters made unknowns of the convex programs."""
+    box = parameter_space(follower.model).free_box(outcome.trajectory.theta)
+    polished = follower.solve(outcome.trajectory, entries, box, POLISH_ITERATIONS)
+    better = max(outcome, polished, key=lambda item: item.robustness)
+    conduct.reporter.robustness(better.robustness)
+    return better
+
+
+def _timed(
+    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...], conduct: Conduct
+) -> tuple[ControlOutcome, tuple[int, ...]]:
+    """Move entry steps, one at a time, as long as the robustness grows."""
+    space = parameter_space(follower.model)
+    for _ in range(TIMING_ROUNDS):
+        before = outcome.robustness
+        for cell in range(1, len(entries)):
+            for shift in SHIFTS:
+                conduct.check_time()
+                moved = _moved(entries, cell, shift, follower.task.steps)
+                if moved is None:
+                    continue
+                box = None if space.is_point else space.free_box(outcome.trajectory.theta)
+                trial = follower.solve(outcome.trajectory, moved, box, 12, 0.25)
+                if trial.feasible and trial.robustness > outcome.robustness + 1e-6:
+                    outcome, entries = trial, moved
+                    conduct.reporter.robustness(outcome.robustness)
+        if outcome.robustness - before < 1e-4 * (1 + abs(before)):
+            break
+    return outcome, entries
+
+
+def _moved(
+    entries: tuple[int, ...], cell: int, shift: int, steps: int
+) -> tuple[int, ...] | None:
+    """The entry steps with one of them shifted, or None where cells would get no sample."""
+    moved = list(entries)
+    moved[cell] += shift
+    after = moved[cell + 1] if cell + 1 < len(moved) else steps + 1
+    return tuple(moved) if moved[cell - 1] < moved[cell] < after else None

@@ -1,0 +1,102 @@
+"""The check of ``impossible``: every structure up to the bound, each refuted by a script of ours.
+
+The structures are enumerated again and every script is made again from the spec, byte for byte; what
+is left to believe is the solver's ``unsat``, unless it is run again in a process of its own.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from compiler.attributes import SemanticsError
+from compiler.derivation import structures
+from compiler.family import RobotFamily, family_of
+from compiler.normalise import robot_key
+from compiler.reachability_smt import pose_question, refutation_script
+from grammar_lang import ir
+from solvers.certificate import ImpossibleClaim, StructureClaim
+from solvers.smt_subprocess import run_z3_subprocess
+from solvers.verdict import Fails
+
+
+class FalseClaim(Exception):  # noqa: N818  (carries the reason to the caller)
+    """The claim is false, or its evidence is not what it says."""
+
+
+def check_impossible(
+    folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
+) -> tuple[str | None, bool]:
+    """The reason why the claim is refused, or None; and whether a solver confirmed every script."""
+    family = family_of(program, task)
+    try:
+        bound = _bound(claim, family, task)
+        _structures(folder, claim, family, task, bound, trust)
+    except FalseClaim as error:
+        return str(error), False
+    return None, trust == "z3"
+
+
+def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
+    """The number of modules up to which structures have to be refuted."""
+    if claim.modules != task.modules:
+        raise FalseClaim("the bound on modules is not the task's")
+    if claim.modules is not None:
+        if not family.language.is_finite(max_modules=claim.modules):
+            raise FalseClaim("there are infinitely many words within the bound")
+        return claim.modules
+    if not family.language.is_finite():
+        raise FalseClaim("the language is infinite and the task has no bound on modules")
+    longest = len(family.language.count_words()) - 1
+    return longest
+
+
+def _structures(
+    folder: Path,
+    claim: ImpossibleClaim,
+    family: RobotFamily,
+    task: ir.Task,
+    bound: int,
+    trust: str | None,
+) -> None:
+    question = pose_question(family.program.workspaces[task.workspace], task)
+    keys: list[str] = []
+    number = -1
+    for number, derivation in enumerate(structures(family.language, bound)):
+        if number >= len(claim.structures):
+            raise FalseClaim(f"structure {number} is missing: {' '.join(derivation.word)}")
+        claimed = claim.structures[number]
+        if (claimed.word, claimed.derivation) != (derivation.word, derivation.labels):
+            raise FalseClaim(f"structure {number} is not {' '.join(derivation.word)}")
+        try:
+            model = family.robot(derivation)
+        except SemanticsError as error:
+            raise FalseClaim(f"structure {number} is no robot: {error}") from None
+        keys.append(robot_key(model))
+        if claimed.same_robot_as is not None:
+            _same(number, claimed, keys)
+            continue
+        script = refutation_script(model, question)
+        _script(folder, number, claimed, script, trust)
+    if number + 1 != len(claim.structures):
+        raise FalseClaim("the claim lists structures that the family does not have")
+
+
+def _same(number: int, claimed: StructureClaim, keys: list[str]) -> None:
+    first = claimed.same_robot_as
+    if first is None or not 0 <= first < number or keys[first] != keys[number]:
+        raise FalseClaim(f"structure {number} is not the same robot as structure {first}")
+
+
+def _script(
+    folder: Path, number: int, claimed: StructureClaim, script: str, trust: str | None
+) -> None:
+    """The evidence is the script of this spec, and a solver process answers ``unsat`` if asked."""
+    if claimed.evidence is None:
+        raise FalseClaim(f"structure {number} has no evidence")
+    path = folder / claimed.evidence
+    if not path.resolve().is_relative_to(folder.resolve()) or not path.is_file():
+        raise FalseClaim(f"the evidence {claimed.evidence} is missing")
+    if path.read_bytes() != script.encode():
+        raise FalseClaim(f"{claimed.evidence} is not the script of structure {number}")
+    if trust == "z3" and not isinstance(run_z3_subprocess(script), Fails):
+        raise FalseClaim(f"z3 does not refute structure {number}")

@@ -1,0 +1,267 @@
+"""A robot, a task and a cell path made into a control problem: timing, seeds and half-planes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from compiler.abstraction import Abstraction
+from compiler.float_reading import Array, FloatReading, scalar_floats
+from compiler.polytope import Polytope, polytope_of
+from compiler.robot import RobotModel, RodBody
+from grammar_lang import ir
+from grammar_lang.constants import to_float
+from solvers.control import ControlOutcome, ControlProblem, synthesise_control
+from solvers.convex_step import InputGroup, MotionLimits, Trajectory
+from solvers.inverse_kinematics import branches, track
+from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation
+
+SUBSTEPS = 2
+FAR = Fraction(1000)
+RATE_MARGIN = 0.5
+"""A final rest is asked for at this fraction of its bound."""
+
+
+@dataclass(frozen=True, slots=True)
+class Follower:
+    """An effector of a robot that has to follow a path of cells, and what else binds the robot.
+
+    ``effector`` starts (unless the task names another) and reaches.
+    """
+
+    reading: FloatReading
+    workspace: ir.Workspace
+    task: ir.Task
+    abstraction: Abstraction
+    effector: int
+    cells: tuple[int, ...]
+    margin: float
+    seed: int
+    branch_count: int = 4
+
+    @property
+    def model(self) -> RobotModel:
+        """The robot."""
+        return self.reading.graph.model
+
+    @property
+    def start_effector(self) -> int:
+        """The effector that starts in the start region."""
+        start = self.task.start
+        named = start.effector if isinstance(start, ir.StartIn) else None
+        return self.effector if named is None else named - 1
+
+    # --- timing ---------------------------------------------------------------------------------
+
+    def polyline(self) -> Array:
+        """Centre of the first cell, centres of the facets passed, centre of the last cell."""
+        cells = self.abstraction.cells
+        points = [_centre(cells[self.cells[0]].polytope)]
+        for before, after in zip(self.cells, self.cells[1:], strict=False):
+            points.append(self.abstraction.facet_centre(before, after))
+        points.append(_centre(cells[self.cells[-1]].polytope))
+        return np.array(points)
+
+    def waypoints(self) -> tuple[Array, tuple[int, ...]]:
+        """Positions (k + 1, d) along the polyline with smooth timing, and each cell's entry step.
+
+        The timing is the minimum-jerk profile from rest to rest.
+        """
+        points = self.polyline()
+        k = self.task.steps
+        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        along = np.concatenate([[0.0], np.cumsum(lengths)])
+        t = np.linspace(0.0, 1.0, k + 1)
+        s = (10 * t**3 - 15 * t**4 + 6 * t**5) * along[-1]
+        place = np.stack(
+            [np.interp(s, along, points[:, axis]) for axis in range(points.shape[1])], axis=1
+        )
+        entries = np.searchsorted(s, along[1:-1] + 1e-12)
+        # Every cell holds one sample at least, in order.
+        steps = [0]
+        for number, entry in enumerate(entries):
+            rest = len(entries) - 1 - number
+            steps.append(int(min(max(entry, steps[-1] + 1), k - rest)))
+        return place, tuple(steps)
+
+    # --- constraints ----------------------------------------------------------------------------
+
+    def plan(self, entries: tuple[int, ...]) -> PositionPlan:
+        """All half-planes for given entry steps."""
+        k = self.task.steps
+        dwells = []
+        bounds = _convex(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
+        ends = [*(entry - 1 for entry in entries[1:]), k]
+        for cell, first, last in zip(self.cells, entries, ends, strict=True):
+            region = _convex(self.abstraction.cells[cell].polytope)
+            dwells.append(Dwell(self.effector, first, last, region))
+        count = len(self.model.effectors)
+        inside = [e for e in range(count) if e != self.effector]
+        if self.task.bounds_body:
+            inside += [count + i for hull in self.reading.graph.hulls for i in hull]
+        dwells += [Dwell(point, 0, k, bounds) for point in inside]
+        if isinstance(self.task.start, ir.StartIn) and self.start_effector != self.effector:
+            region = _convex(self._region(self.task.start.region))
+            dwells.append(Dwell(self.start_effector, 0, 0, region))
+        return PositionPlan(k, tuple(dwells), tuple(self._separations()), self.margin)
+
+    def _region(self, name: str) -> Polytope:
+        return polytope_of(self.workspace.region(name).shape, self.workspace.dimension)
+
+    def _separations(self) -> list[Separation]:
+        found = []
+        count = len(self.model.effectors)
+        for avoid in self.task.avoid:
+            for name in avoid.regions:
+                obstacle = _convex(self._region(name))
+                distance = float(avoid.margin)
+                if avoid.subject == "effector":
+                    found += [Separation((e,), obstacle, distance) for e in range(count)]
+                    continue
+                for body, hull in zip(self.model.bodies, self.reading.graph.hulls, strict=True):
+                    thick = isinstance(body, RodBody) and body.radius is not None
+                    reach = distance + (self._largest_radius() if thick else 0.0)
+                    found.append(Separation(tuple(count + i for i in hull), obstacle, reach))
+        return found
+
+    def _largest_radius(self) -> float:
+        """A bound on the radius of capsules: search only, the proof reads each one exactly."""
+        upper = np.array([bounds[1] for bounds in parameter_bounds(self.model)])
+        values = scalar_floats(self.model.scalars, upper)
+        radii = [b.radius for b in self.model.bodies if isinstance(b, RodBody)]
+        return max(abs(values[r]) for r in radii if r is not None)
+
+    def problem(self, entries: tuple[int, ...]) -> ControlProblem:
+        """The control problem for given entry steps."""
+        task = self.task
+        limits = motion_limits(self.model, task)
+        groups = input_groups(self.model, task)
+        plan = self.plan(entries)
+        return ControlProblem(
+            self.reading, float(task.step), SUBSTEPS, limits, groups, plan.rows
+        )
+
+    # --- seeds and solutions --------------------------------------------------------------------
+
+    def seeds(self, theta: Array) -> list[Trajectory]:
+        """One seed trajectory per branch of the inverse kinematics at the start."""
+        place, _ = self.waypoints()
+        limits = motion_limits(self.model, self.task)
+        box = (limits.lower, limits.upper)
+        if limits.start_values is not None:
+            first = limits.start_values[None, :]
+        else:
+            first = branches(
+                self.reading, theta, self.effector, place[0], box, self.seed, self.branch_count
+            )
+        dt, n = float(self.task.step), self.reading.n
+        found = []
+        for start in first:
+            q = track(self.reading, start, theta, self.effector, place, box)
+            v = np.gradient(q, dt, axis=0)
+            v[0] = 0.0
+            u = np.zeros((self.task.steps, n))
+            found.append(Trajectory(np.concatenate([q, v], axis=1), u, theta))
+        return found
+
+    def solve(
+        self,
+        start: Trajectory,
+        entries: tuple[int, ...] | None = None,
+        box: tuple[Array, Array] | None = None,
+        iterations: int = 25,
+        radius: float = 0.5,
+    ) -> ControlOutcome:
+        """Control synthesis from a seed; with ``box`` the parameters are unknowns too."""
+        if entries is None:
+            entries = self.waypoints()[1]
+        problem = self.problem(entries)
+        return synthesise_control(problem, start, box, iterations=iterations, radius=radius)
+
+    def with_margin(self, margin: float) -> Follower:
+        """The same task with another margin."""
+        return replace(self, margin=margin)
+
+    def cell_names(self, trajectory: Trajectory, entries: tuple[int, ...]) -> list[list[str]]:
+        """The cell of every effector at every sample."""
+        cells = self.abstraction.cells
+        positions = self.reading.points(trajectory.x[:, : self.reading.n], trajectory.theta).value
+        ends = [*entries[1:], self.task.steps + 1]
+        own = [
+            cells[cell].name
+            for cell, first, last in zip(self.cells, entries, ends, strict=True)
+            for _ in range(first, last)
+        ]
+        names = []
+        for effector in range(len(self.model.effectors)):
+            if effector == self.effector:
+                names.append(own)
+                continue
+            located = [self.abstraction.locate(point) for point in positions[:, effector]]
+            names.append(["free" if i is None else cells[i].name for i in located])
+        return names
+
+
+def _centre(polytope: Polytope) -> Array:
+    return np.array([float(x) for x in polytope.centre])
+
+
+def _convex(polytope: Polytope) -> ConvexSet:
+    """A polytope in floats; an unbounded one is cut far away."""
+    if not polytope.is_bounded:
+        d = polytope.dimension
+        rows = [
+            ir.HalfSpace(tuple(Fraction(sign * (i == j)) for j in range(d)), FAR)
+            for i in range(d)
+            for sign in (-1, 1)
+        ]
+        polytope = polytope.intersection(Polytope(tuple(rows)))
+    vertices = np.array([[float(x) for x in vertex] for vertex in polytope.vertices])
+    return ConvexSet(polytope.A, polytope.b, vertices)
+
+
+def parameter_bounds(model: RobotModel) -> list[tuple[float, float]]:
+    """The least and largest value of every parameter, SI."""
+    bounds = []
+    for parameter in model.parameters:
+        domain = parameter.domain
+        if isinstance(domain, ir.Interval):
+            bounds.append((to_float(domain.lower), to_float(domain.upper)))
+        else:
+            values = [to_float(value) for value in domain.values]
+            bounds.append((min(values), max(values)))
+    return bounds
+
+
+def motion_limits(model: RobotModel, task: ir.Task) -> MotionLimits:
+    """Joint limits, rate limits, start and final rates of a robot in a task, in floats."""
+    slack = 1e-6
+
+    def ends(interval: ir.Interval | None) -> tuple[float, float]:
+        if interval is None:
+            return -np.inf, np.inf
+        return to_float(interval.lower) + slack, to_float(interval.upper) - slack
+
+    ranges = np.array([ends(dof.range) for dof in model.dofs]).reshape(-1, 2)
+    rates = np.array([ends(dof.rate) for dof in model.dofs]).reshape(-1, 2)
+    start = task.start
+    values = None
+    if isinstance(start, ir.StartAt):
+        values = np.array([to_float(value) for value in start.values])
+    start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
+    final = RATE_MARGIN * 1e-3 if task.reach.at_rest else np.inf
+    return MotionLimits(
+        ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values
+    )
+
+
+def input_groups(model: RobotModel, task: ir.Task) -> tuple[InputGroup, ...]:
+    """The bounded inputs of a robot in a task."""
+    groups = []
+    for effort in task.effort:
+        dofs = tuple(i for i, dof in enumerate(model.dofs) if dof.kind == effort.kind)
+        if dofs:
+            groups.append(InputGroup(dofs, float(effort.bound), effort.norm2))
+    return tuple(groups)

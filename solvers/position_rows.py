@@ -1,0 +1,111 @@
+"""The half-planes that keep a trajectory on its path: cells at samples, separation in between.
+
+An effector that has to follow a cell path is held in one convex cell per sample.  Between two
+samples every avoided set is kept on the far side of one half-plane that holds for the points of
+both samples, so that the chord cannot cut a corner; it is chosen afresh about each reference.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from compiler.float_reading import Array
+from solvers.convex_step import Indices, PositionRows
+
+
+@dataclass(frozen=True, slots=True)
+class ConvexSet:
+    """A polytope in floats: unit normals (m, d), offsets (m,), vertices (w, d)."""
+
+    normals: Array
+    offsets: Array
+    vertices: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """A point stays in a convex set at the samples ``first`` to ``last`` (included)."""
+
+    point: int
+    first: int
+    last: int
+    region: ConvexSet
+
+
+@dataclass(frozen=True, slots=True)
+class Separation:
+    """The hull of some points stays at a distance from a convex set at every instant."""
+
+    points: tuple[int, ...]
+    obstacle: ConvexSet
+    distance: float
+
+
+@dataclass(frozen=True, slots=True)
+class PositionPlan:
+    """All that binds positions; ``margin`` (m) shrinks dwells and widens separations."""
+
+    steps: int
+    dwells: tuple[Dwell, ...]
+    separations: tuple[Separation, ...]
+    margin: float
+
+    def rows(self, positions: Array) -> PositionRows:
+        """The half-planes about reference positions of shape (k + 1, m, d)."""
+        parts = [self._dwell(dwell) for dwell in self.dwells]
+        parts += [self._separate(separation, positions) for separation in self.separations]
+        d = positions.shape[2]
+        none = np.zeros(0, dtype=np.int64)
+        parts.append((none, none, np.zeros((0, d)), np.zeros(0)))
+        sample, point, normal, offset = (
+            np.concatenate([part[i] for part in parts]) for i in range(4)
+        )
+        return PositionRows(sample, point, normal, offset)
+
+    def _dwell(self, dwell: Dwell) -> tuple[Indices, Indices, Array, Array]:
+        region = dwell.region
+        samples, facets = dwell.last - dwell.first + 1, len(region.offsets)
+        sample = np.repeat(np.arange(dwell.first, dwell.last + 1), facets)
+        point = np.full(samples * facets, dwell.point)
+        normal = np.tile(region.normals, (samples, 1))
+        return sample, point, normal, np.tile(region.offsets - self.margin, samples)
+
+    def _separate(
+        self, wanted: Separation, positions: Array
+    ) -> tuple[Indices, Indices, Array, Array]:
+        group = np.array(wanted.points)
+        moving = positions[:, group]
+        swept = np.concatenate([moving[:-1], moving[1:]], axis=1)
+        normal, support = separating_planes(swept, wanted.obstacle)
+        k, width, d = swept.shape
+        sample = np.arange(k)[:, None] + np.repeat([0, 1], len(group))[None, :]
+        point = np.broadcast_to(np.tile(group, 2)[None, :], (k, width))
+        normals = np.broadcast_to(-normal[:, None, :], (k, width, d)).reshape(-1, d)
+        offset = -(support + wanted.distance + self.margin)
+        return sample.ravel(), point.ravel(), normals, np.repeat(offset, width)
+
+
+def separating_planes(swept: Array, obstacle: ConvexSet) -> tuple[Array, Array]:
+    """The best half-plane between each point set (k, w, d) and a convex obstacle.
+
+    Candidates are the obstacle's facets and, in the plane, the lines through two of the points: a
+    segment misses a convex polygon iff one of these separates them.  Returns unit normals (k, d)
+    pointing away from the obstacle and the obstacle's support (k,) in those directions.
+    """
+    k, width, d = swept.shape
+    normals = np.broadcast_to(obstacle.normals, (k, *obstacle.normals.shape))
+    if d == 2:
+        pairs = list(combinations(range(width), 2))
+        edge = swept[:, [j for _, j in pairs]] - swept[:, [i for i, _ in pairs]]
+        length = np.linalg.norm(edge, axis=2, keepdims=True)
+        across = np.stack([-edge[..., 1], edge[..., 0]], axis=2) / np.maximum(length, 1e-12)
+        across = np.where(length > 1e-9, across, obstacle.normals[0])
+        normals = np.concatenate([normals, across, -across], axis=1)
+    support = np.max(normals @ obstacle.vertices.T, axis=2)
+    nearest = np.min(np.einsum("kcd,kwd->kcw", normals, swept), axis=2)
+    best = np.argmax(nearest - support, axis=1)
+    row = np.arange(k)
+    return normals[row, best], support[row, best]

@@ -1,0 +1,90 @@
+"""What a synthesis tells while it runs, and how it is told to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+
+class OutOfTimeError(Exception):
+    """The time limit was reached; the verdict is unknown."""
+
+
+class Reporter(Protocol):
+    """Receives progress; every call is cheap and none may change the result."""
+
+    def structure(self, number: int, word: tuple[str, ...]) -> None:
+        """A structure is being tried."""
+        ...
+
+    def path(self, cells: tuple[str, ...]) -> None:
+        """A cell path is being tried."""
+        ...
+
+    def robustness(self, value: float) -> None:
+        """The best robustness so far for this path."""
+        ...
+
+    def note(self, text: str) -> None:
+        """A finding worth a line."""
+        ...
+
+
+class Silent:
+    """Reports nothing."""
+
+    def structure(self, number: int, word: tuple[str, ...]) -> None:
+        """Nothing."""
+
+    def path(self, cells: tuple[str, ...]) -> None:
+        """Nothing."""
+
+    def robustness(self, value: float) -> None:
+        """Nothing."""
+
+    def note(self, text: str) -> None:
+        """Nothing."""
+
+
+class Journal(Protocol):
+    """Remembers the values of finished steps, so that an interrupted run can go on."""
+
+    def recall(self, key: str) -> float | None:
+        """The value of a step finished before."""
+        ...
+
+    def record(self, key: str, value: float) -> None:
+        """A step is finished."""
+        ...
+
+
+@dataclass(slots=True)
+class Memory:
+    """A journal that lives as long as the process."""
+
+    values: dict[str, float] = field(default_factory=dict[str, float])
+
+    def recall(self, key: str) -> float | None:
+        """The value of a step finished before."""
+        return self.values.get(key)
+
+    def record(self, key: str, value: float) -> None:
+        """A step is finished."""
+        self.values[key] = value
+
+
+@dataclass(frozen=True, slots=True)
+class Conduct:
+    """How a synthesis is run: nothing here may change its result, but the seed and the limit."""
+
+    seed: int = 0
+    jobs: int = 1
+    reporter: Reporter = field(default_factory=Silent)
+    journal: Journal = field(default_factory=Memory)
+    out_of_time: Callable[[], bool] = lambda: False
+
+    def check_time(self) -> None:
+        """Raise OutOfTimeError once the limit is reached."""
+        if self.out_of_time():
+            raise OutOfTimeError

@@ -1,0 +1,366 @@
+"""Algorithm 1: structures, paths, parameters and controls, until a verdict can be proved.
+
+    S.Synthesis -> P.Planning -> P.Synthesis -> certificate, counterexamples flowing back.
+
+``found`` is claimed only for a motion that the verifier's own proof accepts; ``impossible`` only if
+every structure up to an explicit bound is refuted by a script that a solver answered ``unsat``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Literal
+
+import numpy as np
+
+from compiler.abstraction import Abstraction, abstract
+from compiler.attributes import SemanticsError
+from compiler.derivation import Derivation, structures
+from compiler.dynamics import robot_graph
+from compiler.family import RobotFamily, family_of
+from compiler.float_reading import FloatReading
+from compiler.normalise import robot_key
+from compiler.robot import RobotModel
+from grammar_lang import ir
+from solvers.certificate import ParameterClaim, decimal
+from solvers.configuration_search import Configuration, search_configuration
+from solvers.counterexample import infeasible_prefix
+from solvers.path_following import Follower, motion_limits, parameter_bounds
+from solvers.planner import Planner, path_planner
+from solvers.progress import Conduct, OutOfTimeError
+from solvers.structure_refutation import Refutation, refute_structure
+from solvers.trajectory_proof import Motion, prove_motion, scene_of
+from solvers.tube_checks import Status
+from solvers.verdict import Holds, Unknown
+
+DEFAULT_MODULES = 12
+PATHS_PER_STRUCTURE = 6
+MARGINS = (2e-3, 5e-3, 1.5e-2, 4e-2)
+SINGULAR = 1e-12
+
+StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "same"]
+
+
+@dataclass(frozen=True, slots=True)
+class StructureRecord:
+    """What became of one structure; ``script`` is its refutation in SMT-LIB 2."""
+
+    word: tuple[str, ...]
+    derivation: tuple[str, ...]
+    verdict: StructureVerdict
+    reason: str
+    script: str | None = None
+    same_robot_as: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """A proved robot: exact decimals, with the trajectory in floats for tables and pictures."""
+
+    derivation: Derivation
+    model: RobotModel
+    parameters: tuple[ParameterClaim, ...]
+    effector: int
+    start: tuple[str, ...]
+    inputs: tuple[tuple[str, ...], ...]
+    path: tuple[tuple[str, ...], ...]
+    configuration: Configuration
+
+
+@dataclass(frozen=True, slots=True)
+class Synthesis:
+    """The verdict with everything that was tried."""
+
+    verdict: Literal["found", "impossible", "unknown"]
+    reason: str | None
+    design: Design | None
+    records: tuple[StructureRecord, ...]
+    abstraction: Abstraction
+    counts: dict[str, int]
+
+
+@dataclass(slots=True)
+class _Run:
+    """One synthesis in progress."""
+
+    program: ir.Program
+    task: ir.Task
+    conduct: Conduct
+    family: RobotFamily
+    abstraction: Abstraction
+    records: list[StructureRecord] = field(default_factory=list[StructureRecord])
+    counts: dict[str, int] = field(
+        default_factory=lambda: {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
+    )
+
+    # --- structures -----------------------------------------------------------------------------
+
+    def structures(self) -> Design | None:
+        """Try structures in order; the first proved design ends the search."""
+        seen: dict[str, int] = {}
+        bound = DEFAULT_MODULES if self.task.modules is None else self.task.modules
+        for number, derivation in enumerate(structures(self.family.language, bound)):
+            self.conduct.check_time()
+            self.conduct.reporter.structure(number, derivation.word)
+            self.counts["structures"] += 1
+            try:
+                model = self.family.robot(derivation)
+            except SemanticsError as error:
+                self.record(derivation, "inadmissible", str(error))
+                continue
+            key = robot_key(model)
+            if key in seen:
+                first = self.records[seen[key]]
+                self.record(derivation, "same", first.reason, same=seen[key])
+                continue
+            seen[key] = number
+            design = self.structure(derivation, model, number)
+            if design is not None:
+                return design
+        return None
+
+    def record(
+        self,
+        derivation: Derivation,
+        verdict: StructureVerdict,
+        reason: str,
+        script: str | None = None,
+        same: int | None = None,
+    ) -> None:
+        self.records.append(
+            StructureRecord(derivation.word, derivation.labels, verdict, reason, script, same)
+        )
+
+    def structure(self, derivation: Derivation, model: RobotModel, number: int) -> Design | None:
+        """Refute a structure, or search it."""
+        reading = FloatReading(robot_graph(model, self.task.gravity))
+        answer = refute_structure(model, reading, self.program, self.task, self.conduct)
+        self.counts["smt"] += answer.solver_calls
+        if answer.refuted:
+            self.record(derivation, "refuted", answer.reason, answer.script)
+            return None
+        blocked = self.not_searchable(model, reading)
+        if blocked is not None:
+            verdict, reason = blocked
+            self.record(derivation, verdict, reason)
+            return None
+        reason = "no path was found"
+        for effector in self.effectors(model, answer):
+            design, reason = self.paths(derivation, reading, effector, number)
+            if design is not None:
+                self.record(derivation, "found", "proved")
+                return design
+        self.record(derivation, "unresolved", reason)
+        return None
+
+    def not_searchable(
+        self, model: RobotModel, reading: FloatReading
+    ) -> tuple[StructureVerdict, str] | None:
+        """Why a robot that was not refuted cannot be driven, or None."""
+        if not model.dofs:
+            return "unresolved", "the robot has no degree of freedom that moves anything"
+        start = self.task.start
+        if isinstance(start, ir.StartAt) and len(start.values) != len(model.dofs):
+            return "unresolved", f"the start pose has {len(start.values)} values"
+        rng = np.random.default_rng(0)
+        bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
+        for _ in range(4):
+            theta = rng.uniform(bounds[:, 0], bounds[:, 1])
+            q = rng.uniform(-1, 1, size=(4, len(model.dofs)))
+            eigenvalues = np.linalg.eigvalsh(reading.mass_matrix(q, theta))
+            if float(eigenvalues.min()) <= SINGULAR * max(1.0, float(eigenvalues.max())):
+                return "inadmissible", "the mass matrix is not positive definite"
+        return None
+
+    def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
+        """The effectors that may reach, the one of the witness poses first."""
+        named = self.task.reach.effector
+        if named is not None:
+            return [named - 1] if named <= len(model.effectors) else []
+        order = list(range(len(model.effectors)))
+        return sorted(order, key=lambda e: (e != answer.effector, e))
+
+    # --- paths ----------------------------------------------------------------------------------
+
+    def paths(
+        self, derivation: Derivation, reading: FloatReading, effector: int, number: int
+    ) -> tuple[Design | None, str]:
+        """Try paths, fewest region changes first; counterexamples prune."""
+        starts = start_cells(self.abstraction, self.task, reading, effector)
+        planner = path_planner(self.abstraction, self.task, starts)
+        cells = self.abstraction.cells
+        best = -np.inf
+        for _ in range(PATHS_PER_STRUCTURE):
+            match planner.next_path():
+                case Holds(witness=path):
+                    pass
+                case Unknown(reason=reason):
+                    return None, f"planning: {reason.value}"
+                case _:
+                    return None, self.exhausted(planner, best)
+            self.conduct.check_time()
+            self.counts["paths"] += 1
+            self.conduct.reporter.path(tuple(cells[cell].name for cell in path.cells))
+            label = f"{number}|{effector}|{path.cells}"
+            design, robustness, prefix = self.follow(
+                derivation, reading, effector, path.cells, label
+            )
+            if design is not None:
+                return design, "proved"
+            best = max(best, robustness)
+            if prefix:
+                planner.block_prefix(path.cells[:prefix], f"robustness {robustness:.4g}")
+        return None, f"{PATHS_PER_STRUCTURE} paths tried, best robustness {best:.4g}"
+
+    def exhausted(self, planner: Planner, best: float) -> str:
+        if not planner.blocked:
+            return "no path of cells leads from the start to the target"
+        return (
+            f"no path is left after {len(planner.blocked)} counterexamples; "
+            f"best robustness {best:.4g}"
+        )
+
+    def follow(
+        self,
+        derivation: Derivation,
+        reading: FloatReading,
+        effector: int,
+        cells: tuple[int, ...],
+        label: str,
+    ) -> tuple[Design | None, float, int]:
+        """A proved design for a path; else the best robustness and the prefix to block."""
+        follower = Follower(
+            reading,
+            self.program.workspaces[self.task.workspace],
+            self.task,
+            self.abstraction,
+            effector,
+            cells,
+            MARGINS[0],
+            self.conduct.seed,
+        )
+        found = search_configuration(follower, label, self.conduct)
+        self.counts["evaluations"] += found.evaluations
+        if not found.outcome.feasible:
+            prefix = infeasible_prefix(follower, found.outcome, found.entries)
+            return None, found.outcome.robustness, prefix
+        for margin in MARGINS:
+            if margin > MARGINS[0]:
+                wider = follower.with_margin(margin)
+                outcome = wider.solve(found.outcome.trajectory, found.entries)
+                found = Configuration(outcome, found.entries, found.evaluations)
+            if not found.outcome.feasible:
+                break
+            design = self.certified(derivation, follower, found)
+            if design is not None:
+                return design, found.outcome.robustness, 0
+            self.conduct.reporter.note("the proof did not go through; trying a wider margin")
+        return None, found.outcome.robustness, 0
+
+    def certified(
+        self, derivation: Derivation, follower: Follower, found: Configuration
+    ) -> Design | None:
+        """The design, if the continuous-time nonlinear robot is proved to do the task."""
+        trajectory, model = found.outcome.trajectory, follower.model
+        design = Design(
+            derivation,
+            model,
+            tuple(
+                ParameterClaim(p.symbol, p.name, decimal(value))
+                for p, value in zip(model.parameters, trajectory.theta, strict=True)
+            ),
+            follower.effector,
+            tuple(decimal(value) for value in trajectory.x[0]),
+            tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
+            tuple(tuple(names) for names in follower.cell_names(trajectory, found.entries)),
+            found,
+        )
+        scene = scene_of(self.program, self.task, model, self.abstraction)
+        findings = prove_motion(scene, motion_of(design))
+        return design if all(f.status is Status.HOLDS for f in findings) else None
+
+
+def motion_of(design: Design) -> Motion:
+    """The exact numbers of a design."""
+    return Motion(
+        tuple(Fraction(p.value) for p in design.parameters),
+        tuple(Fraction(value) for value in design.start),
+        tuple(tuple(Fraction(value) for value in row) for row in design.inputs),
+        design.effector,
+        design.path,
+    )
+
+
+def start_cells(
+    abstraction: Abstraction, task: ir.Task, reading: FloatReading, effector: int
+) -> tuple[int, ...] | None:
+    """The cells an effector may start in; None: those of the start region.
+
+    For a start pose they depend on the parameters, which are sampled.
+    """
+    start = task.start
+    if isinstance(start, ir.StartIn):
+        own = start.effector in (None, effector + 1)
+        return None if own else tuple(range(len(abstraction.cells)))
+    values = motion_limits(reading.graph.model, task).start_values
+    bounds = np.array(parameter_bounds(reading.graph.model)).reshape(-1, 2)
+    found: set[int] = set()
+    for theta in np.random.default_rng(0).uniform(bounds[:, 0], bounds[:, 1], (64, len(bounds))):
+        if values is not None:
+            point = reading.points(values[None, :], theta).value[0, effector]
+            cell = abstraction.locate(point)
+            found |= set() if cell is None else {cell}
+    return tuple(sorted(found))
+
+
+def synthesise(program: ir.Program, task: ir.Task, conduct: Conduct) -> Synthesis:
+    """Run Algorithm 1 on a task."""
+    family = family_of(program, task)
+    abstraction = abstract(program.workspaces[task.workspace])
+    run = _Run(program, task, conduct, family, abstraction)
+    try:
+        design = run.structures()
+    except OutOfTimeError:
+        return _result(run, "unknown", "the time limit was reached", None)
+    if design is not None:
+        return _result(run, "found", None, design)
+    verdict, reason = _without_design(run)
+    return _result(run, verdict, reason, None)
+
+
+def _result(
+    run: _Run,
+    verdict: Literal["found", "impossible", "unknown"],
+    reason: str | None,
+    design: Design | None,
+) -> Synthesis:
+    return Synthesis(verdict, reason, design, tuple(run.records), run.abstraction, run.counts)
+
+
+def _without_design(run: _Run) -> tuple[Literal["impossible", "unknown"], str]:
+    """Impossible if every structure was refuted and the list of them is complete."""
+    tried = len(run.records)
+    open_ones = [r for r in run.records if r.verdict in ("unresolved", "inadmissible")]
+    if open_ones:
+        first = open_ones[0]
+        return "unknown", (
+            f"{len(open_ones)} of {tried} structures are neither built nor refuted; "
+            f"the first is {' '.join(first.word)}: {first.reason}"
+        )
+    modules = run.task.modules
+    if modules is not None:
+        return "impossible", f"all {tried} structures of at most {modules} modules are refuted"
+    within = run.family.language.is_finite() and complete_within(run.family, DEFAULT_MODULES)
+    if within:
+        return "impossible", f"all {tried} structures of the family are refuted"
+    return "unknown", (
+        f"all {tried} structures of at most {DEFAULT_MODULES} modules, the default search bound, "
+        "are refuted; say `modules <= n` in the task to ask about a bound"
+    )
+
+
+def complete_within(family: RobotFamily, modules: int) -> bool:
+    """Whether no accepted word of a finite language has more modules than that."""
+    words = family.language
+    return sum(words.count_words()) == sum(words.count_words(max_modules=modules))

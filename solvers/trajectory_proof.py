@@ -1,0 +1,313 @@
+"""The proof that a claimed robot, so started and so driven, does its task at every instant.
+
+Everything is recomputed from the spec: the robot from its derivation, its equations of motion, the
+cells.  Positions of all points are enclosed along a validated tube.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import casadi as ca
+from flint import arb
+
+from compiler.abstraction import Abstraction
+from compiler.balls import (
+    BallArithmetic,
+    ball,
+    closed_ball,
+    constant_ball,
+    scalar_balls,
+    working_precision,
+)
+from compiler.dynamics import RobotGraph, robot_graph
+from compiler.polytope import Polytope, polytope_of
+from compiler.robot import RobotModel, RodBody
+from compiler.tape import tape
+from grammar_lang import ir
+from solvers.enclosure import Accuracy, EnclosureFailure, VectorField, tube
+from solvers.tube_checks import (
+    Apart,
+    Inside,
+    PointReading,
+    Row,
+    StateLimit,
+    Status,
+    check_segment,
+    row,
+)
+
+ACCURACIES = (Accuracy(10, 96, 1e-10), Accuracy(14, 128, 1e-15), Accuracy(20, 192, 1e-24))
+REST_RATE = Fraction(1, 1000)
+"""``reach ... at rest``: all rates below this, in SI units."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What drives a robot: exact parameters, initial state and inputs (one row per step)."""
+
+    theta: tuple[Fraction, ...]
+    state: tuple[Fraction, ...]
+    inputs: tuple[tuple[Fraction, ...], ...]
+    effector: int
+    path: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One proved, disproved or undecided condition, with its margin and where it is attained."""
+
+    name: str
+    status: Status
+    margin: float
+    unit: str
+    time: float | None = None
+    place: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The robot's graph and the exact sets of its workspace."""
+
+    graph: RobotGraph
+    workspace: ir.Workspace
+    task: ir.Task
+    abstraction: Abstraction
+
+    @property
+    def model(self) -> RobotModel:
+        """The robot."""
+        return self.graph.model
+
+    def polytope(self, region: ir.Region) -> Polytope:
+        """The exact set of a region."""
+        return polytope_of(region.shape, self.workspace.dimension)
+
+
+def prove_motion(scene: Scene, motion: Motion) -> tuple[Finding, ...]:
+    """All conditions on a motion, at the first accuracy that decides them all."""
+    findings: tuple[Finding, ...] = ()
+    for accuracy in ACCURACIES:
+        with working_precision(accuracy.bits):
+            findings = _findings(scene, motion, accuracy)
+        if not any(finding.status is Status.UNDECIDED for finding in findings):
+            break
+    return findings
+
+
+def all_points(graph: RobotGraph) -> ca.Function:
+    """Effectors, then body points, as one function of (q, theta, k)."""
+    symbols = [
+        ca.SX.sym(name, graph.effectors.size1_in(i)) for i, name in enumerate(("q", "theta", "k"))
+    ]
+    both = ca.vertcat(graph.effectors(*symbols), graph.body_points(*symbols))
+    return ca.Function("points", symbols, [ca.cse(ca.densify(both))])
+
+
+def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding, ...]:
+    graph, task = scene.graph, scene.task
+    tail = tuple(ball(value) for value in motion.theta)
+    tail += tuple(constant_ball(constant) for constant in graph.constants)
+    field = VectorField(
+        tape(graph.acceleration), tape(graph.variation), len(graph.model.dofs), tail
+    )
+    reading = PointReading(tape(all_points(graph)), field, graph.model.dimension)
+    state = [ball(value) for value in motion.state]
+    inputs = [[ball(value) for value in step] for step in motion.inputs]
+    always = _always(scene, tail)
+    limits = _limits(graph.model)
+    found = [_positive_mass(graph, state, tail), *_start(scene, motion, reading, state)]
+    samples = [state]
+    try:
+        for segment in tube(field, state, inputs, ball(task.step), accuracy):
+            check_segment(reading, segment, inputs[segment.number], always, limits)
+            if segment.number == len(samples):
+                samples.append(state)
+            state = list(segment.end)
+    except EnclosureFailure as failure:
+        found.append(Finding(str(failure), Status.UNDECIDED, 0.0, "m"))
+        return tuple(found)
+    samples.append(state)
+    found += [Finding(c.name, c.status, c.margin, "m", c.time, c.place) for c in always]
+    found += [
+        Finding(limit.name, limit.status, limit.margin, "SI", limit.time)
+        for limit in limits
+        if limit.margin < float("inf") or limit.status is not Status.HOLDS
+    ]
+    positions = [reading.positions(sample) for sample in samples]
+    found.append(_path(scene, motion, positions))
+    end = float(task.step) * task.steps
+    target = scene.polytope(scene.workspace.region(task.reach.region))
+    tip = positions[-1][motion.effector]
+    found.append(_inside(f"target {task.reach.region}", target, tip, end))
+    if task.reach.at_rest:
+        found.append(_at_most("rest at the end", samples[-1], field.dofs, REST_RATE, end))
+    return tuple(found)
+
+
+def _rows(polytope: Polytope) -> tuple[Row, ...]:
+    return tuple(row(item.normal, item.offset) for item in polytope.rows if any(item.normal))
+
+
+def _always(scene: Scene, tail: Sequence[arb]) -> list[Inside | Apart]:
+    """The conditions that hold at every instant: bounds, and every ``avoid``."""
+    task, workspace, graph = scene.task, scene.workspace, scene.graph
+    effectors = tuple(range(len(graph.model.effectors)))
+    bodies = [tuple(len(effectors) + i for i in hull) for hull in graph.hulls]
+    bounds = _rows(scene.polytope(workspace.bounds))
+    inside = effectors + (tuple(i for body in bodies for i in body) if task.bounds_body else ())
+    found: list[Inside | Apart] = [Inside("bounds", points=inside, rows=bounds)]
+    for avoid in task.avoid:
+        for name in avoid.regions:
+            polytope = scene.polytope(workspace.region(name))
+            vertices: tuple[tuple[arb, ...], ...] = ()
+            if polytope.is_bounded:
+                vertices = tuple(tuple(ball(x) for x in v) for v in polytope.vertices)
+            groups: list[tuple[tuple[int, ...], arb]] = [((e,), arb(0)) for e in effectors]
+            if avoid.subject == "body":
+                radii = [_radius(graph.model, i, tail) for i in range(len(bodies))]
+                groups = list(zip(bodies, radii, strict=True))
+            rows = _rows(polytope)
+            for points, radius in groups:
+                distance = ball(avoid.margin) + radius
+                label = f"clearance of {avoid.subject} to {name}"
+                found.append(
+                    Apart(label, points=points, rows=rows, vertices=vertices, distance=distance)
+                )
+    return found
+
+
+def _radius(model: RobotModel, body: int, tail: Sequence[arb]) -> arb:
+    """The radius of a body: that of a capsule, else zero."""
+    item = model.bodies[body]
+    if not isinstance(item, RodBody) or item.radius is None:
+        return arb(0)
+    return scalar_balls(model.scalars, tail)[item.radius]
+
+
+def _limits(model: RobotModel) -> list[StateLimit]:
+    """Joint limits and rate limits as balls."""
+    found = []
+    for number, dof in enumerate(model.dofs):
+        for index, interval, what in (
+            (number, dof.range, "range"),
+            (len(model.dofs) + number, dof.rate, "rate"),
+        ):
+            if interval is not None:
+                ends = closed_ball(interval.lower), closed_ball(interval.upper)
+                found.append(StateLimit(f"{what} of joint {number + 1}", index, *ends))
+    return found
+
+
+def _positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) -> Finding:
+    """M is positive definite at the start: all pivots of its LDL^T factorisation are positive.
+
+    Along the tube the pivots stay away from zero, or the enclosure would fail, so M stays so.
+    """
+    n = len(graph.model.dofs)
+    flat = tape(graph.mass_matrix).run([*state[:n], *tail], BallArithmetic())
+    matrix = [[flat[j * n + i] for j in range(n)] for i in range(n)]
+    least = arb("inf")
+    for k in range(n):
+        pivot = matrix[k][k]
+        least = least.min(pivot)
+        if not pivot > 0:
+            break
+        for i in range(k + 1, n):
+            for j in range(k + 1, n):
+                matrix[i][j] = matrix[i][j] - matrix[i][k] * matrix[k][j] / pivot
+    status = Status.HOLDS if least > 0 else Status.FAILS if least < 0 else Status.UNDECIDED
+    return Finding("mass matrix positive definite", status, float(least.lower()), "SI", 0.0)
+
+
+def _inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> Finding:
+    """A point at one instant lies strictly inside a polytope."""
+    gaps = [
+        (r.offset - sum((a * x for a, x in zip(r.normal, point, strict=True)), arb(0))) / r.length
+        for r in _rows(polytope)
+    ]
+    return _least(name, gaps, "m", time, tuple(float(x.mid()) for x in point))
+
+
+def _least(
+    name: str, gaps: Sequence[arb], unit: str, time: float, place: tuple[float, ...] = ()
+) -> Finding:
+    """All gaps are positive; the margin is a lower bound of the least."""
+    if any(bool(gap < 0) for gap in gaps):
+        worst = min(float(gap.mid()) for gap in gaps)
+        return Finding(name, Status.FAILS, worst, unit, time, place)
+    status = Status.HOLDS if all(bool(gap > 0) for gap in gaps) else Status.UNDECIDED
+    margin = min((float(gap.lower()) for gap in gaps), default=float("inf"))
+    return Finding(name, status, margin, unit, time, place)
+
+
+def _at_most(name: str, state: Sequence[arb], n: int, bound: Fraction, time: float) -> Finding:
+    """All rates are below a bound."""
+    return _least(name, [ball(bound) - abs(rate) for rate in state[n:]], "SI", time)
+
+
+def _start(
+    scene: Scene, motion: Motion, reading: PointReading, state: Sequence[arb]
+) -> list[Finding]:
+    """The initial state is one that the task allows."""
+    start, n = scene.task.start, len(scene.model.dofs)
+    if isinstance(start, ir.StartAt):
+        exact = [closed_ball(value) for value in start.values]
+        near = [ball(Fraction(1, 10**9)) - abs(s - e) for s, e in zip(state, exact, strict=False)]
+        if len(exact) != n:
+            near = [arb(-1)]
+        rest = all(value == 0 for value in motion.state[n:])
+        return [
+            _least("start pose", near, "SI", 0.0),
+            Finding("start at rest", Status.HOLDS if rest else Status.FAILS, 0.0, "SI", 0.0),
+        ]
+    region = scene.polytope(scene.workspace.region(start.region))
+    number = motion.effector if start.effector is None else start.effector - 1
+    tip = reading.positions(state)[number]
+    within = all(abs(value) <= start.rates for value in motion.state[n:])
+    rates = float(start.rates - max((abs(v) for v in motion.state[n:]), default=Fraction(0)))
+    return [
+        _inside(f"start {start.region}", region, tip, 0.0),
+        Finding("start rates", Status.HOLDS if within else Status.FAILS, rates, "SI", 0.0),
+    ]
+
+
+def _path(scene: Scene, motion: Motion, positions: Sequence[Sequence[Sequence[arb]]]) -> Finding:
+    """Every effector is in its cell at every sample; the reaching one moves between neighbours."""
+    cells, dt = scene.abstraction, float(scene.task.step)
+    adjacent = set(cells.adjacency)
+    margin, undecided = float("inf"), False
+    for effector, names in enumerate(motion.path):
+        for sample, name in enumerate(names):
+            where = f"cell path: effector {effector + 1} at sample {sample}"
+            try:
+                index = cells.index(name)
+            except KeyError:
+                return Finding(f"{where}: no cell `{name}`", Status.FAILS, 0.0, "m", sample * dt)
+            polytope = cells.cells[index].polytope
+            finding = _inside(where, polytope, positions[sample][effector], sample * dt)
+            if finding.status is Status.FAILS:
+                return Finding(
+                    f"{where} is not in `{name}`",
+                    Status.FAILS, finding.margin, "m", finding.time, finding.place,
+                )  # fmt: skip
+            undecided = undecided or finding.status is Status.UNDECIDED
+            margin = min(margin, finding.margin)
+            if effector == motion.effector and sample:
+                before = cells.index(names[sample - 1])
+                pair = (min(before, index), max(before, index))
+                if before != index and pair not in adjacent:
+                    return Finding(
+                        f"{where} enters `{name}`, no neighbour of `{names[sample - 1]}`",
+                        Status.FAILS, 0.0, "m", sample * dt,
+                    )  # fmt: skip
+    return Finding("cell path", Status.UNDECIDED if undecided else Status.HOLDS, margin, "m")
+
+
+def scene_of(program: ir.Program, task: ir.Task, model: RobotModel, cells: Abstraction) -> Scene:
+    """The scene of a robot in a task."""
+    return Scene(
+        robot_graph(model, task.gravity), program.workspaces[task.workspace], task, cells
+    )

@@ -1,0 +1,298 @@
+"""What must hold at every instant, checked on a validated tube.
+
+Over a slice of time of half-width d about its middle, a position is enclosed to second order,
+
+    p(s) in p(0) + p'(0) s + [p''/2] s^2,   |s| <= d,
+
+the first two at the middle and the last over the whole slice.  A slice on which a constraint is
+not decided is halved, so that every answer is a proof or an honest "undecided".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from fractions import Fraction
+from itertools import combinations
+
+from flint import arb, arb_series, ctx
+
+from compiler.balls import BallArithmetic, SeriesArithmetic, ball
+from compiler.tape import Tape
+from solvers.enclosure import TubeSegment, VectorField
+
+MOST_SPLITS = 12
+REFINEMENT = 0.02
+"""A margin is refined until it is known to this fraction of itself."""
+
+
+class Status(Enum):
+    """Proved, disproved, or neither."""
+
+    HOLDS = "holds"
+    FAILS = "fails"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """Positions over a slice of time: per point and axis (p(0), p'(0), p''/2) and half-width d."""
+
+    time: arb
+    half: arb
+    points: tuple[tuple[tuple[arb, arb, arb], ...], ...]
+
+    def form(self, normal: Sequence[arb], point: int) -> tuple[arb, arb]:
+        """Enclosures of ``normal . p`` over the slice and at its middle."""
+        zero, one, two = arb(0), arb(0), arb(0)
+        for a, (p0, p1, p2) in zip(normal, self.points[point], strict=True):
+            zero, one, two = zero + a * p0, one + a * p1, two + a * p2
+        s = arb(0, 1) * self.half
+        square = arb(0.5, 0.5) * self.half * self.half
+        return zero + one * s + two * square, zero
+
+
+@dataclass(slots=True)
+class Constraint:
+    """A condition on points at every instant, with the least margin proved so far (metres)."""
+
+    name: str
+    margin: float = float("inf")
+    time: float = 0.0
+    place: tuple[float, ...] = ()
+    status: Status = Status.HOLDS
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """``normal . p <= offset`` with the exact Euclidean length of the normal as a ball."""
+
+    normal: tuple[arb, ...]
+    offset: arb
+    length: arb
+
+
+def row(normal: Sequence[Fraction], offset: Fraction) -> Row:
+    """A row of a polytope as balls."""
+    square = sum((a * a for a in normal), Fraction(0))
+    return Row(tuple(ball(a) for a in normal), ball(offset), ball(square).sqrt())
+
+
+@dataclass(slots=True)
+class Inside(Constraint):
+    """Points stay strictly inside a polytope."""
+
+    points: tuple[int, ...] = ()
+    rows: tuple[Row, ...] = ()
+
+    def bound(self, over: Slice) -> tuple[arb, arb]:
+        """The least distance to a facet: over the slice, and at its middle."""
+        worst, middle = arb("inf"), arb("inf")
+        for point in self.points:
+            for item in self.rows:
+                value, centre = over.form(item.normal, point)
+                worst = worst.min((item.offset - value) / item.length)
+                middle = middle.min((item.offset - centre) / item.length)
+        return worst, middle
+
+    def violated(self, over: Slice) -> bool:
+        """Whether the condition certainly fails at the middle of the slice."""
+        return any(
+            bool(over.form(item.normal, point)[1] > item.offset)
+            for point in self.points
+            for item in self.rows
+        )
+
+
+@dataclass(slots=True)
+class Apart(Constraint):
+    """The hull of some points stays away from a convex obstacle by more than a distance.
+
+    ``vertices`` is empty for an unbounded obstacle, whose own facets are then the only candidates.
+    """
+
+    points: tuple[int, ...] = ()
+    rows: tuple[Row, ...] = ()
+    vertices: tuple[tuple[arb, ...], ...] = ()
+    distance: arb = field(default_factory=lambda: arb(0))
+
+    def bound(self, over: Slice) -> tuple[arb, arb]:
+        """The distance along the best separating direction, less what is asked."""
+        best, middle = arb("-inf"), arb("-inf")
+        for item in self._candidates(over):
+            values = [over.form(item.normal, point) for point in self.points]
+            lower = arb("inf")
+            centre = arb("inf")
+            for value, at in values:
+                lower, centre = lower.min(value), centre.min(at)
+            worth = ((lower - item.offset) / item.length - self.distance).lower()
+            if bool(worth > best) or not best.is_finite():
+                best = worth
+                middle = (centre - item.offset) / item.length - self.distance
+        return best, middle
+
+    def violated(self, over: Slice) -> bool:
+        """Whether the condition certainly fails at the middle of the slice."""
+        return any(
+            all(bool(over.form(item.normal, point)[1] < item.offset) for item in self.rows)
+            for point in self.points
+        )
+
+    def _candidates(self, over: Slice) -> list[Row]:
+        """The facets, and in the plane the lines along the segments between the points."""
+        found = list(self.rows)
+        if len(self.points) < 2 or not self.vertices or len(self.vertices[0]) != 2:
+            return found
+        for i, j in combinations(self.points, 2):
+            (x0, y0), (x1, y1) = (
+                tuple(axis[0].mid() for axis in over.points[point]) for point in (i, j)
+            )
+            for sign in (1, -1):
+                normal = (sign * (y0 - y1), sign * (x1 - x0))
+                length = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt()
+                if not length > 0:
+                    continue
+                support = arb("-inf")
+                for vertex in self.vertices:
+                    support = support.max(normal[0] * vertex[0] + normal[1] * vertex[1])
+                found.append(Row(normal, support, length))
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class PointReading:
+    """Turns a tube into enclosures of positions: ``tape`` maps (q, theta, k) to all points."""
+
+    tape: Tape
+    field: VectorField
+    dimension: int
+
+    def positions(self, state: Sequence[arb]) -> list[list[arb]]:
+        """Positions (points, d) for a state given as balls."""
+        n = self.field.dofs
+        flat = self.tape.run([*state[:n], *self.field.tail], BallArithmetic())
+        d = self.dimension
+        return [flat[i : i + d] for i in range(0, len(flat), d)]
+
+    def over(
+        self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb
+    ) -> tuple[Slice, list[arb]] | None:
+        """Positions over a slice of a segment, and the state over it; None where not finite."""
+        n, d = self.field.dofs, self.dimension
+        state = segment.at(middle + arb(0, 1) * half)
+        centre = segment.at(middle)
+        pull = self.field.acceleration.run([*state, *u, *self.field.tail], BallArithmetic())
+        if not all(item.is_finite() for item in (*state, *pull)):
+            return None
+        wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3)
+        near = self._series([[centre[i], centre[n + i]] for i in range(n)], 2)
+        flat = [(near[i][0], near[i][1], wide[i][2]) for i in range(len(near))]
+        points = tuple(tuple(flat[i : i + d]) for i in range(0, len(flat), d))
+        return Slice(segment.start + middle, half, points), state
+
+    def _series(self, q: list[list[arb]], length: int) -> list[arb_series]:
+        ctx.cap = length
+        tail = [arb_series([item]) for item in self.field.tail]
+        return self.tape.run([*(arb_series(item) for item in q), *tail], SeriesArithmetic())
+
+
+@dataclass(slots=True)
+class StateLimit:
+    """A coordinate or rate stays in an interval; None is unlimited.  ``margin`` in rad or m (/s)."""
+
+    name: str
+    index: int
+    lower: arb | None
+    upper: arb | None
+    margin: float = float("inf")
+    time: float = 0.0
+    status: Status = Status.HOLDS
+
+    def gap(self, value: arb) -> arb:
+        """The distance to the nearer end."""
+        gap = arb("inf")
+        if self.lower is not None:
+            gap = gap.min(value - self.lower)
+        if self.upper is not None:
+            gap = gap.min(self.upper - value)
+        return gap
+
+
+def check_segment(
+    reading: PointReading,
+    segment: TubeSegment,
+    u: Sequence[arb],
+    constraints: Sequence[Inside | Apart],
+    limits: Sequence[StateLimit],
+) -> None:
+    """Hold every constraint and limit against one segment, updating their margins and status."""
+    half = segment.length / 2
+    pending = [(half, half, 0, tuple(constraints), tuple(limits))]
+    while pending:
+        middle, width, depth, open_constraints, open_limits = pending.pop()
+        found = reading.over(segment, u, middle, width)
+        if found is None:
+            again, limits_again = open_constraints, open_limits
+        else:
+            over, state = found
+            again = tuple(c for c in open_constraints if not _settle(c, over, depth))
+            limits_again = tuple(
+                limit for limit in open_limits if not _settle_limit(limit, over, state, depth)
+            )
+        if not again and not limits_again:
+            continue
+        if depth == MOST_SPLITS:
+            for item in (*again, *limits_again):
+                item.status = _worse(item.status, Status.UNDECIDED)
+            continue
+        quarter = width / 2
+        for centre in (middle + quarter, middle - quarter):
+            pending.append((centre, quarter, depth + 1, again, limits_again))
+
+
+def _worse(a: Status, b: Status) -> Status:
+    order = [Status.HOLDS, Status.UNDECIDED, Status.FAILS]
+    return max(a, b, key=order.index)
+
+
+def _settle(constraint: Inside | Apart, over: Slice, depth: int) -> bool:
+    """Whether a constraint needs no smaller slices here."""
+    bound, middle = constraint.bound(over)
+    lower, centre = float(bound.lower()), float(middle.mid())
+    if not lower > 0:
+        if constraint.violated(over):
+            constraint.status = Status.FAILS
+            constraint.time = float(over.time.mid())
+            constraint.place = _place(over, constraint.points)
+            constraint.margin = min(constraint.margin, centre)
+            return True
+        return False
+    if lower >= constraint.margin:
+        return True
+    if centre - lower > REFINEMENT * centre and depth < MOST_SPLITS:
+        return False
+    constraint.margin = lower
+    constraint.time = float(over.time.mid())
+    constraint.place = _place(over, constraint.points)
+    return True
+
+
+def _place(over: Slice, points: Sequence[int]) -> tuple[float, ...]:
+    return tuple(float(axis[0].mid()) for axis in over.points[points[0]]) if points else ()
+
+
+def _settle_limit(limit: StateLimit, over: Slice, state: Sequence[arb], depth: int) -> bool:
+    """Whether a limit needs no smaller slices here."""
+    gap = limit.gap(state[limit.index])
+    lower = float(gap.lower())
+    if bool(gap < 0):
+        limit.status, limit.margin, limit.time = Status.FAILS, float(gap.mid()), float(over.time.mid())
+        return True
+    if not lower > 0:
+        return False
+    if lower < limit.margin:
+        if float(gap.rad()) > REFINEMENT * lower and depth < MOST_SPLITS // 2:
+            return False
+        limit.margin, limit.time = lower, float(over.time.mid())
+    return True

@@ -1,0 +1,380 @@
+"""The independent verifier: re-reads the spec, recomputes everything, believes no searcher.
+
+It shares the compiler and the validated integration with the searchers, and nothing else.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from math import isqrt
+from pathlib import Path
+from typing import Any
+
+from flint import arb
+
+from compiler.abstraction import abstract
+from compiler.balls import ball, closed_ball, working_precision
+from compiler.derivation import BadDerivation, Derivation
+from compiler.family import RobotFamily, family_of
+from compiler.robot import RobotModel
+from compiler.specification import path_problem
+from grammar_lang import ir
+from grammar_lang.constants import rational
+from grammar_lang.load import load
+from solvers.certificate import (
+    CertificateError,
+    Claim,
+    FoundClaim,
+    exact_decimal,
+    from_text,
+    spec_digest,
+    spec_files,
+)
+from solvers.impossibility_check import check_impossible
+from solvers.trajectory_proof import Finding, Motion, prove_motion, scene_of
+from solvers.tube_checks import Status
+
+
+NOT_A_DECIMAL = Fraction(1, 10**9)
+"""How closely a claim must state a value that no finite decimal states."""
+
+
+class Outcome(Enum):
+    """The verifier's answer; ``ASSUMING_Z3`` rests on a solver's word."""
+
+    VALID = "valid"
+    REFUTED = "refuted"
+    UNDECIDED = "undecided"
+    ASSUMING_Z3 = "valid, assuming z3"
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What was checked and found; ``level`` is that of the weakest evidence."""
+
+    outcome: Outcome
+    verdict: str | None
+    level: str | None
+    reason: str | None
+    findings: tuple[Finding, ...] = ()
+
+
+class Refused(Exception):  # noqa: N818  (carries an outcome to the caller, never shown as such)
+    """A claim that is false, or that cannot be judged."""
+
+    def __init__(self, reason: str, outcome: Outcome = Outcome.REFUTED) -> None:
+        super().__init__(reason)
+        self.outcome = outcome
+
+
+def verify_directory(folder: Path, spec: Path | None = None, trust: str | None = None) -> Report:
+    """Check the certificate of a result folder.
+
+    Args:
+        folder: a folder written by ``srgc synth``.
+        spec: a spec file the result must be about, besides its own copy.
+        trust: ``"z3"`` runs refutation scripts again in a z3 process and believes its ``unsat``.
+    """
+    path = folder / "certificate.json"
+    if not path.is_file():
+        return Report(
+            Outcome.UNDECIDED, None, None, f"there is no certificate in {folder}: nothing to verify"
+        )
+    try:
+        claim = from_text(path.read_text(encoding="utf-8"))
+        program = _spec_of(folder, claim, spec)
+        _agrees_with_design(folder, claim)
+        task = program.tasks.get(claim.task)
+        if task is None:
+            raise Refused(f"the spec has no task `{claim.task}`")
+        if not isinstance(claim, FoundClaim):
+            return _impossible(folder, claim, program, task, trust)
+        return _found(claim, program, task)
+    except UnicodeDecodeError:
+        return Report(Outcome.REFUTED, None, None, "the certificate is not UTF-8")
+    except CertificateError as error:
+        return Report(Outcome.REFUTED, None, None, str(error))
+    except Refused as refusal:
+        return Report(refusal.outcome, None, None, str(refusal))
+
+
+def _spec_of(folder: Path, claim: Claim, other: Path | None) -> ir.Program:
+    """The program of the folder's own copy of the spec, whose digest the claim must name."""
+    files = spec_files(folder / "spec")
+    if claim.spec not in files:
+        raise Refused(f"the spec `{claim.spec}` is missing from {folder / 'spec'}")
+    if spec_digest(files) != claim.spec_sha256:
+        raise Refused("the spec has been altered: its digest is not the one in the certificate")
+    if other is not None:
+        try:
+            same = other.read_bytes() == files[claim.spec]
+        except OSError as error:
+            raise Refused(f"{other}: {error.strerror}", Outcome.UNDECIDED) from None
+        if not same:
+            raise Refused(f"the certificate is not about {other}: the files differ")
+    program = load(folder / "spec" / claim.spec).program
+    if program is None:
+        raise Refused("the spec has errors")
+    return program
+
+
+def _agrees_with_design(folder: Path, claim: Claim) -> None:
+    """``design.json``, where present, claims nothing else than the certificate."""
+    path = folder / "design.json"
+    if not path.is_file():
+        return
+    try:
+        design = json.loads(path.read_text(encoding="utf-8"))
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
+        raise Refused("design.json is not JSON") from None
+    verdict = "found" if isinstance(claim, FoundClaim) else "impossible"
+    expected: dict[str, Any] = {
+        "verdict": verdict, "task": claim.task, "spec_sha256": claim.spec_sha256
+    }  # fmt: skip
+    if isinstance(claim, FoundClaim):
+        expected |= {
+            "word": list(claim.word),
+            "derivation": list(claim.derivation),
+            "path": [list(names) for names in claim.path],
+            "robustness": float(Fraction(claim.robustness)),
+            "effort_peak": float(Fraction(claim.effort_peak)),
+        }
+        values = [float(Fraction(p.value)) for p in claim.parameters]
+        stated = design.get("parameters") if isinstance(design, dict) else None
+        if not isinstance(stated, list) or [
+            p.get("value") if isinstance(p, dict) else None for p in stated
+        ] != values:
+            raise Refused("design.json and certificate.json differ in `parameters`")
+    for key, value in expected.items():
+        if not isinstance(design, dict) or design.get(key) != value:
+            raise Refused(f"design.json and certificate.json differ in `{key}`")
+
+
+# --- found ---------------------------------------------------------------------------------------
+
+
+def _found(claim: FoundClaim, program: ir.Program, task: ir.Task) -> Report:
+    family = family_of(program, task)
+    derivation = _derivation(claim, family)
+    model = family.robot(derivation)
+    _modules(derivation, program, task)
+    motion = _motion(claim, model, task)
+    findings = [*_efforts(claim, model, motion, task)]
+    cells = abstract(program.workspaces[task.workspace])
+    _claimed_path(claim, model, task)
+    _path_avoids(claim, program, task)
+    findings += prove_motion(scene_of(program, task, model, cells), motion)
+    failed = next((f for f in findings if f.status is Status.FAILS), None)
+    open_one = next((f for f in findings if f.status is Status.UNDECIDED), None)
+    if failed is not None:
+        reason = f"{failed.name}: violated{_at(failed)}"
+        return Report(Outcome.REFUTED, "found", None, reason, tuple(findings))
+    if open_one is not None:
+        reason = f"{open_one.name}: not decided{_at(open_one)}"
+        return Report(Outcome.UNDECIDED, "found", None, reason, tuple(findings))
+    return Report(Outcome.VALID, "found", "validated", None, tuple(findings))
+
+
+def _at(finding: Finding) -> str:
+    return "" if finding.time is None else f" at {finding.time:.4g} s"
+
+
+def _derivation(claim: FoundClaim, family: RobotFamily) -> Derivation:
+    """The claimed derivation, of the claimed word, which is accepted."""
+    try:
+        derivation = family.replay(claim.derivation)
+    except BadDerivation as error:
+        raise Refused(f"the derivation is none of the grammar: {error}") from None
+    if derivation.word != claim.word:
+        raise Refused("the derivation does not derive the word")
+    if not family.language.accepts(claim.word):
+        raise Refused(f"the word is not accepted: {' '.join(claim.word)}")
+    return derivation
+
+
+def _modules(derivation: Derivation, program: ir.Program, task: ir.Task) -> None:
+    count = sum(program.is_module(symbol) for symbol in derivation.word)
+    if task.modules is not None and count > task.modules:
+        raise Refused(f"the robot has {count} modules, the task allows {task.modules}")
+
+
+def _fraction(text: str, what: str) -> Fraction:
+    try:
+        return Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise Refused(f"{what} is no number: {text!r}") from None
+
+
+def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
+    """The claim's numbers, exact, of the right shapes, with every parameter in its domain."""
+    n = len(model.dofs)
+    if claim.steps != task.steps or _fraction(claim.step, "the step") != task.step:
+        raise Refused("the horizon is not the task's")
+    if len(claim.inputs) != task.steps or any(len(row) != n for row in claim.inputs):
+        raise Refused(f"the inputs are not {task.steps} rows of {n}")
+    if len(claim.start) != 2 * n:
+        raise Refused(f"the start is not {n} coordinates and {n} rates")
+    if not 0 <= claim.effector < len(model.effectors):
+        raise Refused(f"the robot has no effector {claim.effector + 1}")
+    wanted = task.reach.effector
+    if wanted is not None and wanted != claim.effector + 1:
+        raise Refused(f"the task names effector {wanted}, the claim {claim.effector + 1}")
+    if isinstance(task.start, ir.StartIn) and (task.start.effector or 1) > len(model.effectors):
+        raise Refused(f"the robot has no effector {task.start.effector}")
+    return Motion(
+        _theta(claim, model),
+        tuple(_fraction(text, "a start value") for text in claim.start),
+        tuple(tuple(_fraction(text, "an input") for text in row) for row in claim.inputs),
+        claim.effector,
+        claim.path,
+    )
+
+
+def _theta(claim: FoundClaim, model: RobotModel) -> tuple[Fraction, ...]:
+    expected = [(p.symbol, p.name) for p in model.parameters]
+    if [(p.symbol, p.name) for p in claim.parameters] != expected:
+        raise Refused("the parameters are not those of the robot")
+    theta = []
+    for claimed, parameter in zip(claim.parameters, model.parameters, strict=True):
+        value = _fraction(claimed.value, f"parameter `{claimed.name}`")
+        if not _in_domain(value, parameter.domain):
+            raise Refused(
+                f"`{parameter.module}.{parameter.name}` = {claimed.value} "
+                f"at symbol {parameter.symbol} is outside its range"
+            )
+        theta.append(value)
+    return tuple(theta)
+
+
+def _in_domain(value: Fraction, domain: ir.Interval | ir.Choices) -> bool:
+    """Whether a value certainly lies in a domain."""
+    if isinstance(domain, ir.Choices):
+        return any(rational(choice) == value for choice in domain.values)
+    return _not_above(domain.lower, value) and _not_above(value, domain.upper)
+
+
+def _not_above(a: ir.Expr | Fraction, b: ir.Expr | Fraction) -> bool:
+    """Whether a <= b certainly, exactly where both are rational."""
+    exact = [item if isinstance(item, Fraction) else rational(item) for item in (a, b)]
+    if exact[0] is not None and exact[1] is not None:
+        return exact[0] <= exact[1]
+    with working_precision(128):
+        left, right = (_as_ball(item) for item in (a, b))
+        return bool(left <= right)
+
+
+def _as_ball(item: ir.Expr | Fraction) -> arb:
+    return ball(item) if isinstance(item, Fraction) else closed_ball(item)
+
+
+def _efforts(
+    claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
+) -> list[Finding]:
+    """Every input is within its bound, exactly; the claimed peak and robustness are true."""
+    peak, margins, findings = Fraction(0), list[Fraction](), list[Finding]()
+    exact = True
+    for effort in task.effort:
+        dofs = [i for i, dof in enumerate(model.dofs) if dof.kind == effort.kind]
+        if not dofs:
+            continue
+        step, squared = 0, Fraction(0)
+        for number, row in enumerate(motion.inputs):
+            size = sum((row[i] ** 2 for i in dofs), Fraction(0))
+            size = size if effort.norm2 else max(row[i] ** 2 for i in dofs)
+            step, squared = (number, size) if size > squared else (step, squared)
+        time = float(step * task.step)
+        unit = "N*m" if effort.kind == "revolute" else "N"
+        largest = _square_root(squared)
+        exact = exact and largest**2 == squared
+        holds = squared <= effort.bound**2
+        status = Status.HOLDS if holds else Status.FAILS
+        margin = effort.bound - largest
+        findings.append(Finding(f"effort ({unit})", status, float(margin), unit, time))
+        peak = max(peak, largest)
+        margins.append(margin)
+    true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}
+    if all(finding.status is Status.HOLDS for finding in findings):
+        for name, true in true_values.items():
+            stated = _fraction(getattr(claim, name), f"`{name}`")
+            if not _states(stated, true, exact=exact):
+                raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
+    return findings
+
+
+def _states(stated: Fraction, true: Fraction, *, exact: bool) -> bool:
+    """Whether a decimal states a value: exactly if the value is a decimal, else closely."""
+    try:
+        exact_decimal(true)
+    except ValueError:
+        exact = False
+    return stated == true if exact else abs(stated - true) <= NOT_A_DECIMAL
+
+
+def _square_root(value: Fraction) -> Fraction:
+    """The square root, exact where rational, else rounded up far below any margin."""
+    scale = 10**60
+    return Fraction(_isqrt_up(value.numerator * value.denominator * scale**2), value.denominator * scale)
+
+
+def _isqrt_up(value: int) -> int:
+    root = isqrt(value)
+    return root if root * root == value else root + 1
+
+
+def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:
+    shape_fits = len(claim.path) == len(model.effectors) and all(
+        len(names) == task.steps + 1 for names in claim.path
+    )
+    if not shape_fits:
+        raise Refused(f"the path is not {task.steps + 1} cells per effector")
+
+
+def _path_avoids(claim: FoundClaim, program: ir.Program, task: ir.Task) -> None:
+    """The path starts and ends where the task says and keeps out of what effectors avoid."""
+    cells = abstract(program.workspaces[task.workspace])
+    known = {cell.name: index for index, cell in enumerate(cells.cells)}
+    first = claim.path[claim.effector][0]
+    problem = path_problem(cells, task, [known[first]] if first in known else [])
+    for effector, names in enumerate(claim.path):
+        for sample, name in enumerate(names):
+            if name not in known:
+                raise Refused(f"the path names an unknown cell `{name}`")
+            if known[name] in problem.forbidden:
+                raise Refused(
+                    f"the path of effector {effector + 1} goes through `{name}` "
+                    f"at sample {sample}, which the task avoids"
+                )
+    named = task.start.effector if isinstance(task.start, ir.StartIn) else None
+    if named in (None, claim.effector + 1) and known[first] not in problem.start:
+        raise Refused(f"the path starts in `{first}`, not in the start region")
+    if known[claim.path[claim.effector][-1]] not in problem.target:
+        raise Refused("the path does not end in the target")
+
+
+# --- impossible ----------------------------------------------------------------------------------
+
+
+def _impossible(
+    folder: Path, claim: Any, program: ir.Program, task: ir.Task, trust: str | None
+) -> Report:
+    reason, proved = check_impossible(folder, claim, program, task, trust)
+    if reason is not None:
+        return Report(Outcome.REFUTED, "impossible", None, reason)
+    if proved:
+        return Report(Outcome.VALID, "impossible", "z3", None)
+    return Report(Outcome.ASSUMING_Z3, "impossible", "z3", "only z3 decided; see --trust z3")
+
+
+def main() -> int:  # pragma: no cover
+    """``python -m solvers.verifier DIR``: the verifier without the rest of the command line."""
+    report = verify_directory(Path(sys.argv[1]))
+    sys.stdout.write(f"{report.outcome.value}{': ' + report.reason if report.reason else ''}\n")
+    return {Outcome.VALID: 0, Outcome.REFUTED: 1}.get(report.outcome, 4)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,260 @@
+"""The command line: arguments, output and exit statuses, nothing else.
+
+Exit statuses: 0, 1, 3 and 4 as each command says; 2 usage, 5 the spec has errors, 70 internal error,
+130 interrupted.  Heavy libraries are imported in the command that needs them.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import click
+
+from grammar_lang.render import records, to_text
+from srgc.session import Checked, SpecErrors, UsageFault, check_file, chosen, program_of
+
+FOUND, REFUSED, USAGE, IMPOSSIBLE, UNKNOWN, SPEC_ERRORS = 0, 1, 2, 3, 4, 5
+INTERNAL, INTERRUPTED = 70, 130
+VERDICT_STATUS = {"found": FOUND, "impossible": IMPOSSIBLE, "unknown": UNKNOWN}
+
+FILE = click.argument("file", type=click.Path(path_type=Path))
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="srgc")
+def cli() -> None:
+    """Compile modular-robot grammars to robots that are proved to do their task."""
+
+
+def _show(checked: Checked, *, stderr: bool) -> None:
+    """Print diagnostics, in colour on a terminal only."""
+    stream = sys.stderr if stderr else sys.stdout
+    colour = stream.isatty() and "NO_COLOR" not in os.environ
+    text = to_text(checked.diagnostics, checked.sources, colour=colour)
+    click.echo(text, err=stderr, nl=False)
+
+
+@cli.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the findings as a JSON list.")
+def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
+    """Parse, resolve, type and check files.  Exit 0 without errors, else 1."""
+    results = [check_file(path) for path in files]
+    if as_json:
+        items = [entry for r in results for entry in records(r.diagnostics, r.sources)]
+        click.echo(json.dumps(items, indent=1, ensure_ascii=False))
+    else:
+        for result in results:
+            _show(result, stderr=False)
+        errors = sum(result.program is None for result in results)
+        warnings = sum(len(r.diagnostics) for r in results if r.program is not None)
+        if not errors:
+            suffix = f", {warnings} warning{'s' if warnings != 1 else ''}" if warnings else ""
+            click.echo(f"{len(files)} file{'s' if len(files) != 1 else ''} without errors{suffix}")
+    return 0 if all(result.program is not None for result in results) else 1
+
+
+@cli.command()
+@FILE
+@click.option("--grammar", help="The grammar, where the file has several.")
+@click.option("--max-length", type=click.IntRange(0), help="Most symbols of a word, edges too.")
+@click.option("--limit", type=click.IntRange(0), default=100, show_default=True)
+@click.option("--count", is_flag=True, help="Print the number of words of each length.")
+def words(
+    file: Path,
+    grammar: str | None,
+    max_length: int | None,
+    limit: int,
+    count: bool,  # noqa: FBT001
+) -> int:
+    """List the words of a robot family, shortest first."""
+    from itertools import islice
+
+    from compiler.language import language
+
+    program = program_of(file)
+    chosen_grammar = chosen(program.grammars, grammar, "grammar")
+    family = language(chosen_grammar, program.terminals, program.modules)
+    if count:
+        if max_length is None and not family.is_finite():
+            raise UsageFault("the language is infinite: give --max-length to count it")
+        for length, number in enumerate(family.count_words(max_length)):
+            click.echo(f"{length} {number}")
+        return 0
+    for word in islice(family.words(max_length=max_length), limit):
+        click.echo(" ".join(word))
+    return 0
+
+
+@cli.command()
+@FILE
+@click.option("--grammar", help="The grammar, where the file has several.")
+@click.option("--trace", is_flag=True, help="Show the run of the automaton and a derivation.")
+@click.argument("symbols", nargs=-1)
+def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ...]) -> int:  # noqa: FBT001
+    """Decide whether a word is in the family.  Exit 0 if accepted, else 1."""
+    from srgc.acceptance_report import acceptance_text
+
+    program = program_of(file)
+    chosen_grammar = chosen(program.grammars, grammar, "grammar")
+    accepted, text = acceptance_text(program, chosen_grammar, symbols, trace=trace)
+    click.echo(text)
+    return 0 if accepted else REFUSED
+
+
+@cli.command()
+@FILE
+@click.option(
+    "--of",
+    "what",
+    required=True,
+    type=click.Choice(["sra", "dfa", "words", "grammar", "workspace"]),
+    help="What to draw.",
+)
+@click.option("--grammar", help="The grammar, where the file has several.")
+@click.option("--workspace", help="The workspace, where the file has several.")
+@click.option("--task", help="Take grammar and workspace from this task.")
+@click.option("--depth", type=click.IntRange(1), default=3, show_default=True)
+@click.option("-o", "output", type=click.Path(path_type=Path), help="Write here, not to stdout.")
+def graph(
+    file: Path,
+    what: str,
+    grammar: str | None,
+    workspace: str | None,
+    task: str | None,
+    depth: int,
+    output: Path | None,
+) -> int:
+    """Draw an automaton, the words or the cells as DOT."""
+    from srgc.graphs import dot_text, write_graph
+
+    program = program_of(file)
+    if task is not None:
+        named = chosen(program.tasks, task, "task")
+        grammar, workspace = grammar or named.grammar, workspace or named.workspace
+    text = dot_text(program, what, grammar, workspace, depth)
+    if output is None:
+        click.echo(text, nl=not text.endswith("\n"))
+    else:
+        write_graph(text, output)
+    return 0
+
+
+@cli.command()
+@FILE
+@click.option("--task", help="The task, where the file has several.")
+def plan(file: Path, task: str | None) -> int:
+    """Print a cell path from start to target.  Exit 0 found, 3 none, 4 unknown."""
+    from srgc.plan_report import plan_text
+
+    program = program_of(file)
+    status, text = plan_text(program, chosen(program.tasks, task, "task"))
+    click.echo(text)
+    return VERDICT_STATUS[status]
+
+
+@cli.command()
+@FILE
+@click.option("--task", help="The task, where the file has several.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Default: out/TASK.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True)
+@click.option("--time-limit", type=click.FloatRange(0, min_open=True), help="Seconds.")
+@click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
+@click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
+def synth(
+    file: Path,
+    task: str | None,
+    output: Path | None,
+    seed: int,
+    jobs: int,
+    time_limit: float | None,
+    as_json: bool,  # noqa: FBT001
+    force: bool,  # noqa: FBT001
+) -> int:
+    """Find a robot and prove it, or prove that there is none.
+
+    Exit 0 found, 3 impossible, 4 unknown.
+    """
+    program = program_of(file)
+    chosen_task = chosen(program.tasks, task, "task")
+    from srgc.synthesis_report import synthesis_text
+    from srgc.synthesis_run import SynthesisOptions, run_synthesis
+
+    folder = output or Path("out") / chosen_task.name
+    options = SynthesisOptions(folder, seed, jobs, time_limit, force, as_json)
+    result = run_synthesis(file, program, chosen_task, options)
+    if as_json:
+        click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)
+    else:
+        click.echo(synthesis_text(result, str(folder)))
+    return VERDICT_STATUS[result.verdict]
+
+
+@cli.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--spec", type=click.Path(path_type=Path), help="Also: it is about this file.")
+@click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
+def verify(folder: Path, spec: Path | None, trust: str | None) -> int:
+    """Check a result independently.  Exit 0 valid, 1 refuted, 4 undecided."""
+    from solvers.verifier import Outcome, verify_directory
+    from srgc.verification_report import verification_text
+
+    if not folder.is_dir():
+        raise UsageFault(f"{folder} is not a folder")
+    if spec is not None and not spec.is_file():
+        raise UsageFault(f"{spec} is not a file")
+    report = verify_directory(folder, spec, trust)
+    click.echo(verification_text(report))
+    return {Outcome.VALID: 0, Outcome.REFUTED: REFUSED}.get(report.outcome, UNKNOWN)
+
+
+def run(arguments: list[str] | None = None) -> int:
+    """Run a command line and give its exit status; no exception leaves this function."""
+    try:
+        status = cli.main(arguments, prog_name="srgc", standalone_mode=False)
+        return status if isinstance(status, int) else 0
+    except UsageFault as fault:
+        click.echo(f"error: {fault}", err=True)
+        return USAGE
+    except SpecErrors as errors:
+        _show(errors.checked, stderr=True)
+        return SPEC_ERRORS
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        return USAGE
+    except click.ClickException as error:
+        error.show()
+        return USAGE
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone; nothing more can be said on this stream.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:  # noqa: BLE001  (the last line of defence: no traceback to a user)
+        return _internal(error)
+
+
+def _internal(error: Exception) -> int:
+    """Report a fault of srgc itself in one message."""
+    if "SRGC_TRACEBACK" in os.environ:
+        raise error
+    kind = type(error).__name__
+    click.echo(
+        f"internal error: {kind}: {error}\n"
+        "this is a fault of srgc, not of your file; SRGC_TRACEBACK=1 shows where it is",
+        err=True,
+    )
+    return INTERNAL
+
+
+def main() -> None:
+    """The entry point of the ``srgc`` command."""
+    sys.exit(run())
+
+

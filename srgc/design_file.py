@@ -1,0 +1,179 @@
+"""What a synthesis leaves behind as data: ``design.json``, ``trajectory.csv`` and the certificate."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from fractions import Fraction
+from typing import Any
+
+from compiler.dynamics import robot_graph
+from compiler.float_reading import FloatReading
+from grammar_lang import ir
+from solvers.certificate import (
+    FoundClaim,
+    ImpossibleClaim,
+    StructureClaim,
+    decimal,
+    exact_decimal,
+    to_text,
+)
+from solvers.synthesis import Design, StructureRecord, Synthesis
+
+
+def proof_name(index: int) -> str:
+    """The file of the refutation of the structure with that index."""
+    return f"proofs/{index:04d}.smt2"
+
+
+def _efforts(design: Design, task: ir.Task) -> tuple[str, str]:
+    """Peak effort and robustness as exact decimals (rounded towards caution for a norm)."""
+    peak, margins = Fraction(0), list[Fraction]()
+    inputs = [[Fraction(text) for text in row] for row in design.inputs]
+    for effort in task.effort:
+        dofs = [i for i, dof in enumerate(design.model.dofs) if dof.kind == effort.kind]
+        if not dofs:
+            continue
+        if effort.norm2:
+            squares = [sum((row[i] ** 2 for i in dofs), Fraction(0)) for row in inputs]
+            largest = Fraction(decimal(float(max(squares)) ** 0.5))
+        else:
+            largest = max(abs(row[i]) for row in inputs for i in dofs)
+        peak = max(peak, largest)
+        margins.append(effort.bound - largest)
+    rho = min(margins, default=Fraction(0))
+    try:
+        return exact_decimal(peak), exact_decimal(rho)
+    except ValueError:
+        return exact_decimal(peak), decimal(float(rho))
+
+
+def certificate_text(
+    result: Synthesis, task: ir.Task, spec: str, spec_sha256: str, modules: int | None
+) -> str | None:
+    """The certificate of a verdict; None for unknown."""
+    design = result.design
+    if design is not None:
+        peak, rho = _efforts(design, task)
+        return to_text(
+            FoundClaim(
+                task.name,
+                spec,
+                spec_sha256,
+                design.derivation.word,
+                design.derivation.labels,
+                design.parameters,
+                design.effector,
+                task.steps,
+                str(task.step),
+                design.start,
+                design.inputs,
+                design.path,
+                peak,
+                rho,
+            )
+        )
+    if result.verdict == "impossible":
+        claims = tuple(
+            StructureClaim(r.word, r.derivation, _evidence(result, i), r.same_robot_as)
+            for i, r in enumerate(result.records)
+        )
+        return to_text(ImpossibleClaim(task.name, spec, spec_sha256, modules, claims))
+    return None
+
+
+def _evidence(result: Synthesis, index: int) -> str | None:
+    record = result.records[index]
+    if record.same_robot_as is not None:
+        return _evidence(result, record.same_robot_as)
+    return proof_name(index) if record.script is not None else None
+
+
+def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[str, Any]:
+    first = result.records[record.same_robot_as] if record.same_robot_as is not None else record
+    return {
+        "word": list(record.word),
+        "derivation": list(record.derivation),
+        "verdict": first.verdict,
+        "evidence": _evidence(result, index) or first.reason,
+        "same_robot_as": record.same_robot_as,
+    }
+
+
+def design_text(
+    result: Synthesis, task: ir.Task, spec: str, spec_sha256: str, seed: int, version: str
+) -> str:
+    """``design.json`` of a verdict."""
+    design = result.design
+    content: dict[str, Any] = {
+        "verdict": result.verdict,
+        "reason": result.reason,
+        "task": task.name,
+        "spec": spec,
+        "word": None,
+        "derivation": None,
+        "dofs": [],
+        "parameters": [],
+        "robustness": None,
+        "effort_peak": None,
+        "step": float(task.step),
+        "horizon": task.steps,
+        "path": [],
+        "cells": result.abstraction.describe(),
+        "structures_tried": [_structure(result, i, r) for i, r in enumerate(result.records)],
+        "iterations": result.counts,
+        "seed": seed,
+        "spec_sha256": spec_sha256,
+        "version": version,
+    }
+    if design is not None:
+        peak, rho = _efforts(design, task)
+        content |= {
+            "word": list(design.derivation.word),
+            "derivation": list(design.derivation.labels),
+            "dofs": [
+                {"symbols": list(dof.symbols), "kind": dof.kind, "axis": dof.axis}
+                for dof in design.model.dofs
+            ],
+            "parameters": [
+                {
+                    "symbol": p.symbol,
+                    "module": p.module,
+                    "name": p.name,
+                    "value": float(Fraction(claim.value)),
+                    "unit": p.unit,
+                }
+                for p, claim in zip(design.model.parameters, design.parameters, strict=True)
+            ],
+            "robustness": float(Fraction(rho)),
+            "effort_peak": float(Fraction(peak)),
+            "path": [list(names) for names in design.path],
+        }
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def trajectory_csv(design: Design, task: ir.Task) -> str:
+    """The sampled trajectory in SI units: t, q, rates, inputs, effector positions."""
+    trajectory = design.configuration.outcome.trajectory
+    n, d = len(design.model.dofs), design.model.dimension
+    reading = FloatReading(robot_graph(design.model, task.gravity))
+    tips = reading.points(trajectory.x[:, :n], trajectory.theta).value
+    effectors = len(design.model.effectors)
+    head = ["t", *(f"q{i + 1}" for i in range(n)), *(f"qd{i + 1}" for i in range(n))]
+    head += [f"u{i + 1}" for i in range(n)]
+    head += [f"e{e + 1}_{axis}" for e in range(effectors) for axis in "xyz"[:d]]
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(head)
+    for i, state in enumerate(trajectory.x):
+        inputs = design.inputs[i] if i < len(design.inputs) else ("",) * n
+        writer.writerow(
+            [
+                decimal(float(i * task.step)),
+                *(decimal(value) for value in state),
+                *inputs,
+                *(decimal(value) for value in tips[i, :effectors].ravel()),
+            ]
+        )
+    return buffer.getvalue()

@@ -1,0 +1,201 @@
+"""The two pictures of a result, as SVG: the workspace with the motion, and the inputs over time."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from compiler.dynamics import robot_graph
+from compiler.float_reading import Array, FloatReading
+from compiler.polytope import polytope_of
+from grammar_lang import ir
+from solvers.synthesis import Design, Synthesis
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+GHOSTS = 12
+COLOURS = {"obstacle": "#d1495b", "target": "#4c956c", "region": "#8d99ae"}
+INK, PATH, ARM = "#1f2a44", "#2e6fba", "#6b7280"
+SETTINGS = {
+    "svg.hashsalt": "srgc",
+    "svg.fonttype": "path",
+    "font.family": "DejaVu Sans",
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+}
+
+
+def _svg(figure: Figure) -> str:
+    """The figure as SVG with the same bytes at every run."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": "srgc"})
+    return buffer.getvalue()
+
+
+def workspace_figure(result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task) -> str:
+    """Regions, cell path, effector trajectory and ghost poses (case study, figure (a)).
+
+    In space the picture is the projection to the first two axes.
+    """
+    trajectory = design.configuration.outcome.trajectory
+    n = len(design.model.dofs)
+    reading = FloatReading(robot_graph(design.model, task.gravity))
+    points = reading.points(trajectory.x[:, :n], trajectory.theta).value[..., :2]
+    with mpl.rc_context(SETTINGS):
+        figure = Figure(figsize=(6.6, 6.2), layout="constrained")
+        FigureCanvasSVG(figure)
+        axes = figure.add_subplot()
+        _draw_cells(axes, result, design)
+        _draw_regions(axes, workspace)
+        _draw_ghosts(axes, points, design, reading)
+        tips = points[:, design.effector]
+        axes.plot(*tips.T, color=INK, lw=2.0, label="effector", zorder=6)
+        axes.plot(*tips[0], "o", color=INK, ms=5, zorder=7)
+        axes.plot(*tips[-1], "*", color=INK, ms=11, zorder=7)
+        _frame(axes, workspace)
+        axes.set_title(f"{task.name}: {_caption(design)}", fontsize=10, loc="left")
+        axes.legend(loc="upper left", fontsize=8, framealpha=0.85)
+        return _svg(figure)
+
+
+def _caption(design: Design) -> str:
+    lengths = ", ".join(
+        f"{p.name} {float(claim.value):.3g} {p.unit}".strip()
+        for p, claim in zip(design.model.parameters, design.parameters, strict=True)
+    )
+    return lengths or "no parameters"
+
+
+def _frame(axes: Axes, workspace: ir.Workspace) -> None:
+    box = polytope_of(workspace.bounds.shape, workspace.dimension).box
+    (x0, y0), (x1, y1) = box[0][:2], box[1][:2]
+    pad = 0.02 * max(x1 - x0, y1 - y0)
+    axes.plot([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0], color=INK, lw=0.8, zorder=1)
+    axes.set_xlim(x0 - pad, x1 + pad)
+    axes.set_ylim(y0 - pad, y1 + pad)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+
+
+def _outline(vertices: Array) -> Array:
+    """The corners of a projected polytope in counter-clockwise order (its convex hull)."""
+    order = sorted({(float(x), float(y)) for x, y in vertices[:, :2]})
+
+    def half(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        chain: list[tuple[float, float]] = []
+        for p in points:
+            while len(chain) >= 2 and _turn(chain[-2], chain[-1], p) <= 0:
+                chain.pop()
+            chain.append(p)
+        return chain[:-1]
+
+    return np.array(half(order) + half(order[::-1]))
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _draw_cells(axes: Axes, result: Synthesis, design: Design) -> None:
+    """The cells of the path, lightly, and the path through their shared facets."""
+    names = design.path[design.effector]
+    visited = [names[0]]
+    for name in names[1:]:
+        if name != visited[-1]:
+            visited.append(name)
+    cells = result.abstraction
+    line = []
+    for name in visited:
+        index = cells.index(name)
+        polytope = cells.cells[index].polytope
+        corners = _outline(np.array([[float(x) for x in v] for v in polytope.vertices]))
+        axes.fill(*corners.T, facecolor=PATH, alpha=0.07, edgecolor=PATH, lw=0.6, zorder=1)
+    for i, name in enumerate(visited):
+        index = cells.index(name)
+        if i:
+            before = cells.index(visited[i - 1])
+            line.append(cells.facet_centre(before, index)[:2])
+        if i in (0, len(visited) - 1):
+            line.append(np.array([float(x) for x in cells.cells[index].polytope.centre])[:2])
+    axes.plot(*np.array(line).T, color=PATH, lw=1.4, ls="--", label="cell path", zorder=5)
+
+
+def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
+    for region in workspace.regions:
+        polytope = polytope_of(region.shape, workspace.dimension)
+        if not polytope.is_bounded:
+            continue
+        corners = _outline(np.array([[float(x) for x in v] for v in polytope.vertices]))
+        colour = COLOURS[region.kind]
+        axes.fill(*corners.T, facecolor=colour, alpha=0.35, edgecolor=colour, lw=1.2, zorder=2)
+        axes.annotate(
+            region.name, corners.mean(axis=0), ha="center", va="center", color=INK, zorder=8
+        )
+
+
+def _draw_ghosts(axes: Axes, points: Array, design: Design, reading: FloatReading) -> None:
+    """Poses of the robot at equally spaced samples, the last one strong."""
+    effectors = len(design.model.effectors)
+    samples = np.unique(np.linspace(0, len(points) - 1, GHOSTS).round().astype(int))
+    for number, sample in enumerate(samples):
+        last = number == len(samples) - 1
+        alpha = 1.0 if last else 0.15 + 0.35 * number / len(samples)
+        for hull in reading.graph.hulls:
+            body = points[sample, [effectors + i for i in hull]]
+            axes.plot(
+                *body.T, color=ARM, alpha=alpha, lw=2.6 if last else 1.6,
+                marker="o", ms=3, solid_capstyle="round", zorder=4,
+                label="robot" if last and hull == reading.graph.hulls[0] else None,
+            )  # fmt: skip
+
+
+def input_figure(design: Design, task: ir.Task) -> str:
+    """Inputs over time with their bounds (case study, figure (b))."""
+    trajectory = design.configuration.outcome.trajectory
+    time = np.arange(task.steps + 1) * float(task.step)
+    with mpl.rc_context(SETTINGS):
+        kinds = [e for e in task.effort if any(d.kind == e.kind for d in design.model.dofs)]
+        figure = Figure(figsize=(7.2, 2.6 * max(1, len(kinds)) + 0.6), layout="constrained")
+        FigureCanvasSVG(figure)
+        panels = figure.subplots(max(1, len(kinds)), 1, squeeze=False)[:, 0]
+        for axes, effort in zip(panels, kinds, strict=False):
+            bound = float(effort.bound)
+            unit = "N m" if effort.kind == "revolute" else "N"
+            for i, dof in enumerate(design.model.dofs):
+                if dof.kind == effort.kind:
+                    values = np.append(trajectory.u[:, i], trajectory.u[-1:, i])
+                    axes.step(time, values, where="post", lw=1.4, label=f"u{i + 1}")
+            for sign in (-1, 1):
+                label = f"bound ±{bound:g} {unit}" if sign > 0 else None
+                axes.axhline(sign * bound, color=COLOURS["obstacle"], lw=1.0, ls="--", label=label)
+            axes.axhline(0, color=INK, lw=0.5, alpha=0.4)
+            axes.set_ylabel(f"effort ({unit})")
+            axes.set_xlim(time[0], time[-1])
+            axes.set_ylim(-1.15 * bound, 1.15 * bound)
+            _magnified(axes, time, design, effort, unit)
+            axes.legend(loc="upper right", fontsize=8, framealpha=0.85, ncols=4)
+        panels[-1].set_xlabel("time (s)")
+        return _svg(figure)
+
+
+def _magnified(axes: Axes, time: Array, design: Design, effort: ir.Effort, unit: str) -> None:
+    """An inset with the inputs on their own scale, where they use little of the bound."""
+    dofs = [i for i, dof in enumerate(design.model.dofs) if dof.kind == effort.kind]
+    u = design.configuration.outcome.trajectory.u[:, dofs]
+    peak = float(np.max(np.abs(u), initial=0.0))
+    if not 0 < peak < 0.25 * float(effort.bound):
+        return
+    inset = axes.inset_axes((0.08, 0.58, 0.5, 0.36))
+    for column in u.T:
+        inset.step(time, np.append(column, column[-1]), where="post", lw=1.0)
+    inset.set_xlim(time[0], time[-1])
+    inset.set_title(f"peak {peak:.3g} {unit}", fontsize=7, pad=2)
+    inset.tick_params(labelsize=6)

@@ -1,0 +1,71 @@
+"""``srgc graph``: views as DOT, drawn as SVG or PNG where Graphviz is installed."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+from compiler.abstraction import abstract
+from compiler.automaton import sra
+from compiler.language import language
+from compiler.views import dfa_dot, grammar_dot, sra_dot, words_dot
+from compiler.workspace_dot import workspace_dot
+from grammar_lang import ir
+from srgc.session import UsageFault, chosen
+
+DRAWN = (".svg", ".png")
+DRAWING_SECONDS = 120
+
+
+def dot_text(
+    program: ir.Program, what: str, grammar: str | None, workspace: str | None, depth: int
+) -> str:
+    """The DOT text of a view.
+
+    Raises:
+        UsageFault: a grammar or workspace has to be chosen.
+    """
+    if what == "workspace":
+        place = chosen(program.workspaces, workspace, "workspace")
+        return workspace_dot(abstract(place), place)
+    family = chosen(program.grammars, grammar, "grammar")
+    words = language(family, program.terminals, program.modules)
+    if what == "words":
+        return words_dot(words, depth)
+    if what == "dfa":
+        return dfa_dot(words.accept)
+    if what == "grammar":
+        return grammar_dot(words.srg)
+    return sra_dot(sra(words.srg, words.accept))
+
+
+def write_graph(text: str, output: Path) -> None:
+    """Write DOT text, or the picture its file name asks for.
+
+    Raises:
+        UsageFault: Graphviz is needed and missing, or the file cannot be written.
+    """
+    try:
+        if output.suffix not in DRAWN:
+            output.write_text(text, encoding="utf-8")
+            return
+        output.write_bytes(_drawn(text, output.suffix[1:]))
+    except OSError as error:
+        raise UsageFault(f"{output}: {error.strerror}") from None
+
+
+def _drawn(text: str, form: str) -> bytes:
+    program = shutil.which("dot")
+    if program is None:
+        raise UsageFault("Graphviz (`dot`) is not installed: write a .dot file instead")
+    finished = subprocess.run(  # noqa: S603  (the program found above, fixed arguments)
+        [program, f"-T{form}"],
+        input=text.encode(),
+        capture_output=True,
+        timeout=DRAWING_SECONDS,
+        check=False,
+    )
+    if finished.returncode:
+        raise UsageFault(f"Graphviz failed: {finished.stderr.decode(errors='replace').strip()}")
+    return finished.stdout

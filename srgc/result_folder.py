@@ -1,0 +1,152 @@
+"""The folder a synthesis writes: every file whole or not at all, and a journal to go on from.
+
+A file is written beside its place and then moved there, so that a kill at any moment leaves the old
+file, the new one or none.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from srgc.session import UsageFault
+
+JOURNAL = "journal.jsonl"
+OWN_FILES = ("design.json", "certificate.json", "trajectory.csv", "log.json", JOURNAL)
+OWN_FOLDERS = ("spec", "proofs", "figures")
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """What a folder's results belong to."""
+
+    spec_sha256: str
+    task: str
+    seed: int
+    version: str
+
+
+@dataclass(slots=True)
+class ResultFolder:
+    """An opened result folder.  It is also the journal of the synthesis."""
+
+    path: Path
+    identity: Identity
+    values: dict[str, float] = field(default_factory=dict[str, float])
+
+    def recall(self, key: str) -> float | None:
+        """The value of a step finished in an earlier, interrupted run."""
+        return self.values.get(key)
+
+    def record(self, key: str, value: float) -> None:
+        """A step is finished: one line, written at once."""
+        self.values[key] = value
+        with (self.path / JOURNAL).open("a", encoding="utf-8") as file:
+            file.write(json.dumps([key, value]) + "\n")
+
+    def write(self, name: str, content: str | bytes) -> None:
+        """Write a file below the folder, atomically."""
+        target = self.path / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        beside = target.with_name(f".{target.name}.part")
+        data = content.encode() if isinstance(content, str) else content
+        with beside.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        beside.replace(target)
+
+    def discard(self, name: str) -> None:
+        """Remove a file or folder of an earlier run, if it is there."""
+        target = self.path / name
+        if target.is_dir():
+            shutil.rmtree(target)
+        else:
+            target.unlink(missing_ok=True)
+
+    def finish(self) -> None:
+        """The run is complete: nothing is left to resume."""
+        self.discard(JOURNAL)
+
+
+def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
+    """Open or make a result folder; an interrupted run of the same synthesis goes on.
+
+    Raises:
+        UsageFault: the folder holds other results or other files, and ``force`` is not given, or it
+            cannot be written.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageFault(f"{path}: {error.strerror}") from None
+    if not os.access(path, os.W_OK):
+        raise UsageFault(f"{path} cannot be written")
+    folder = ResultFolder(path, identity)
+    owner = _owner(path)
+    foreign = [p.name for p in path.iterdir() if p.name not in (*OWN_FILES, *OWN_FOLDERS)]
+    foreign = sorted(name for name in foreign if not name.endswith(".part"))
+    if owner is None and (foreign or any(path.iterdir())) and not force:
+        raise UsageFault(f"{path} is not empty and holds no results; --force uses it all the same")
+    if owner is not None and owner != identity and not force:
+        raise UsageFault(
+            f"{path} holds the results of another {_difference(owner, identity)}; "
+            "choose another folder, or --force to replace them"
+        )
+    if owner == identity:
+        folder.values.update(_journal_values(path / JOURNAL))
+    else:
+        for name in (*OWN_FILES, *OWN_FOLDERS):
+            folder.discard(name)
+    if not (path / JOURNAL).exists():
+        header = {
+            "spec_sha256": identity.spec_sha256,
+            "task": identity.task,
+            "seed": identity.seed,
+            "version": identity.version,
+        }
+        folder.write(JOURNAL, json.dumps(header) + "\n")
+    return folder
+
+
+def _difference(a: Identity, b: Identity) -> str:
+    for name in ("spec_sha256", "task", "seed", "version"):
+        if getattr(a, name) != getattr(b, name):
+            return "spec" if name == "spec_sha256" else name
+    return "run"
+
+
+def _owner(path: Path) -> Identity | None:
+    """What the folder's results belong to, or None."""
+    for name in (JOURNAL, "design.json"):
+        try:
+            text = (path / name).read_text(encoding="utf-8")
+            content = json.loads(text.partition("\n")[0] if name == JOURNAL else text)
+            return Identity(
+                str(content["spec_sha256"]),
+                str(content["task"]),
+                int(content["seed"]),
+                str(content["version"]),
+            )
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+    return None
+
+
+def _journal_values(path: Path) -> dict[str, float]:
+    """The steps of a journal; a last line cut by a kill is ignored."""
+    values: dict[str, float] = {}
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()[1:]
+    except (OSError, UnicodeDecodeError):
+        return values
+    for line in lines:
+        try:
+            key, value = json.loads(line)
+            values[str(key)] = float(value)
+        except (ValueError, TypeError):
+            break
+    return values

@@ -1,0 +1,93 @@
+"""From the arguments of a command to a checked program and the named thing in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from compiler.grammar_checks import grammar_diagnostics
+from compiler.workspace_checks import workspace_diagnostics
+from grammar_lang import ir
+from grammar_lang.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.load import load
+from grammar_lang.source import Source
+
+Item = TypeVar("Item")
+
+
+class UsageFault(Exception):  # noqa: N818  (the user's, not the program's)
+    """Arguments that cannot be used; exit status 2."""
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """A file after all checks; the program is None if and only if there is an error."""
+
+    program: ir.Program | None
+    diagnostics: tuple[Diagnostic, ...]
+    sources: tuple[Source, ...]
+
+
+class SpecErrors(Exception):  # noqa: N818  (carries diagnostics to the command line)
+    """A spec with errors; exit status 5."""
+
+    def __init__(self, checked: Checked) -> None:
+        super().__init__("the spec has errors")
+        self.checked = checked
+
+
+def check_file(path: Path) -> Checked:
+    """All checks on a file.
+
+    Raises:
+        UsageFault: the file exists but cannot be read.
+    """
+    if path.exists() and not path.is_file():
+        raise UsageFault(f"{path} is not a file")
+    if path.is_file():
+        try:
+            path.open("rb").close()
+        except OSError as error:
+            raise UsageFault(f"{path}: {error.strerror}") from None
+    loaded = load(path)
+    if loaded.program is None:
+        return Checked(None, loaded.diagnostics, loaded.sources)
+    sink = Sink(list(loaded.diagnostics))
+    grammar_diagnostics(loaded.program, sink)
+    workspace_diagnostics(loaded.program, sink)
+    program = None if sink.has_errors else loaded.program
+    return Checked(program, sink.sorted(), loaded.sources)
+
+
+def program_of(path: Path) -> ir.Program:
+    """The program of a file without errors.
+
+    Raises:
+        SpecErrors: the file has errors.
+        UsageFault: it cannot be read.
+    """
+    checked = check_file(path)
+    if checked.program is None:
+        errors = tuple(d for d in checked.diagnostics if d.severity is Severity.ERROR)
+        raise SpecErrors(Checked(None, errors, checked.sources))
+    return checked.program
+
+
+def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:
+    """The item of that name, or the only one where no name is given.
+
+    Raises:
+        UsageFault: no such item, none at all, or a choice has to be made.
+    """
+    names = ", ".join(items)
+    if name is not None:
+        if name in items:
+            return items[name]
+        raise UsageFault(f"there is no {kind} `{name}`; the file has: {names or 'none'}")
+    if len(items) == 1:
+        return next(iter(items.values()))
+    if not items:
+        raise UsageFault(f"the file has no {kind}")
+    raise UsageFault(f"the file has several {kind}s: choose one of {names} with --{kind}")

@@ -1,0 +1,146 @@
+from fractions import Fraction
+
+import pytest
+
+from compiler.workspace_checks import workspace_diagnostics
+from grammar_lang.codes import Code
+from grammar_lang.diagnostics import Severity, Sink
+from grammar_lang.ir import Inequalities, Num, Region, StartAt, Workspace
+from grammar_lang.source import Span
+from tests.oracles.planes import bench, box, hull, row
+from tests.oracles.tasks import REACH, START, avoid, program, task
+
+BOUNDS = box("bounds", "bounds", (0, 10), (0, 10), span=Span(1, 2))
+S = box("S", "region", (1, 2), (1, 2), span=Span(10, 11))
+T = box("T", "target", (8, 9), (8, 9), span=Span(12, 13))
+E, W = Severity.ERROR, Severity.WARNING
+
+
+def found(*regions, tasks, bounds=BOUNDS, dimension=2):
+    sink = Sink()
+    workspace = Workspace("W", dimension, bounds, regions)
+    workspace_diagnostics(program([workspace], tasks), sink)
+    for diagnostic in sink.found:
+        assert "\n" not in diagnostic.message
+        assert not diagnostic.message.endswith(".")
+        assert diagnostic.hint
+    return [(d.code, d.severity, d.span) for d in sink.found]
+
+
+def obstacle(*sides, name="O"):
+    return box(name, "obstacle", *sides, span=Span(20, 21))
+
+
+def test_the_running_example_is_clean():
+    sink = Sink()
+    workspace_diagnostics(program([bench()], [task(avoid("O"), workspace="Bench")]), sink)
+    assert not sink.found
+
+
+@pytest.mark.parametrize(
+    ("rows", "code"),
+    [
+        ((row(1, 0, 1), row(-1, 0, -2, span=Span(33, 34))), Code.EMPTY_POLYTOPE),
+        ((row(1, 0, 1), row(-1, 0, -1, span=Span(33, 34)), row(0, 1, 1)), Code.FLAT_POLYTOPE),
+    ],
+)
+def test_no_point_or_no_interior(rows, code):
+    bad = Region("A", "region", Inequalities(rows), Span(30, 31))
+    assert found(S, T, bad, tasks=[task()]) == [(code, E, Span(30, 31))]
+    sink = Sink()
+    workspace_diagnostics(program([Workspace("W", 2, BOUNDS, (S, T, bad))], [task()]), sink)
+    assert [span for span, _ in sink.found[0].notes] == [Span(33, 34)]
+    closed = Region("bounds", "bounds", bad.shape, Span(5, 6))
+    assert found(S, T, tasks=[task()], bounds=closed) == [(code, E, Span(5, 6))]
+
+
+def test_flat_hulls():
+    line = hull("A", "region", (0, 0), (1, 1), span=Span(30, 31))
+    assert found(S, T, line, tasks=[task()]) == [(Code.FLAT_POLYTOPE, E, Span(30, 31))]
+
+
+def test_unbounded():
+    half = Inequalities((row(1, 1, 3),))
+    bounds = Region("bounds", "bounds", half, Span(5, 6))
+    assert found(S, T, tasks=[task()], bounds=bounds) == [(Code.UNBOUNDED_POLYTOPE, E, Span(5, 6))]
+    region = Region("S", "region", half, Span(30, 31))
+    assert found(region, T, tasks=[task()]) == [(Code.UNBOUNDED_POLYTOPE, W, Span(30, 31))]
+
+
+def test_outside_the_bounds():
+    far = box("S", "region", (11, 12), (0, 1), span=Span(30, 31))
+    touching = box("T", "target", (10, 11), (0, 1), span=Span(32, 33))
+    assert found(far, touching, tasks=[task()]) == [
+        (Code.REGION_OUTSIDE_BOUNDS, E, START),
+        (Code.REGION_OUTSIDE_BOUNDS, E, REACH),
+    ]
+    # of no task: only a warning, at the region
+    assert found(S, T, box("A", "region", (11, 12), (0, 1), span=Span(30, 31)), tasks=[task()]) == [
+        (Code.REGION_OUTSIDE_BOUNDS, W, Span(30, 31))
+    ]
+    partly = box("S", "region", (9, 11), (0, 1))
+    assert found(partly, T, tasks=[task()]) == [(Code.REGION_PARTLY_OUTSIDE, W, START)]
+    # an obstacle may stick out
+    assert found(S, T, obstacle((9, 11), (0, 1)), tasks=[task(avoid("O"))]) == []
+
+
+def test_start_and_target_in_an_obstacle():
+    exactly = obstacle((1, 2), (1, 2))
+    assert found(S, T, exactly, tasks=[task(avoid("O"))]) == [(Code.START_IN_OBSTACLE, E, START)]
+    larger = obstacle((7, 10), (7, 10))
+    assert found(S, T, larger, tasks=[task(avoid("O"))]) == [(Code.TARGET_IN_OBSTACLE, E, REACH)]
+    # not avoided, or by the body only
+    assert found(S, T, exactly, tasks=[task()]) == [(Code.UNUSED_OBSTACLE, W, Span(20, 21))]
+    assert found(S, T, exactly, tasks=[task(avoid("O", subject="body"))]) == [
+        (Code.START_IN_OBSTACLE, W, START)
+    ]
+    # avoiding the target itself
+    assert found(S, T, tasks=[task(avoid("T"))]) == [(Code.TARGET_IN_OBSTACLE, E, REACH)]
+
+
+def test_a_cover_of_several_obstacles():
+    left, right = obstacle((1, "1.5"), (0, 3), name="A"), obstacle(("1.5", 2), (0, 3), name="B")
+    assert found(S, T, left, right, tasks=[task(avoid("A", "B"))]) == [
+        (Code.START_IN_OBSTACLE, E, START)
+    ]
+    assert found(S, T, left, right, tasks=[task(avoid("A"), avoid("B", subject="body"))]) == [
+        (Code.START_IN_OBSTACLE, W, START)
+    ]
+    gap = obstacle(("1.6", 2), (0, 3), name="B")
+    assert found(S, T, left, gap, tasks=[task(avoid("A", "B"))]) == [
+        (Code.REGION_PARTLY_BLOCKED, W, START)
+    ]
+
+
+def test_touching_an_obstacle_is_no_overlap():
+    assert found(S, T, obstacle((2, 3), (1, 2)), tasks=[task(avoid("O"))]) == []
+
+
+def test_the_part_inside_the_bounds_decides():
+    start = box("S", "region", (9, 11), (0, 1))
+    assert found(start, T, obstacle((9, 10), (0, 1)), tasks=[task(avoid("O"))]) == [
+        (Code.REGION_PARTLY_OUTSIDE, W, START),
+        (Code.START_IN_OBSTACLE, E, START),
+    ]
+
+
+def test_unused_obstacles_count_the_tasks_of_their_workspace_only():
+    o = obstacle((4, 5), (4, 5))
+    other = task(avoid("O"), workspace="V", name="Other")
+    assert found(S, T, o, tasks=[other]) == [(Code.UNUSED_OBSTACLE, W, Span(20, 21))]
+    assert found(S, T, o, tasks=[task(), task(avoid("O"), name="Second")]) == []
+
+
+def test_a_start_pose_has_no_region():
+    pose = task(start=StartAt((Num(Fraction(0)),)))
+    assert found(T, tasks=[pose]) == []
+
+
+def test_space():
+    bounds = box("bounds", "bounds", (0, 10), (0, 10), (0, 10))
+    s = box("S", "region", (1, 2), (1, 2), (1, 2))
+    t = box("T", "target", (8, 9), (8, 9), (8, 9))
+    o = obstacle((0, 3), (0, 3), (0, 3))
+    assert found(s, t, o, tasks=[task(avoid("O"))], bounds=bounds, dimension=3) == [
+        (Code.START_IN_OBSTACLE, E, START)
+    ]

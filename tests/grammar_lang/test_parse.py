@@ -1,0 +1,125 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import pytest
+
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics import Sink
+from grammar_lang.parse import parse
+
+Check = Callable[[str], list[tuple[str, str]]]
+
+
+def value(expression: str) -> s.Expr:
+    sink = Sink()
+    file = parse(f"module M {{ const c = {expression}; }}", sink)
+    assert not sink.found
+    module = file.items[0]
+    assert isinstance(module, s.Module)
+    const = module.items[0]
+    assert isinstance(const, s.Const)
+    return const.value
+
+
+def number(text: str, unit: str | None = None) -> s.Number:
+    return s.Number(Fraction(text), None if unit is None else s.Ident(unit))
+
+
+def test_a_unit_is_one_token() -> None:
+    """``2 N*m`` is newton metres, ``2 N * m`` is 2 N times the name m."""
+    assert value("2 N*m") == number("2", "N*m")
+    product = s.Binary("*", number("2", "N"), s.Name(s.Ident("m")))
+    assert value("2 N * m") == product
+    assert value("2 N*m.a") == s.Binary("*", number("2", "N"), s.Member(s.Ident("m"), s.Ident("a")))
+    assert value("(1 + 2) cm") == s.Scaled(s.Binary("+", number("1"), number("2")), s.Ident("cm"))
+
+
+def test_precedence() -> None:
+    one, two, three = number("1"), number("2"), number("3")
+    assert value("1 - 2 - 3") == s.Binary("-", s.Binary("-", one, two), three)
+    assert value("1 + 2 * 3") == s.Binary("+", one, s.Binary("*", two, three))
+    assert value("-1 ^ 2") == s.Negate(s.Binary("^", one, two))
+    assert value("1 ^ -2") == s.Binary("^", one, s.Negate(two))
+
+
+def test_numbers_are_exact() -> None:
+    assert value("0.1") == number("1/10")
+    assert value("1.5e-3") == number("3/2000")
+
+
+def test_keywords_are_contextual(check: Check) -> None:
+    text = """
+module base { role base; param in2 in [1, 2] m; const rate = 1; dof dof: revolute z; }
+module link { role link; param length in [0.5, 1] m; }
+module count { role effector; }
+edge contains, starts;
+grammar grammar {
+  start task;
+  base: task -> base;
+  count: task -> task contains count;
+  in: task -> length:task starts link;
+  accept contains contains count and starts with base and count(count) < 3 and length > 0;
+  accept matches base (contains | count | starts | link)*;
+}
+semantics grammar {
+  base { this.frame = rot(z, base.dof); }
+  count { this.frame = task.frame; effector(frame: this.frame); }
+  in { this.frame = length.frame * move(x, link.length); }
+}
+workspace plane { plane xy; bounds box [0, 1] x [0, 1]; region box box [0, 1] x [0, 1] m;
+  target with polytope { x <= 1; -x <= 0; y <= 1; -y <= 0 }; }
+task module { robot grammar; workspace plane; start in box at rest; reach with;
+  avoid box, with with body margin 1 cm; effort <= 1 N*m; horizon 3 steps of 1 s; }
+"""
+    assert check(text) == []
+
+
+@pytest.mark.parametrize("word", ["and", "or", "not", "empty", "this", "world", "accept", "x"])
+def test_reserved_words(word: str, check: Check) -> None:
+    assert check(f"module {word} {{ role base; }}") == [("SYNTAX", word)]
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("module A { role base }", ("SYNTAX", "}")),
+        ("module A { role base\n}", ("SYNTAX", "\n")),
+        ("module A { role base;", ("SYNTAX", "")),
+        ("module A { rol base; }", ("SYNTAX", "rol")),
+        ("module A { role base; } }", ("SYNTAX", "}")),
+        ("workspace W { planexy; }", ("SYNTAX", "planexy")),
+        ("module A { const c = 3 furlong; }", ("UNKNOWN_UNIT", "furlong")),
+        ("module A { const c = 3 kgs; }", ("UNKNOWN_UNIT", "kgs")),
+        ("module A { const c = @; }", ("UNEXPECTED_CHARACTER", "@")),
+        ("module É { role base; }", ("UNEXPECTED_CHARACTER", "É")),
+        ("edge 'a;", ("UNEXPECTED_CHARACTER", "'")),
+        ("module A { role base; } /* ", ("SYNTAX", "/*")),
+        ("edge 'a b';", ("SYNTAX", "'a b'")),
+        ("nonsense", ("SYNTAX", "nonsense")),
+    ],
+)
+def test_syntax_errors(text: str, found: tuple[str, str], check: Check) -> None:
+    assert check(text) == [found]
+
+
+def test_every_broken_item_is_reported(check: Check) -> None:
+    text = "module A { role ; }\nmodule B { role base; }\nedge ,;\ntask T { robot ; }"
+    assert check(text) == [("SYNTAX", ";"), ("SYNTAX", ","), ("SYNTAX", ";")]
+
+
+@pytest.mark.parametrize(
+    "expression",
+    ["(" * 10_000 + "1" + ")" * 10_000, "-" * 10_000 + "1", "1" + "+1" * 10_000, "(" * 10_000],
+)
+def test_deep_nesting_is_no_recursion_error(expression: str, check: Check) -> None:
+    found = check(f"module A {{ role base; const c = {expression}; }}")
+    assert [code for code, _ in found] in ([], ["TOO_DEEP"], ["SYNTAX"])
+
+
+def test_deep_conditions(check: Check, build: Callable[..., str]) -> None:
+    accept = "accept " + "not " * 10_000 + "contains B;"
+    grammar = "grammar G { start N; a: N -> B; " + accept + " }"
+    found = check(build(grammar=grammar, semantics="", task=""))
+    assert [code for code, _ in found] == ["TOO_DEEP"]

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import json
+
+from grammar_lang.codes import Code
+from grammar_lang.diagnostics import Sink
+from grammar_lang.load import load_text
+from grammar_lang.render import to_json, to_text
+from grammar_lang.source import Source, Span
+
+
+def test_text_marks_the_place(arm: str) -> None:
+    loaded = load_text(arm.replace("[0.5, 5] m", "[5, 0.5] m"), "arm.srg")
+    assert to_text(loaded.diagnostics, loaded.sources) == (
+        "arm.srg:3:40: error[SRG0303]: "
+        "this interval is empty: its lower bound exceeds its upper bound\n"
+        "    3 | module L  { role link; param length in [5, 0.5] m; const density = 1 kg/m; }\n"
+        "      |                                        ^^^^^^^^^^\n"
+        "  hint: exchange the bounds\n"
+    )
+
+
+def test_json_has_the_fields_of_the_contract(arm: str) -> None:
+    loaded = load_text(arm.replace("[0.5, 5] m", "[5, 0.5] m"), "arm.srg")
+    assert json.loads(to_json(loaded.diagnostics, loaded.sources)) == [
+        {
+            "code": "SRG0303",
+            "severity": "error",
+            "message": "this interval is empty: its lower bound exceeds its upper bound",
+            "file": "arm.srg",
+            "line": 3,
+            "column": 40,
+            "end_line": 3,
+            "end_column": 50,
+            "hint": "exchange the bounds",
+        }
+    ]
+    assert to_json((), ()) == "[]\n"
+
+
+def test_tabs_notes_warnings_and_colour() -> None:
+    source = Source("a", "\tab\ncd\x1b\n")
+    sink = Sink()
+    sink.warning(Code.UNUSED_SYMBOL, "w", Span(2, 9), None, [(Span(4, 5), "n")])
+    plain = to_text(sink.sorted(), [source])
+    assert plain == (
+        "a:1:3: warning[SRG0403]: w\n"
+        "    1 | \tab\n"
+        "      | \t ^\n"
+        "a:2:1: note: n\n"
+        "    2 | cd\N{REPLACEMENT CHARACTER}\n"
+        "      | ^\n"
+    )
+    assert "\x1b" not in plain
+    assert "\x1b[1;33mwarning[SRG0403]\x1b[0m" in to_text(sink.sorted(), [source], colour=True)
+
+
+def test_a_place_without_text_has_no_excerpt() -> None:
+    sink = Sink()
+    sink.error(Code.EMPTY_FILE, "nothing", Span(0, 0), "write")
+    assert to_text(sink.sorted(), [Source("a", "")]) == (
+        "a:1:1: error[SRG0105]: nothing\n  hint: write\n"
+    )

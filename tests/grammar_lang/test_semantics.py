@@ -1,0 +1,227 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import pytest
+
+from grammar_lang import ir
+from grammar_lang.load import load_text
+
+Check = Callable[[str], list[tuple[str, str]]]
+
+HEAD = """
+module B { role base; }
+module JO { role joint; dof q: revolute -z; }
+module SL { role joint; dof d: prismatic x; }
+module L { role link; param length in [1, 2] m; const com = (0.5, 0, 0) m; }
+edge e;
+"""
+
+
+def spec(productions: str, blocks: str) -> str:
+    return f"{HEAD}grammar G {{ start S; {productions} }} semantics G {{ {blocks} }}"
+
+
+def blocks(productions: str, text: str) -> dict[str, ir.SemanticBlock]:
+    loaded = load_text(spec(productions, text), "t")
+    assert loaded.program is not None, loaded.diagnostics
+    semantics = loaded.program.grammars["G"].semantics
+    assert semantics is not None
+    return dict(semantics)
+
+
+def num(value: str) -> ir.Num:
+    return ir.Num(Fraction(value))
+
+
+def this(name: str) -> ir.AttributeOf:
+    return ir.AttributeOf(ir.THIS, name)
+
+
+def test_inherited_and_synthesized_attributes() -> None:
+    found = blocks(
+        "a: S -> T e T; b: T -> L;",
+        """
+        a { T1.frame = this.frame; T2.frame = T1.tip; this.mass = T1.mass + T2.mass + 1; }
+        b { this.tip = this.frame * move(x, L.length); this.mass = 2 kg; }
+        """,
+    )
+    assert found["a"].rules == (
+        ir.AttributeRule(ir.AttributeOf(0, "frame"), this("frame")),
+        ir.AttributeRule(ir.AttributeOf(2, "frame"), ir.AttributeOf(0, "tip")),
+        ir.AttributeRule(
+            this("mass"),
+            ir.Binary(
+                "+",
+                ir.Binary("+", ir.AttributeOf(0, "mass"), ir.AttributeOf(2, "mass")),
+                num("1"),
+            ),
+        ),
+    )
+
+
+def test_emissions() -> None:
+    found = blocks(
+        "a: S -> L;",
+        """a {
+          rod(length: L.length, frame: world, axis: -y, density: 1 kg/m, radius: 2 cm);
+          point(frame: world, mass: 500 g);
+          solid(frame: world, mass: 1, com: L.com, inertia: 0.1);
+          solid(frame: world, mass: 1, com: (1, 2, 3) cm, inertia: (1, 2, 3, 0, 0, 0) kg*m^2);
+          effector(frame: move((L.length, 0.1, 0)) * rot(z, 90 deg));
+        }""",
+    )
+    length, world = ir.ParameterOf(0, "length"), ir.World()
+    com = ir.Vector(num("1/2"), num("0"), num("0"))
+    shift = ir.Shift(ir.Vector(length, num("1/10"), num("0")))
+    quarter = ir.Binary("*", num("1/2"), ir.Pi())
+    assert found["a"].emissions == (
+        ir.Rod(world, "-y", length, num("1"), num("1/50")),
+        ir.PointMass(world, num("1/2")),
+        ir.Solid(world, num("1"), com, (num("1/10"),)),
+        ir.Solid(
+            world,
+            num("1"),
+            ir.Vector(num("1/100"), num("1/50"), num("3/100")),
+            tuple(num(v) for v in "123000"),
+        ),
+        ir.Effector(ir.Compose(shift, ir.Rot("z", quarter))),
+    )
+
+
+def test_named_occurrences_and_dofs() -> None:
+    found = blocks(
+        "a: S -> left:T JO right:T; b: T -> empty;",
+        """
+        a { left.frame = rot(-z, JO.q); right.frame = left.out * this.frame; }
+        b { this.out = this.frame; }
+        """,
+    )
+    assert found["a"].rules == (
+        ir.AttributeRule(ir.AttributeOf(0, "frame"), ir.Rot("-z", ir.DofOf(1, "q"))),
+        ir.AttributeRule(
+            ir.AttributeOf(2, "frame"), ir.Compose(ir.AttributeOf(0, "out"), this("frame"))
+        ),
+    )
+
+
+CHAIN = "a: S -> B; b: S -> S e L;"
+
+
+@pytest.mark.parametrize(
+    ("productions", "text", "found"),
+    [
+        # Blocks.
+        ("a: S -> B;", "", [("MISSING_BLOCK", "G")]),
+        ("a: S -> B;", "a { } c { }", [("UNKNOWN_NAME", "c")]),
+        ("a: S -> B;", "a { } a { }", [("DUPLICATE_NAME", "a")]),
+        # Definitions.
+        (CHAIN, "a { this.f = world; } b { }", [("UNDEFINED_ATTRIBUTE", "b")]),
+        (CHAIN, "a { this.f = world; } b { this.f = S.g; }", [("UNDEFINED_ATTRIBUTE", "g")]),
+        (
+            CHAIN,
+            "a { this.f = world; this.f = world; } b { this.f = S.f; }",
+            [("DOUBLE_ATTRIBUTE", "this.f")],
+        ),
+        (
+            CHAIN,
+            "a { this.frame = world; } b { S.frame = world; this.frame = world; }",
+            [("DOUBLE_ATTRIBUTE", "S.frame")],
+        ),
+        (CHAIN, "a { } b { S.height = 1 m; }", [("UNDEFINED_ATTRIBUTE", "S.height")]),
+        (CHAIN, "a { effector(frame: this.frame); } b { }", [("UNDEFINED_ATTRIBUTE", "b")]),
+        (CHAIN, "a { effector(frame: this.frame); } b { S.frame = world; }", []),
+        ("a: S -> B;", "a { B.frame = world; }", [("WRONG_KIND", "B.frame")]),
+        ("a: S -> B;", "a { C.frame = world; }", [("UNKNOWN_NAME", "C")]),
+        (
+            "a: S -> S S; b: S -> B;",
+            "a { this.f = S.f; } b { this.f = world; }",
+            [("AMBIGUOUS_OCCURRENCE", "S")],
+        ),
+        # Sorts and dimensions of attributes.
+        (CHAIN, "a { this.m = 1 kg; } b { this.m = S.m + 1 m; }", [("UNIT_MISMATCH", "1 m")]),
+        (CHAIN, "a { this.m = 1; } b { this.m = S.m + 1 m; }", []),
+        (CHAIN, "a { this.m = 1; } b { this.m = world; }", [("SORT_MISMATCH", "1")]),
+        (
+            CHAIN,
+            "a { this.m = 1; } b { this.m = S.m; point(frame: world, mass: S.m); }",
+            [("UNIT_MISMATCH", "S.m")],
+        ),
+        # Degrees of freedom.
+        ("a: S -> JO;", "a { }", [("BAD_DOF_USE", "a")]),
+        ("a: S -> JO;", "a { this.f = rot(z, JO.q); }", [("BAD_DOF_USE", "JO.q")]),
+        ("a: S -> JO;", "a { this.f = move(x, JO.q); }", [("BAD_DOF_USE", "JO.q")]),
+        ("a: S -> SL;", "a { this.f = rot(x, SL.d); }", [("BAD_DOF_USE", "SL.d")]),
+        ("a: S -> SL;", "a { this.f = move(x, SL.d); }", []),
+        ("a: S -> JO;", "a { this.f = rot(-z, 2*JO.q); }", [("BAD_DOF_USE", "JO.q")]),
+        ("a: S -> JO;", "a { this.f = rot(-z, (JO.q)); }", []),
+        (
+            "a: S -> JO;",
+            "a { this.f = rot(-z, JO.q) * rot(-z, JO.q); }",
+            [("BAD_DOF_USE", "JO.q")],
+        ),
+        ("a: S -> JO e JO;", "a { this.f = rot(-z, JO1.q); }", [("BAD_DOF_USE", "a")]),
+        ("a: S -> JO e JO;", "a { this.f = rot(-z, JO1.q) * rot(-z, JO2.q); }", []),
+        # Frames and emissions.
+        ("a: S -> B;", "a { this.f = rot(1, 2); }", [("SORT_MISMATCH", "1")]),
+        ("a: S -> B;", "a { this.f = rot(z); }", [("SORT_MISMATCH", "rot(z)")]),
+        ("a: S -> B;", "a { this.f = rot(z, 90); }", [("ANGLE_ABOVE_TURN", "90")]),
+        ("a: S -> B;", "a { this.f = world + world; }", [("SORT_MISMATCH", "world")]),
+        ("a: S -> B;", "a { effector(); }", [("BAD_EMISSION", "effector")]),
+        ("a: S -> B;", "a { effector(world); }", [("BAD_EMISSION", "world")]),
+        ("a: S -> B;", "a { efector(frame: world); }", [("BAD_EMISSION", "efector")]),
+        ("a: S -> B;", "a { point(frame: world, mass: -1); }", [("BAD_EMISSION", "-1")]),
+        (
+            "a: S -> B;",
+            "a { point(frame: world, frame: world, mass: 1); }",
+            [("BAD_EMISSION", "frame")],
+        ),
+        (
+            "a: S -> B;",
+            "a { solid(frame: world, mass: 1, com: (0, 0), inertia: (1, 2)); }",
+            [("BAD_EMISSION", "(1, 2)")],
+        ),
+        ("a: S -> B;", "a { point(frame: world, mass: 1 m); }", [("UNIT_MISMATCH", "1 m")]),
+        # Cycles.
+        (
+            "a: S -> B;",
+            "a { this.u = this.v + 1; this.v = this.u + 1; }",
+            [("CIRCULAR_ATTRIBUTES", "this.u = this.v + 1;")],
+        ),
+    ],
+)
+def test_findings(productions: str, text: str, found: list[tuple[str, str]], check: Check) -> None:
+    assert check(spec(productions, text)) == found
+
+
+def test_induced_cycles_are_found_and_printed() -> None:
+    """Neither production is circular alone: T's s depends on its i, and S feeds s back into i."""
+    text = spec(
+        "a: S -> T; b: T -> B;", "a { T.i = T.s; this.f = T.s; } b { this.s = this.i + 1 m; }"
+    )
+    found = load_text(text, "t").diagnostics
+    assert [d.code.name for d in found] == ["CIRCULAR_ATTRIBUTES"]
+    assert "T.i" in found[0].message
+    assert "T.s" in found[0].message
+
+
+def test_crossing_dependences_are_no_cycle(check: Check) -> None:
+    text = spec(
+        "a: S -> T; b: T -> B;",
+        "a { T.i = 1 m; T.j = T.s; this.f = T.t; } b { this.s = this.i; this.t = this.j; }",
+    )
+    assert check(text) == []
+
+
+def test_dimensions_flow_against_the_order_of_the_text() -> None:
+    found = blocks(
+        "a: S -> T; b: T -> U; c: U -> B;",
+        """a { this.f = move(x, T.h); } b { this.h = 2 * U.h; } c { this.h = 3 cm; }""",
+    )
+    assert found["c"].rules[0].value == num("3/100")
+
+
+def test_attributes_without_a_first_definition_are_refused(check: Check) -> None:
+    text = spec("a: S -> B; b: S -> T; c: T -> T e;", "a { } b { } c { this.f = T.f; }")
+    assert check(text) == [("UNDEFINED_ATTRIBUTE", "this.f")]

@@ -1,0 +1,197 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import pytest
+
+from grammar_lang import ir
+from grammar_lang.load import load_text
+
+Check = Callable[[str], list[tuple[str, str]]]
+Build = Callable[..., str]
+
+CLAUSES = {
+    "robot": "robot G;",
+    "workspace": "workspace W;",
+    "start": "start in S;",
+    "reach": "reach T;",
+    "effort": "effort <= 10 N*m;",
+    "horizon": "horizon 80 steps of 0.125 s;",
+    "more": "",
+}
+
+
+def clauses(**other: str) -> str:
+    return f"task P {{ {' '.join(other.get(name, text) for name, text in CLAUSES.items())} }}"
+
+
+@pytest.fixture(scope="session")
+def task(build: Build) -> Callable[..., ir.Task]:
+    def make(**other: str) -> ir.Task:
+        loaded = load_text(build(task=clauses(**other)), "t")
+        assert loaded.program is not None, loaded.diagnostics
+        return loaded.program.tasks["P"]
+
+    return make
+
+
+def test_defaults(task: Callable[..., ir.Task]) -> None:
+    assert task() == ir.Task(
+        name="P",
+        grammar="G",
+        workspace="W",
+        start=ir.StartIn("S", None, Fraction(0)),
+        reach=ir.Reach("T", None, at_rest=False),
+        avoid=(),
+        effort=(ir.Effort("revolute", Fraction(10), norm2=False),),
+        steps=80,
+        step=Fraction(1, 8),
+        slack=Fraction(1, 10**6),
+        gravity=(Fraction(0), Fraction(0)),
+        modules=None,
+        bounds_body=False,
+    )
+
+
+def test_clauses(task: Callable[..., ir.Task]) -> None:
+    assert task(start="start in S by effector 2 at rest;").start == ir.StartIn("S", 2, Fraction(0))
+    rates = task(start="start in S rates <= 50 rad/s * 0.01;").start
+    assert rates == ir.StartIn("S", None, Fraction(1, 2))
+    sixth = ir.Binary("*", ir.Num(Fraction(1, 6)), ir.Pi())
+    assert task(start="start at (30, 0.5 rad) deg;").start == ir.StartAt(
+        (sixth, ir.Num(Fraction(1, 2)))
+    )
+    assert task(start="start at (0);").start == ir.StartAt((ir.Num(Fraction(0)),))
+    assert task(reach="reach T by effector 3 at rest;").reach == ir.Reach("T", 3, at_rest=True)
+    avoid = task(more="avoid S, T with body, margin 2 cm; avoid S with effector margin 0;").avoid
+    assert avoid == (
+        ir.Avoid(("S", "T"), "body", Fraction(1, 50)),
+        ir.Avoid(("S",), "effector", Fraction(0)),
+    )
+    assert task(effort="effort <= 2*3 norm 2;").effort == (
+        ir.Effort("revolute", Fraction(6), norm2=True),
+    )
+    horizon = task(horizon="horizon 3*27 steps of 10/81;")
+    assert (horizon.steps, horizon.step) == (81, Fraction(10, 81))
+    more = task(more="slack 1e-3; gravity (0, -981) cm/s^2; modules <= 5; bounds with body;")
+    assert more.slack == Fraction(1, 1000)
+    assert more.gravity == (Fraction(0), Fraction(-981, 100))
+    assert more.modules == 5
+    assert more.bounds_body
+
+
+@pytest.mark.parametrize(
+    ("other", "found"),
+    [
+        ({"robot": ""}, [("MISSING_CLAUSE", "P")]),
+        ({"workspace": ""}, [("MISSING_CLAUSE", "P")]),
+        ({"start": ""}, [("MISSING_CLAUSE", "P")]),
+        ({"reach": ""}, [("MISSING_CLAUSE", "P")]),
+        ({"effort": ""}, [("MISSING_CLAUSE", "P")]),
+        ({"horizon": ""}, [("MISSING_CLAUSE", "P")]),
+        ({"more": "robot G;"}, [("REPEATED_CLAUSE", "robot G;")]),
+        ({"more": "reach S;"}, [("REPEATED_CLAUSE", "reach S;")]),
+        ({"more": "start at (0);"}, [("REPEATED_CLAUSE", "start at (0);")]),
+        ({"more": "effort <= 1 J;"}, [("REPEATED_CLAUSE", "effort <= 1 J;")]),
+        ({"robot": "robot H;"}, [("UNKNOWN_NAME", "H")]),
+        ({"workspace": "workspace V;"}, [("UNKNOWN_NAME", "V")]),
+        ({"reach": "reach U;"}, [("UNKNOWN_NAME", "U")]),
+        ({"more": "avoid U with body;"}, [("UNKNOWN_NAME", "U")]),
+        ({"effort": "effort <= 10 N;"}, [("UNIT_MISMATCH", "10 N")]),
+        ({"effort": "effort <= 10 kg;"}, [("UNIT_MISMATCH", "10 kg")]),
+        ({"effort": "effort <= 0 N*m;"}, [("BAD_VALUE", "0 N*m")]),
+        ({"effort": "effort <= 1 N*m norm 3;"}, [("BAD_VALUE", "3")]),
+        ({"horizon": "horizon 0 steps of 1 s;"}, [("BAD_VALUE", "0")]),
+        ({"horizon": "horizon 1.5 steps of 1 s;"}, [("BAD_VALUE", "1.5")]),
+        ({"horizon": "horizon 5 steps of 0 s;"}, [("BAD_VALUE", "0 s")]),
+        ({"horizon": "horizon 5 steps of 1 m;"}, [("UNIT_MISMATCH", "1 m")]),
+        ({"reach": "reach T by effector 0;"}, [("BAD_VALUE", "0")]),
+        ({"start": "start in S rates <= 1 m/s;"}, [("UNIT_MISMATCH", "1 m/s")]),
+        ({"start": "start in S rates <= -1;"}, [("BAD_VALUE", "-1")]),
+        ({"start": "start in S rates <= 3 deg/s;"}, [("NOT_RATIONAL", "3 deg/s")]),
+        ({"start": "start at (1 m);"}, [("UNIT_MISMATCH", "1 m")]),
+        ({"start": "start at (90);"}, [("ANGLE_ABOVE_TURN", "90")]),
+        ({"more": "gravity (0, 0, -9.81);"}, [("OUT_OF_PLANE", "(0, 0, -9.81)")]),
+        ({"more": "gravity (0, -9.81) m/s;"}, [("UNIT_MISMATCH", "m/s")]),
+        ({"more": "modules <= 0;"}, [("BAD_VALUE", "0")]),
+        ({"more": "modules >= 3;"}, [("BAD_VALUE", "modules >= 3;")]),
+        ({"more": "avoid S with body margin -1 cm;"}, [("BAD_VALUE", "-1 cm")]),
+        ({"more": "slack -1;"}, [("BAD_VALUE", "-1")]),
+        ({"more": "avoid self with body margin 1 cm;"}, [("NOT_SUPPORTED", "self")]),
+        ({"more": "from B eps JO;"}, [("NOT_SUPPORTED", "from B eps JO;")]),
+        (
+            {"reach": "satisfy eventually[0 s, 5 s] (S and not T);"},
+            [("NOT_SUPPORTED", "satisfy eventually[0 s, 5 s] (S and not T);")],
+        ),
+        (
+            {"more": "robust start 1 cm, 2 deg/s; robust effort 5 %;"},
+            [
+                ("NOT_SUPPORTED", "robust start 1 cm, 2 deg/s;"),
+                ("NOT_SUPPORTED", "robust effort 5 %;"),
+            ],
+        ),
+    ],
+)
+def test_findings(
+    other: dict[str, str], found: list[tuple[str, str]], check: Check, build: Build
+) -> None:
+    assert check(build(task=clauses(**other))) == found
+
+
+def test_an_effort_bound_for_every_kind(check: Check, build: Build) -> None:
+    grammar = "grammar G { start N; a: N -> SL JO; }"
+    semantics = "semantics G { a { effector(frame: move(x, SL.d) * rot(z, JO.q)); } }"
+    modules = """
+module SL { role joint; dof d: prismatic x; } module JO { role joint; dof q: revolute z; }
+"""
+
+    def found(effort: str) -> list[tuple[str, str]]:
+        task = clauses(effort=effort)
+        return check(build(modules=modules, grammar=grammar, semantics=semantics, task=task))
+
+    assert found("effort <= 1 N*m; effort <= 2 N;") == []
+    assert found("effort <= 1 N*m;") == [("MISSING_CLAUSE", "P")]
+    assert found("effort <= 1;") == [("UNIT_MISMATCH", "1")]
+
+
+@pytest.mark.parametrize(
+    ("link", "marked"),
+    [
+        ("this.frame = N.frame * rot(x, 30 deg) * move(x, L.length);", "x"),
+        ("this.frame = N.frame * move(-z, L.length);", "-z"),
+        ("this.frame = N.frame * move((0, 0, L.length));", "L.length"),
+        ("this.frame = N.frame; rod(frame: N.frame, axis: z, length: 1, density: 1);", "z"),
+        (
+            """this.frame = N.frame;
+            solid(frame: N.frame, mass: 1, com: (0, 0), inertia: (1, 1, 1, 0, 0, 0));""",
+            "(1, 1, 1, 0, 0, 0)",
+        ),
+    ],
+)
+def test_the_plane_is_flat(link: str, marked: str, check: Check, build: Build) -> None:
+    """Such semantics are fine in themselves, and wrong in a task with a plane workspace."""
+    semantics = f"""
+semantics G {{
+  base {{ this.frame = world; }} joint {{ this.frame = N.frame * rot(z, JO.q); }}
+  link {{ {link} }} tool {{ this.frame = N.frame; effector(frame: N.frame); }}
+}}"""
+    assert check(build(semantics=semantics, task="")) == []
+    assert check(build(semantics=semantics)) == [("OUT_OF_PLANE", marked)]
+
+
+def test_inertia_in_space_has_six_numbers(check: Check, build: Build) -> None:
+    workspace = """
+workspace W { space xyz; bounds box [0, 5] x [0, 5] x [0, 5] m;
+  region S hull (0, 0, 0); target T hull (1, 1, 1); }"""
+    semantics = """
+semantics G {
+  base { this.frame = world; } joint { this.frame = N.frame * rot(z, JO.q); }
+  link { this.frame = N.frame; solid(frame: N.frame, mass: 1, com: (0, 0, 1), inertia: 2); }
+  tool { this.frame = N.frame; effector(frame: N.frame); }
+}"""
+    assert check(build(workspace=workspace, semantics=semantics)) == [("OUT_OF_PLANE", "2")]
+
+
+def test_a_grammar_without_semantics_is_no_robot(check: Check, build: Build) -> None:
+    assert check(build(semantics="")) == [("MISSING_BLOCK", "G")]
