@@ -27,6 +27,11 @@ from compiler.scalars import (
 
 Array: TypeAlias = NDArray[np.float64]
 
+TRACKING_ROUNDS = 4
+TRACKING_DAMPING = 1e-4
+LONGEST_STEP = 0.3
+"""Per round, in radians or metres."""
+
 
 @dataclass(frozen=True, slots=True)
 class Linearisation:
@@ -62,6 +67,7 @@ class FloatReading:
             [float(c.value) if isinstance(c, Constant) else np.pi for c in graph.constants]
         )
         self._maps: dict[tuple[str, int], ca.Function] = {}
+        self._rollouts: dict[tuple[str, int, float, int], ca.Function] = {}
         self._functions = {
             "step": _with_jacobians(graph.acceleration, (0, 1, 2, 3)),
             "points": _with_jacobians(_all_points(graph), (0, 1)),
@@ -119,6 +125,34 @@ class FloatReading:
             total_s += weight * slope_s
         return x + h / 6 * total, sensitivity + h / 6 * total_s
 
+    def simulate(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Array:
+        """States (k + 1, 2n) from an initial one (2n,) under inputs (k, n), by the step map."""
+        key = ("simulate", len(u), dt, substeps)
+        if key not in self._rollouts:
+            self._rollouts[key] = _rollout(self.graph, dt, substeps, len(u))
+        tail = np.concatenate([theta, self.constants])
+        columns = np.tile(tail[:, None], (1, len(u)))
+        states = self._rollouts[key](x, np.concatenate([u.T, columns]))
+        return np.concatenate([x[None, :], np.asarray(states.full()).T])
+
+    def track(
+        self, first: Array, theta: Array, point: int, waypoints: Array, box: tuple[Array, Array]
+    ) -> Array:
+        """Coordinates (K, n) that follow waypoints (K, d) continuously from ``first`` (n,).
+
+        Damped least squares, a fixed number of rounds per waypoint, kept within the box.
+        """
+        if len(waypoints) < 2:
+            return first[None, :]
+        key = ("track", len(waypoints) - 1, float(point), 0)
+        if key not in self._rollouts:
+            functions = self._functions["points"]
+            self._rollouts[key] = _tracker(functions, self.n, self.d, point, len(waypoints) - 1)
+        tail = np.concatenate([*box, theta, self.constants])
+        columns = np.tile(tail[:, None], (1, len(waypoints) - 1))
+        found = self._rollouts[key](first, np.concatenate([waypoints[1:].T, columns]))
+        return np.concatenate([first[None, :], np.asarray(found.full()).T])
+
     def points(self, q: Array, theta: Array) -> Points:
         """Effectors first, then body points, at K samples; q (K, n)."""
         count, d = len(q), self.d
@@ -168,6 +202,45 @@ def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Functi
     value = function(*symbols)
     jacobians = [ca.densify(ca.jacobian(value, symbols[i])) for i in inputs]
     return ca.Function("linearised", symbols, ca.cse([ca.densify(value), *jacobians]))
+
+
+def _rollout(graph: RobotGraph, dt: float, substeps: int, steps: int) -> ca.Function:
+    """All steps of the classical Runge-Kutta method in one call."""
+    f = graph.acceleration
+    n, p, c = f.size1_in(0), f.size1_in(3), f.size1_in(4)
+    x, extra = ca.SX.sym("x", 2 * n), ca.SX.sym("e", n + p + c)
+    u, theta, k = ca.vertsplit(extra, [0, n, n + p, n + p + c])
+
+    def slope(at: ca.SX) -> ca.SX:
+        return ca.vertcat(at[n:], f(at[:n], at[n:], u, theta, k))
+
+    after, h = x, dt / substeps
+    for _ in range(substeps):
+        k1 = slope(after)
+        k2 = slope(after + h / 2 * k1)
+        k3 = slope(after + h / 2 * k2)
+        k4 = slope(after + h * k3)
+        after = after + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return ca.Function("step", [x, extra], [after]).mapaccum("simulate", steps)
+
+
+def _tracker(points: ca.Function, n: int, d: int, point: int, steps: int) -> ca.Function:
+    """Damped least squares from waypoint to waypoint in one call."""
+    p, c = points.size1_in(1), points.size1_in(2)
+    q, extra = ca.SX.sym("q", n), ca.SX.sym("e", d + 2 * n + p + c)
+    target, lower, upper, theta, k = ca.vertsplit(
+        extra, [0, d, d + n, d + 2 * n, d + 2 * n + p, d + 2 * n + p + c]
+    )
+    rows = slice(point * d, point * d + d)
+    at = q
+    for _ in range(TRACKING_ROUNDS):
+        value, jacobian, _ = points(at, theta, k)
+        error, slope = target - value[rows], jacobian[rows, :]
+        gram = slope @ slope.T + TRACKING_DAMPING * ca.SX.eye(d)
+        step = slope.T @ (ca.inv(gram) @ error)
+        longest = ca.fmax(1, ca.norm_2(step) / LONGEST_STEP)
+        at = ca.fmin(ca.fmax(at + step / longest, lower), upper)
+    return ca.Function("follow", [q, extra], [at]).mapaccum("track", steps)
 
 
 def _all_points(graph: RobotGraph) -> ca.Function:

@@ -31,6 +31,7 @@ from flint import arb
 from pysmt.fnode import FNode
 
 from compiler.balls import working_precision
+from compiler.polytope import polytope_of
 from compiler.rational_enclosure import rational_bounds
 from compiler.real_terms import Quantity, RealScript
 from compiler.robot import Joint, Offset, RobotModel, Step, Turn
@@ -82,8 +83,30 @@ class Segment:
 Chain: TypeAlias = tuple[Segment, ...]
 
 
+def pose_question(workspace: ir.Workspace, task: ir.Task) -> PoseQuestion:
+    """What a task asks of the poses at its two ends."""
+
+    def rows(region: ir.Region) -> tuple[ir.HalfSpace, ...]:
+        return polytope_of(region.shape, workspace.dimension).rows
+
+    def index(effector: int | None) -> int | None:
+        return None if effector is None else effector - 1
+
+    start = task.start if isinstance(task.start, ir.StartIn) else None
+    return PoseQuestion(
+        None if start is None else rows(workspace.region(start.region)),
+        rows(workspace.region(task.reach.region)),
+        rows(workspace.bounds),
+        None if start is None else index(start.effector),
+        index(task.reach.effector),
+    )
+
+
 def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[int, int]]:
-    """The pairs (starting, reaching) of effectors that the task admits, from 0."""
+    """The pairs (starting, reaching) of effectors that the task admits, from 0.
+
+    Where only the start names its effector, any effector may reach.
+    """
     count, start, reach = len(model.effectors), question.start_effector, question.reach_effector
     reaching = range(count) if reach is None else [reach]
     pairs = [(e if start is None or question.start is None else start, e) for e in reaching]

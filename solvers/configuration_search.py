@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.float_reading import Array
-from solvers.control import ControlOutcome
+from solvers.control import FULL, ControlOutcome, Effort
 from solvers.evaluation import Evaluator, evaluate
 from solvers.parameter_search import BayesianSearch, parameter_space
 from solvers.path_following import Follower
@@ -19,10 +19,10 @@ from solvers.progress import Conduct
 
 ROUNDS = 6
 BATCH = 2
-BASINS = 3
-SHIFTS = (4, -4, 2, -2, 1, -1)
+BASINS = 2
+SHIFTS = (4, -4, 1, -1)
 TIMING_ROUNDS = 2
-POLISH_ITERATIONS = 40
+RETIMING = Effort(6, 1e-4, 1e-8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Co
     best: list[ControlOutcome] = []
     evaluations = 0
     if space.is_point:
-        outcome = evaluate(follower, space.lower)
+        outcome = evaluate(follower, space.lower, FULL)
         best, evaluations = [outcome], 1
         conduct.reporter.robustness(outcome.robustness)
     else:
@@ -102,7 +102,7 @@ def _polished(
 ) -> ControlOutcome:
     """The outcome with its parameters made unknowns of the convex programs."""
     box = parameter_space(follower.model).free_box(outcome.trajectory.theta)
-    polished = follower.solve(outcome.trajectory, entries, box, POLISH_ITERATIONS)
+    polished = follower.solve(outcome.trajectory, entries, box, FULL)
     better = max(outcome, polished, key=lambda item: item.robustness)
     conduct.reporter.robustness(better.robustness)
     return better
@@ -122,7 +122,7 @@ def _timed(
                 if moved is None:
                     continue
                 box = None if space.is_point else space.free_box(outcome.trajectory.theta)
-                trial = follower.solve(outcome.trajectory, moved, box, 12, 0.25)
+                trial = follower.solve(outcome.trajectory, moved, box, RETIMING, 0.25)
                 if trial.feasible and trial.robustness > outcome.robustness + 1e-6:
                     outcome, entries = trial, moved
                     conduct.reporter.robustness(outcome.robustness)

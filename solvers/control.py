@@ -1,8 +1,9 @@
 """Configuration robustness by sequential convex programming (P.Synthesis, problem (i)).
 
 Linearise, solve, measure on the nonlinear robot, repeat.  The merit function is exact: robustness
-less penalties for the largest fictitious input and the largest position excess, so a fixpoint
-with both at zero is a trajectory of the nonlinear (discretised) robot.
+less penalties for the largest fictitious input, the largest position excess and the largest excess
+over the limits of the motion (a seed may break them, a convex step never does), so a fixpoint with
+all of them at zero is a trajectory of the nonlinear (discretised) robot.
 """
 
 from __future__ import annotations
@@ -29,11 +30,22 @@ from solvers.convex_step import (
 RowsOf = Callable[[Array], PositionRows]
 """Position rows for the positions (k + 1, m, d) of a reference trajectory."""
 
-SMALLEST_RADIUS = 1e-7
-EXCESS = 1e-6
+SMALLEST_RADIUS = 1e-5
+LARGEST_RADIUS = 2.0
+GROWTH = 1.5
+STILL = 1e-7
+DECAY = 0.6
+"""In the second half of the iterations the trust region shrinks at least by this factor."""
+FUNNEL = 0.3
+FREE_STEPS = 3
+"""Steps that are taken whatever their defects, to get away from the seed."""
+MERIT_WEIGHT = 0.3
+EXCESS = 1e-4
 """Position excess in metres that the margin absorbs."""
-DEFECT = 1e-2
-"""Fictitious effort up to which a defect is rounding, closed by simulation."""
+LIMIT_EXCESS = 1e-4
+"""The same for joint limits and rates, in rad or m (/s)."""
+DEFECT = 1e-3
+"""Fictitious effort, in units of the bound, up to which simulation closes a defect."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +58,25 @@ class ControlProblem:
     limits: MotionLimits
     groups: tuple[InputGroup, ...]
     rows_of: RowsOf
+
+    @property
+    def scale(self) -> float:
+        """The largest effort bound, the unit in which defects are weighed."""
+        return max((group.bound for group in self.groups), default=1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How hard to try: iterations, the relative improvement that ends them, program accuracy."""
+
+    iterations: int
+    tolerance: float
+    accuracy: float
+
+
+FULL = Effort(40, 1e-5, 1e-8)
+SURVEY = Effort(14, 1e-4, 1e-6)
+"""Enough to compare parameters with each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,11 +105,16 @@ class _Measured:
     rows: PositionRows
     fictitious: Array
     excess: float
+    outside: float
     margin: float
 
-    def merit(self, weights: Weights) -> float:
-        largest = float(np.max(self.fictitious, initial=0.0))
-        return -self.margin + weights.fictitious * largest + weights.position * self.excess
+    def infeasibility(self, scale: float) -> float:
+        """The largest defect in units of the effort bound, plus the position excess in metres."""
+        return float(np.max(self.fictitious, initial=0.0)) / scale + self.excess
+
+    def merit(self, scale: float) -> float:
+        """What progress is measured by; small where robust and nearly feasible."""
+        return -self.margin / scale + MERIT_WEIGHT * self.infeasibility(scale)
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:
@@ -104,6 +140,18 @@ def effort_peak(groups: tuple[InputGroup, ...], u: Array) -> float:
     )
 
 
+def limit_excess(limits: MotionLimits, x: Array) -> float:
+    """By how much states (k + 1, 2n) leave the limits of a motion at most; 0 if they keep them."""
+    n = len(limits.lower)
+    q, v = x[:, :n], x[:, n:]
+    gaps = [limits.lower - q, q - limits.upper, (limits.rate_lower - v)[1:]]
+    gaps += [(v - limits.rate_upper)[1:], np.abs(v[:1]) - limits.start_rates]
+    gaps.append(np.abs(v[-1:]) - limits.final_rates)
+    if limits.start_values is not None:
+        gaps.append(np.abs(q[:1] - limits.start_values))
+    return max(float(np.max(gap, initial=0.0)) for gap in gaps)
+
+
 def _measure(
     problem: ControlProblem, trajectory: Trajectory, rows: PositionRows | None
 ) -> _Measured:
@@ -121,6 +169,7 @@ def _measure(
         rows,
         np.max(np.abs(defect), axis=1, initial=0.0),
         float(np.max(rows.excess(points), initial=0.0)),
+        limit_excess(problem.limits, x),
         input_margin(problem.groups, u),
     )
 
@@ -135,10 +184,9 @@ def synthesise_control(
     problem: ControlProblem,
     start: Trajectory,
     theta_box: tuple[Array, Array] | None = None,
-    iterations: int = 40,
+    effort: Effort = FULL,
     radius: float = 0.5,
     weights: Weights | None = None,
-    tolerance: float = 1e-5,
 ) -> ControlOutcome:
     """Iterate convex steps from a seed trajectory to a fixpoint.
 
@@ -146,50 +194,52 @@ def synthesise_control(
     """
     weights = weights or Weights()
     current = _measure(problem, start, None)
+    best = current.merit(problem.scale)
     status = "iteration limit"
     used = 0
-    while used < iterations:
+    while used < effort.iterations:
         used += 1
+        if used > effort.iterations // 2:
+            radius *= DECAY
         result = convex_step(
-            current.model, current.rows, problem.limits, problem.groups, radius, theta_box, weights
+            current.model,
+            current.rows,
+            problem.limits,
+            problem.groups,
+            radius,
+            theta_box,
+            weights,
+            accuracy=effort.accuracy,
         )
         if isinstance(result, NotSolved):
             radius /= 4
+            status = f"convex step: {result.status}"
             if radius < SMALLEST_RADIUS:
-                status = f"convex step: {result.status}"
                 break
             continue
-        merit = current.merit(weights)
-        predicted = merit - _predicted(result, weights)
-        if predicted < tolerance * (1 + abs(merit)):
+        trial = _measure(problem, result.trajectory, None)
+        beyond = trial.infeasibility(problem.scale) - _conceded(result, problem.scale)
+        funnel = max(current.infeasibility(problem.scale) / 2, FUNNEL * min(1.0, radius))
+        if used > FREE_STEPS and beyond > funnel and radius > SMALLEST_RADIUS:
+            radius /= 2
+            continue
+        moved = float(np.max(np.abs(trial.model.about.x - current.model.about.x)))
+        current = trial
+        merit = current.merit(problem.scale)
+        if merit > best - effort.tolerance * (1 + abs(best)):
+            radius /= 2
+        elif used <= effort.iterations // 2:
+            radius = min(LARGEST_RADIUS, radius * GROWTH)
+        best = min(best, merit)
+        if moved < STILL or radius < SMALLEST_RADIUS:
             status = "fixpoint"
-            break
-        trial = _measure(problem, result.trajectory, current.rows)
-        ratio = (merit - trial.merit(weights)) / predicted
-        if ratio > 0.05:
-            current = _measure(problem, result.trajectory, None)
-        radius = _next_radius(radius, ratio)
-        if radius < SMALLEST_RADIUS:
-            status = "trust region"
             break
     return _outcome(problem, current, used, status)
 
 
-def _predicted(result: StepResult, weights: Weights) -> float:
-    return (
-        -result.margin
-        + weights.fictitious * result.largest_fictitious
-        + weights.position * result.position_slack
-    )
-
-
-def _next_radius(radius: float, ratio: float) -> float:
-    """The usual trust-region update."""
-    if ratio < 0.05:
-        return radius / 4
-    if ratio < 0.3:
-        return radius / 2
-    return min(2.0, radius * 2) if ratio > 0.8 else radius
+def _conceded(result: StepResult, scale: float) -> float:
+    """The infeasibility that the convex step itself could not avoid."""
+    return result.largest_fictitious / scale + result.position_slack
 
 
 def _outcome(
@@ -199,11 +249,12 @@ def _outcome(
     trajectory = _simulated(problem, at.model.about)
     measured = _measure(problem, trajectory, None)
     defect = float(np.max(at.fictitious, initial=0.0))
-    closed = at.excess <= EXCESS and measured.excess <= 10 * EXCESS and defect < DEFECT
-    if closed and measured.margin >= 0:
+    closed = at.excess <= EXCESS and measured.excess <= 3 * EXCESS and defect < DEFECT * problem.scale
+    within = max(at.outside, measured.outside) <= LIMIT_EXCESS
+    if closed and within and measured.margin >= 0:
         best, value = measured, measured.margin
     else:
-        best, value = at, -(defect + max(0.0, -at.margin) + at.excess)
+        best, value = at, -(defect + max(0.0, -at.margin) + at.excess + at.outside)
         trajectory = at.model.about
     return ControlOutcome(
         trajectory,
@@ -219,15 +270,12 @@ def _outcome(
 
 def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
     """The trajectory that the inputs cause from the same initial state."""
-    first = trajectory.x[:1].copy()
+    first = trajectory.x[0].copy()
     if problem.limits.start_rates == 0.0:
-        first[:, problem.reading.n :] = 0.0
+        first[problem.reading.n :] = 0.0
     if problem.limits.start_values is not None:
-        first[:, : problem.reading.n] = problem.limits.start_values
-    states = [first]
-    for i in range(len(trajectory.u)):
-        after = problem.reading.step(
-            states[-1], trajectory.u[i : i + 1], trajectory.theta, problem.dt, problem.substeps
-        )
-        states.append(after.value)
-    return Trajectory(np.concatenate(states), trajectory.u, trajectory.theta)
+        first[: problem.reading.n] = problem.limits.start_values
+    states = problem.reading.simulate(
+        first, trajectory.u, trajectory.theta, problem.dt, problem.substeps
+    )
+    return Trajectory(states, trajectory.u, trajectory.theta)

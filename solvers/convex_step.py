@@ -203,6 +203,7 @@ def convex_step(
     theta_box: tuple[Array, Array] | None,
     weights: Weights,
     epsilon: float | None = None,
+    accuracy: float = 1e-8,
 ) -> StepResult | NotSolved:
     """Solve one convex step; ``theta_box`` None keeps the parameters as they are.
 
@@ -230,7 +231,7 @@ def convex_step(
     diagonal = np.full(layout.size, 1e-9)
     diagonal[layout.u.ravel()] = 2 * weights.quadratic
     program = _assemble(layout.size, diagonal, linear, (equalities, inequalities, cones), sizes)
-    optimum = solve(program)
+    optimum = solve(program, (accuracy, 100 * accuracy))
     if isinstance(optimum, NotSolved):
         return optimum
     z = optimum.point
@@ -291,13 +292,17 @@ def _limit_rows(
     count = layout.k
     lower, upper = (np.tile(bound, count) for bound in (limits.lower, limits.upper))
     inequalities.add_bounds(x[1:, :n].ravel(), lower, upper)
-    lower, upper = (np.tile(bound, count) for bound in (limits.rate_lower, limits.rate_upper))
-    inequalities.add_bounds(x[1:, n:].ravel(), lower, upper)
-    for rates, bound in ((x[0, n:], limits.start_rates), (x[-1, n:], limits.final_rates)):
+    shape = (count + 1, n)
+    lower = np.array(np.broadcast_to(limits.rate_lower, shape))
+    upper = np.array(np.broadcast_to(limits.rate_upper, shape))
+    for sample, bound in ((0, limits.start_rates), (count, limits.final_rates)):
         if bound == 0.0:
-            equalities.add(np.zeros(n), (rates[:, None], np.array([[1.0]])))
-        else:
-            inequalities.add_bounds(rates, np.full(n, -bound), np.full(n, bound))
+            equalities.add(np.zeros(n), (x[sample, n:, None], np.array([[1.0]])))
+            lower[sample], upper[sample] = -np.inf, np.inf
+            continue
+        lower[sample] = np.maximum(lower[sample], -bound)
+        upper[sample] = np.minimum(upper[sample], bound)
+    inequalities.add_bounds(x[:, n:].ravel(), lower.ravel(), upper.ravel())
 
 
 def _position_rows(rows: _Rows, layout: _Layout, model: Model, wanted: PositionRows) -> None:

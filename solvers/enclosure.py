@@ -117,8 +117,8 @@ class VectorField:
 
 
 def _span(h: arb) -> arb:
-    """The ball [0, h]."""
-    return arb(h.mid() / 2, (h / 2).upper())
+    """A ball that contains [0, h] for every value of h."""
+    return arb(0).union(h)
 
 
 def _remainder(

@@ -15,7 +15,7 @@ from types import TracebackType
 from compiler.dynamics import robot_graph
 from compiler.float_reading import Array, FloatReading
 from compiler.robot import RobotModel
-from solvers.control import ControlOutcome
+from solvers.control import SURVEY, ControlOutcome, Effort
 from solvers.path_following import Follower
 
 
@@ -41,13 +41,13 @@ def recipe(follower: Follower) -> Recipe:
     return Recipe(follower.model, settings)
 
 
-def evaluate(follower: Follower, theta: Array) -> ControlOutcome:
+def evaluate(follower: Follower, theta: Array, effort: Effort = SURVEY) -> ControlOutcome:
     """The best outcome over all seeds; ties go to the first.
 
     Raises:
         ValueError: there is no seed.
     """
-    outcomes = [follower.solve(seed) for seed in follower.seeds(theta)]
+    outcomes = [follower.solve(seed, effort=effort) for seed in follower.seeds(theta)]
     return max(outcomes, key=lambda outcome: outcome.robustness)
 
 

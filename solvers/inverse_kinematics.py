@@ -20,7 +20,6 @@ def solve_positions(
     point: int,
     targets: Array,
     box: tuple[Array, Array],
-    rounds: int = ROUNDS,
 ) -> tuple[Array, Array]:
     """Bring one point to targets from K starts; starts (K, n), targets (K, d).
 
@@ -32,7 +31,7 @@ def solve_positions(
     damping = np.full(len(q), DAMPING)
     points = reading.points(q, theta)
     error = targets - points.value[:, point]
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         jacobian = points.by_q[:, point]
         normal = jacobian.transpose(0, 2, 1) @ jacobian + damping[:, None, None] * eye
         gradient = jacobian.transpose(0, 2, 1) @ error[:, :, None]
@@ -78,21 +77,3 @@ def branches(
         if len(chosen) == count:
             break
     return np.array(chosen)
-
-
-def track(
-    reading: FloatReading,
-    first: Array,
-    theta: Array,
-    point: int,
-    waypoints: Array,
-    box: tuple[Array, Array],
-) -> Array:
-    """Coordinates (K, n) that follow waypoints (K, d) continuously from ``first`` (n,)."""
-    found = [first]
-    for target in waypoints[1:]:
-        q, _ = solve_positions(
-            reading, found[-1][None, :], theta, point, target[None, :], box, rounds=8
-        )
-        found.append(q[0])
-    return np.array(found)

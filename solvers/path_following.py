@@ -13,13 +13,15 @@ from compiler.polytope import Polytope, polytope_of
 from compiler.robot import RobotModel, RodBody
 from grammar_lang import ir
 from grammar_lang.constants import to_float
-from solvers.control import ControlOutcome, ControlProblem, synthesise_control
+from solvers.control import FULL, ControlOutcome, ControlProblem, Effort, synthesise_control
 from solvers.convex_step import InputGroup, MotionLimits, Trajectory
-from solvers.inverse_kinematics import branches, track
+from solvers.inverse_kinematics import branches
 from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation
 
 SUBSTEPS = 2
 FAR = Fraction(1000)
+LIMIT_MARGIN = 1e-3
+"""Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
 RATE_MARGIN = 0.5
 """A final rest is asked for at this fraction of its bound."""
 
@@ -105,7 +107,10 @@ class Follower:
         if isinstance(self.task.start, ir.StartIn) and self.start_effector != self.effector:
             region = _convex(self._region(self.task.start.region))
             dwells.append(Dwell(self.start_effector, 0, 0, region))
-        return PositionPlan(k, tuple(dwells), tuple(self._separations()), self.margin)
+        anchors = self.waypoints()[0]
+        return PositionPlan(
+            k, tuple(dwells), tuple(self._separations()), self.margin, self.effector, anchors
+        )
 
     def _region(self, name: str) -> Polytope:
         return polytope_of(self.workspace.region(name).shape, self.workspace.dimension)
@@ -159,7 +164,7 @@ class Follower:
         dt, n = float(self.task.step), self.reading.n
         found = []
         for start in first:
-            q = track(self.reading, start, theta, self.effector, place, box)
+            q = self.reading.track(start, theta, self.effector, place, box)
             v = np.gradient(q, dt, axis=0)
             v[0] = 0.0
             u = np.zeros((self.task.steps, n))
@@ -171,14 +176,14 @@ class Follower:
         start: Trajectory,
         entries: tuple[int, ...] | None = None,
         box: tuple[Array, Array] | None = None,
-        iterations: int = 25,
+        effort: Effort = FULL,
         radius: float = 0.5,
     ) -> ControlOutcome:
         """Control synthesis from a seed; with ``box`` the parameters are unknowns too."""
         if entries is None:
             entries = self.waypoints()[1]
         problem = self.problem(entries)
-        return synthesise_control(problem, start, box, iterations=iterations, radius=radius)
+        return synthesise_control(problem, start, box, effort, radius)
 
     def with_margin(self, margin: float) -> Follower:
         """The same task with another margin."""
@@ -237,7 +242,7 @@ def parameter_bounds(model: RobotModel) -> list[tuple[float, float]]:
 
 def motion_limits(model: RobotModel, task: ir.Task) -> MotionLimits:
     """Joint limits, rate limits, start and final rates of a robot in a task, in floats."""
-    slack = 1e-6
+    slack = LIMIT_MARGIN
 
     def ends(interval: ir.Interval | None) -> tuple[float, float]:
         if interval is None:

@@ -28,16 +28,16 @@ TURN = np.pi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseWitness:
-    """Parameters (p,), coordinates (n,) at both poses, and which effectors (from 0) they place.
+    """Parameters (p,) and coordinates (n,) at both poses; ``effector`` (from 0) is in the target.
 
-    ``start`` is None where the task fixes the start pose.
+    ``start`` is None where the task fixes the start pose, else ``start_effector`` is in its region.
     """
 
     theta: Array
     start: Array | None
     target: Array
+    effector: int
     start_effector: int
-    reach_effector: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,21 +64,21 @@ class _Pose:
     region: _Region
 
 
-def find_poses(reading: FloatReading, question: PoseQuestion, *, seed: int) -> PoseWitness | None:
+def find_poses(reading: FloatReading, question: PoseQuestion, seed: int) -> PoseWitness | None:
     """Poses that answer a question positively, for some effector; None: not found.
 
     Honours joint limits and parameter ranges; both poses share the parameters.  The same
     arguments give the same answer.
     """
     for start, reach in effector_choices(reading.graph.model, question):
-        found = find_poses_of(reading, question, (start, reach), seed=seed)
+        found = find_poses_of(reading, question, (start, reach), seed)
         if found is not None:
             return found
     return None
 
 
 def find_poses_of(
-    reading: FloatReading, question: PoseQuestion, effectors: tuple[int, int], *, seed: int
+    reading: FloatReading, question: PoseQuestion, effectors: tuple[int, int], seed: int
 ) -> PoseWitness | None:
     """The same for one choice of the starting and the reaching effector."""
     poses = [_Pose(effectors[1], _region(question.target, question.bounds))]
@@ -91,7 +91,7 @@ def find_poses_of(
                          theta, limits)  # fmt: skip
         if found is not None:
             q, best = found
-            return PoseWitness(best, q[0] if len(poses) == 2 else None, q[-1], *effectors)
+            return PoseWitness(best, q[0] if len(poses) == 2 else None, q[-1], *effectors[::-1])
     return None
 
 
@@ -103,6 +103,7 @@ def _region(*parts: tuple[ir.HalfSpace, ...]) -> _Region:
     normals = np.array([[float(a) for a in row.normal] for row in rows])
     offsets = np.array([float(row.offset) for row in rows])
     length = np.linalg.norm(normals, axis=1)
+    length = np.where(length > 0, length, 1.0)  # a zero row says "everywhere"
     return _Region(normals / length[:, None], offsets / length)
 
 

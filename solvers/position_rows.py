@@ -16,6 +16,10 @@ from compiler.float_reading import Array
 from solvers.convex_step import Indices, PositionRows
 
 
+ASTRAY = 0.02
+"""Distance in metres from which a reference counts as having left its cell."""
+
+
 @dataclass(frozen=True, slots=True)
 class ConvexSet:
     """A polytope in floats: unit normals (m, d), offsets (m,), vertices (w, d)."""
@@ -46,17 +50,25 @@ class Separation:
 
 @dataclass(frozen=True, slots=True)
 class PositionPlan:
-    """All that binds positions; ``margin`` (m) shrinks dwells and widens separations."""
+    """All that binds positions; ``margin`` (m) shrinks dwells and widens separations.
+
+    ``anchors`` (k + 1, d) are positions of point ``anchored`` inside its dwells.  Half-planes are
+    chosen about them wherever the reference has left its dwell, so that a bad reference cannot
+    ask for a side that the path excludes.
+    """
 
     steps: int
     dwells: tuple[Dwell, ...]
     separations: tuple[Separation, ...]
     margin: float
+    anchored: int | None = None
+    anchors: Array | None = None
 
     def rows(self, positions: Array) -> PositionRows:
         """The half-planes about reference positions of shape (k + 1, m, d)."""
         parts = [self._dwell(dwell) for dwell in self.dwells]
-        parts += [self._separate(separation, positions) for separation in self.separations]
+        about = self._anchored(positions)
+        parts += [self._separate(separation, about) for separation in self.separations]
         d = positions.shape[2]
         none = np.zeros(0, dtype=np.int64)
         parts.append((none, none, np.zeros((0, d)), np.zeros(0)))
@@ -64,6 +76,20 @@ class PositionPlan:
             np.concatenate([part[i] for part in parts]) for i in range(4)
         )
         return PositionRows(sample, point, normal, offset)
+
+    def _anchored(self, positions: Array) -> Array:
+        """The reference with the anchored point brought back where it has left its dwells."""
+        if self.anchored is None or self.anchors is None:
+            return positions
+        about = positions.copy()
+        for dwell in self.dwells:
+            if dwell.point == self.anchored:
+                span = slice(dwell.first, dwell.last + 1)
+                values = positions[span, dwell.point] @ dwell.region.normals.T
+                lost = np.max(values - dwell.region.offsets, axis=1) > ASTRAY
+                kept = about[span, dwell.point]
+                about[span, dwell.point] = np.where(lost[:, None], self.anchors[span], kept)
+        return about
 
     def _dwell(self, dwell: Dwell) -> tuple[Indices, Indices, Array, Array]:
         region = dwell.region

@@ -54,7 +54,7 @@ def test_language_equals_brute_force_and_the_automaton(g: ir.Grammar) -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=1000)
+@settings(deadline=None, max_examples=400)
 @given(random_grammars())
 def test_language_equals_brute_force_and_the_automaton_at_length(g: ir.Grammar) -> None:
     check_against_brute_force(g)

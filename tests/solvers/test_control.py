@@ -1,0 +1,253 @@
+"""Sequential convex programming on robots whose optimum is known otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+
+from compiler.dynamics import robot_graph
+from compiler.float_reading import FloatReading
+from solvers.control import (
+    ControlOutcome,
+    ControlProblem,
+    effort_peak,
+    input_margin,
+    synthesise_control,
+)
+from solvers.convex_step import InputGroup, MotionLimits, PositionRows, Trajectory
+from tests.oracles.robots import rod_chain
+
+Array = NDArray[np.float64]
+DT = 0.125
+LENGTH = 1.5
+INERTIA = LENGTH**3 / 3
+ONE = FloatReading(robot_graph(rod_chain(1)))
+ANGLE = 1.1
+
+
+def limits(n: int, final: float, **changes: Array | float) -> MotionLimits:
+    wide = np.full(n, 4.0), np.full(n, np.inf)
+    base = MotionLimits(-wide[0], wide[0], -wide[1], wide[1], 0.0, final, np.zeros(n))
+    return replace(base, **changes)
+
+
+def beyond(steps: int, angle: float, length: float = LENGTH) -> PositionRows:
+    """The tip's last position is at least as high as at an angle below a right one."""
+    return PositionRows(
+        np.array([steps]), np.array([0]), np.array([[0.0, -1.0]]), np.array([-length * np.sin(angle)])
+    )
+
+
+def one_link(
+    steps: int, bound: float, final: float, angle: float = ANGLE, **changes: Array | float
+) -> tuple[ControlProblem, Trajectory]:
+    rows = beyond(steps, angle)
+    problem = ControlProblem(
+        ONE, DT, 1, limits(1, final, **changes), (InputGroup((0,), bound, norm2=False),), lambda _: rows
+    )
+    x = np.stack([np.linspace(0, angle, steps + 1), np.full(steps + 1, angle / steps / DT)], axis=1)
+    x[0, 1] = 0.0
+    return problem, Trajectory(x, np.zeros((steps, 1)), np.array([LENGTH]))
+
+
+def double_integrator(steps: int, rest: bool, reach: float, rate: float = np.inf) -> float:
+    """The least peak torque from rest to an angle of at least ``reach``, by an LP in the inputs.
+
+    After i steps the rate is sum_j h u_j and the angle sum_j h^2 (i - j - 1/2) u_j, over the inertia.
+    """
+    h = DT / INERTIA
+    rates = np.tril(np.ones((steps, steps))) * h
+    place = np.array([DT * h * (steps - j - 0.5) for j in range(steps)])
+    above = [np.append(-place, 0.0)]
+    level = [-reach]
+    for sign in (1, -1):
+        above += [np.append(sign * unit, -1.0) for unit in np.eye(steps)]
+        level += [0.0] * steps
+        if np.isfinite(rate):
+            above += [np.append(sign * row, 0.0) for row in rates]
+            level += [rate] * steps
+    equal = np.append(rates[-1], 0.0)[None, :] if rest else None
+    found = linprog(
+        np.append(np.zeros(steps), 1.0),
+        A_ub=np.array(above), b_ub=level, A_eq=equal, b_eq=[0.0] if rest else None,
+        bounds=[(None, None)] * (steps + 1),
+    )  # fmt: skip
+    assert found.status == 0
+    return float(found.fun)
+
+
+@pytest.mark.parametrize("steps", [8, 9, 16])
+@pytest.mark.parametrize("rest", [True, False])
+def test_the_least_peak_torque_of_a_double_integrator(steps: int, rest: bool) -> None:
+    problem, seed = one_link(steps, 10.0, 0.0 if rest else np.inf)
+    outcome = synthesise_control(problem, seed)
+    peak = double_integrator(steps, rest, ANGLE)
+    if rest and steps % 2 == 0:
+        assert peak == pytest.approx(4 * INERTIA * ANGLE / (steps * DT) ** 2)  # bang-bang
+    if not rest:
+        assert peak == pytest.approx(2 * INERTIA * ANGLE / (steps * DT) ** 2)  # one constant
+    assert outcome.feasible
+    assert outcome.status == "fixpoint"
+    assert outcome.effort_peak == pytest.approx(peak, rel=1e-4)
+    assert outcome.robustness == pytest.approx(10.0 - peak, rel=1e-4)
+
+
+def test_rate_limits_raise_the_peak() -> None:
+    problem, seed = one_link(
+        16, 10.0, 0.0, rate_lower=np.array([-0.8]), rate_upper=np.array([0.8])
+    )
+    outcome = synthesise_control(problem, seed)
+    peak = double_integrator(16, rest=True, reach=ANGLE, rate=0.8)
+    assert peak > 1.01 * double_integrator(16, rest=True, reach=ANGLE)
+    assert outcome.feasible
+    assert outcome.effort_peak == pytest.approx(peak, rel=1e-4)
+    assert np.abs(outcome.trajectory.x[:, 1]).max() < 0.8 + 1e-5
+
+
+def check_motion(problem: ControlProblem, outcome: ControlOutcome) -> None:
+    """A feasible outcome is a motion of the discretised robot within limits, reaching its rows."""
+    at, reading = outcome.trajectory, problem.reading
+    after = reading.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
+    np.testing.assert_allclose(at.x[1:], after, atol=1e-9)
+    points = reading.points(at.x[:, : reading.n], at.theta)
+    assert problem.rows_of(points.value).excess(points).max(initial=0.0) < 1e-5
+    assert input_margin(problem.groups, at.u) >= 0
+    assert outcome.robustness == pytest.approx(input_margin(problem.groups, at.u))
+    bounds, n = problem.limits, reading.n
+    assert np.all(at.x[:, :n] <= bounds.upper + 1e-5)
+    assert np.all(at.x[:, :n] >= bounds.lower - 1e-5)
+    assert np.abs(at.x[0, n:]).max() <= bounds.start_rates + 1e-9
+    assert np.abs(at.x[-1, n:]).max() <= bounds.final_rates + 1e-4
+
+
+@pytest.mark.parametrize("share", [0.5, 0.95, 1.05, 2.0])
+def test_feasible_exactly_from_the_least_peak_on(share: float) -> None:
+    peak = double_integrator(8, rest=True, reach=ANGLE)
+    problem, seed = one_link(8, share * peak, 0.0)
+    outcome = synthesise_control(problem, seed)
+    assert outcome.feasible == (share > 1)
+    if outcome.feasible:
+        check_motion(problem, outcome)
+        assert outcome.robustness == pytest.approx((share - 1) * peak, abs=1e-3)
+    else:
+        assert outcome.robustness < 0
+        assert outcome.robustness == pytest.approx((share - 1) * peak, abs=0.05 * peak)
+
+
+def hidden_robustness(bound: float, angle: float) -> float:
+    """Definition 7 as printed, for one step from rest to rest: max of -(s_u + s_v).
+
+    The unknowns are u, v_q, v_r with (h^2/2)(u + v_q) = angle and h (u + v_r) = 0, times inertia.
+    """
+    h = DT / INERTIA
+    # minimise s_u + s_v  s.t.  |u| - bound <= s_u, |v_q|, |v_r| <= s_v.
+    rows, level = [], []
+    for column, slack, offset in ((0, 3, bound), (1, 4, 0.0), (2, 4, 0.0)):
+        for sign in (1.0, -1.0):
+            row = np.zeros(5)
+            row[column], row[slack] = sign, -1.0
+            rows.append(row)
+            level.append(offset)
+    equal = np.array([[DT * h / 2, DT * h / 2, 0, 0, 0], [h, 0, h, 0, 0]])
+    found = linprog(
+        [0, 0, 0, 1, 1], A_ub=np.array(rows), b_ub=level, A_eq=equal, b_eq=[angle, 0.0],
+        bounds=[(None, None)] * 4 + [(0, None)],
+    )  # fmt: skip
+    assert found.status == 0
+    return -float(found.fun)
+
+
+def test_a_fictitious_input_cannot_hide_in_the_sum() -> None:
+    """Row 4.8: from rest to rest elsewhere in one step needs v whatever the effort."""
+    angle, bound = 0.2, 1000.0
+    assert hidden_robustness(bound, angle) > 0  # the printed criterion calls it robust
+    problem, seed = one_link(1, bound, 0.0, angle)
+    outcome = synthesise_control(problem, seed)
+    assert not outcome.feasible
+    # u + v_q = f and u + v_r = 0 with f = 2 I angle / dt^2: the least V is f / 2.
+    least = INERTIA * angle / DT**2
+    assert outcome.robustness == pytest.approx(-least, rel=1e-3)
+    assert outcome.fictitious.max() == pytest.approx(least, rel=1e-3)
+
+
+@pytest.mark.parametrize("norm2", [False, True])
+def test_two_links_reach_a_height_at_rest(norm2: bool) -> None:
+    reading, steps = FloatReading(robot_graph(rod_chain(2))), 16
+    rows = PositionRows(
+        np.array([steps, steps]), np.array([0, 0]), np.array([[0.0, -1.0], [1.0, 0.0]]),
+        np.array([-0.9, 0.8]),
+    )  # fmt: skip
+    problem = ControlProblem(
+        reading, DT, 2, limits(2, 0.0), (InputGroup((0, 1), 10.0, norm2),), lambda _: rows
+    )
+    x = np.zeros((steps + 1, 4))
+    x[:, :2] = np.linspace([0, 0], [0.9, 0.6], steps + 1)
+    seed = Trajectory(x, np.zeros((steps, 2)), np.array([1.0, 0.5]))
+    outcome = synthesise_control(problem, seed)
+    assert outcome.feasible
+    check_motion(problem, outcome)
+
+
+def test_free_lengths_are_used() -> None:
+    """One link: the torque falls with the length, so the shortest that reaches is best."""
+    steps = 8
+    height = 1.0
+    rows = PositionRows(
+        np.array([steps]), np.array([0]), np.array([[0.0, -1.0]]), np.array([-height])
+    )
+    problem = ControlProblem(
+        ONE, DT, 1, limits(1, np.inf), (InputGroup((0,), 10.0, norm2=False),), lambda _: rows
+    )
+    x = np.stack([np.linspace(0, 0.8, steps + 1), np.full(steps + 1, 0.8)], axis=1)
+    seed = Trajectory(x, np.zeros((steps, 1)), np.array([1.5]))
+    outcome = synthesise_control(problem, seed, (np.array([0.5]), np.array([5.0])))
+    lengths = np.linspace(1.0, 3.0, 20001)
+    peaks = 2 * lengths**3 / 3 * np.arcsin(height / lengths) / (steps * DT) ** 2
+    assert outcome.feasible
+    assert outcome.effort_peak == pytest.approx(float(peaks.min()), rel=1e-3)
+    assert outcome.trajectory.theta[0] == pytest.approx(lengths[peaks.argmin()], rel=0.02)
+    fixed = synthesise_control(problem, seed)
+    np.testing.assert_array_equal(fixed.trajectory.theta, [1.5])
+    assert fixed.effort_peak > outcome.effort_peak
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"rates": 1.0}, {"final": 1.0}],
+)
+def test_a_seed_that_breaks_the_limits_is_not_taken_for_a_solution(wrong: dict[str, float]) -> None:
+    """A free motion needs no effort, but it neither starts nor ends at rest."""
+    steps, rate = 8, 1.0
+    problem, _ = one_link(steps, 10.0, 0.0 if "final" in wrong else np.inf, angle=0.9 * steps * DT * rate)
+    if "final" in wrong:
+        problem = replace(problem, limits=replace(problem.limits, start_rates=2.0))
+    times = np.arange(steps + 1) * DT
+    x = np.stack([times * rate, np.full(steps + 1, rate)], axis=1)
+    seed = Trajectory(x, np.zeros((steps, 1)), np.array([LENGTH]))
+    outcome = synthesise_control(problem, seed)
+    assert outcome.feasible
+    assert outcome.effort_peak > 0.1
+    check_motion(problem, outcome)
+
+
+def test_a_seed_outside_the_joint_limits_is_not_taken_for_a_solution() -> None:
+    problem, _ = one_link(8, 10.0, np.inf, angle=0.5, upper=np.array([0.8]))
+    times = np.arange(9) * DT
+    x = np.stack([times, np.ones(9)], axis=1)
+    problem = replace(problem, limits=replace(problem.limits, start_rates=1.0))
+    outcome = synthesise_control(problem, Trajectory(x, np.zeros((8, 1)), np.array([LENGTH])))
+    assert outcome.feasible
+    assert outcome.trajectory.x[:, 0].max() < 0.8 + 1e-5
+
+
+def test_margins_and_peaks_by_group() -> None:
+    u = np.array([[3.0, -4.0, 1.0], [1.0, 2.0, -2.5]])
+    groups = (InputGroup((0, 1), 6.0, norm2=True), InputGroup((2,), 3.0, norm2=False))
+    assert input_margin(groups, u) == pytest.approx(0.5)
+    assert effort_peak(groups, u) == pytest.approx(5.0)
+    assert input_margin((InputGroup((0, 1), 6.0, norm2=False),), u) == pytest.approx(2.0)
+    assert input_margin((), u) == 0.0

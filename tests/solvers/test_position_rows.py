@@ -1,0 +1,190 @@
+"""Separating half-planes against exact distances between polygons."""
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from compiler.float_reading import Points
+from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation, separating_planes
+
+Array = NDArray[np.float64]
+
+
+def convex_set(points: Array) -> ConvexSet:
+    hull = ConvexHull(points)
+    rows = np.unique(np.round(hull.equations, 12), axis=0)
+    return ConvexSet(rows[:, :-1], -rows[:, -1], points[hull.vertices])
+
+
+def to_segment(p: Array, a: Array, b: Array) -> float:
+    along = b - a
+    size = float(along @ along)
+    share = 0.0 if size == 0 else float(np.clip((p - a) @ along / size, 0, 1))
+    return float(np.linalg.norm(p - a - share * along))
+
+
+def edges(points: Array) -> list[tuple[Array, Array]]:
+    """The segments between all pairs: among them every edge of the hull."""
+    return [(a, b) for i, a in enumerate(points) for b in points[i:]]
+
+
+def inside(p: Array, polygon: ConvexSet) -> bool:
+    return bool(np.all(polygon.normals @ p <= polygon.offsets))
+
+
+def cross(o: Array, a: Array, b: Array) -> float:
+    return float((a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]))
+
+
+def meet(a: Array, b: Array, c: Array, d: Array) -> bool:
+    """Two segments in general position cross."""
+    return cross(a, b, c) * cross(a, b, d) < 0 and cross(c, d, a) * cross(c, d, b) < 0
+
+
+def distance(points: Array, polygon: ConvexSet) -> float:
+    """Between the hull of a few points and a polygon: 0, or least over vertices and edges."""
+    order = np.argsort(np.arctan2(*(polygon.vertices - polygon.vertices.mean(axis=0)).T))
+    ring = polygon.vertices[order]
+    sides = [*pairwise(ring), (ring[-1], ring[0])]
+    ours = edges(points)
+    if any(inside(p, polygon) for p in points) or any(meet(*s, *t) for s in ours for t in sides):
+        return 0.0
+    if len(points) > 2 and np.linalg.matrix_rank(points[1:] - points[0], tol=1e-9) == 2:
+        own = convex_set(points)
+        if any(inside(v, own) for v in ring):
+            return 0.0
+    gaps = [to_segment(p, *side) for p in points for side in sides]
+    return min(gaps + [to_segment(v, *edge) for v in ring for edge in ours])
+
+
+def polygon(rng: np.random.Generator, centre: Array, size: float) -> ConvexSet:
+    return convex_set(centre + size * rng.uniform(-1, 1, (int(rng.integers(4, 9)), 2)))
+
+
+@pytest.mark.parametrize("width", [1, 2, 4])
+def test_planes_separate_exactly_what_is_apart(width: int) -> None:
+    rng = np.random.default_rng(width)
+    apart, hits = 0, 0
+    for _ in range(150):
+        obstacle = polygon(rng, np.zeros(2), 1.0)
+        points = rng.uniform(-2, 2, 2) + rng.uniform(-1, 1, (width, 2))
+        exact = distance(points, obstacle)
+        normals, support = separating_planes(points[None], obstacle)
+        np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1)
+        assert np.max(obstacle.vertices @ normals[0]) == pytest.approx(support[0])
+        gap = float(np.min(points @ normals[0]) - support[0])
+        assert gap <= exact + 1e-9  # no plane shows more than the distance
+        if exact > 1e-9:
+            assert gap > 0
+            apart += 1
+        else:
+            assert gap <= 1e-9
+            hits += 1
+    assert min(apart, hits) > 5
+
+
+def test_a_facet_shows_the_whole_distance_where_it_is_the_nearest() -> None:
+    box = convex_set(np.array(list(product([0.0, 1.0], [0.0, 1.0]))))
+    swept = np.array([[[0.2, 1.3], [0.7, 1.6]], [[1.4, 0.1], [1.6, 0.9]], [[0.5, -0.3], [0.5, -0.3]]])
+    normals, support = separating_planes(swept, box)
+    gaps = np.min(np.einsum("kwd,kd->kw", swept, normals), axis=1) - support
+    np.testing.assert_allclose(gaps, [0.3, 0.4, 0.3])
+    np.testing.assert_allclose(normals, [[0, 1], [1, 0], [0, -1]], atol=1e-12)
+
+
+def test_planes_in_space_come_from_the_facets() -> None:
+    cube = convex_set(np.array(list(product([0.0, 1.0], repeat=3))))
+    swept = np.array([[[0.5, 0.5, 1.25], [0.9, 0.1, 2.0]]])
+    normals, support = separating_planes(swept, cube)
+    np.testing.assert_allclose(normals[0], [0, 0, 1], atol=1e-12)
+    assert support[0] == pytest.approx(1.0)
+
+
+OBSTACLE = convex_set(np.array([[1.7, 2.0], [3.0, 2.0], [3.0, 3.0], [1.7, 3.0]]))
+GROUP = (0, 2)
+
+
+def points_of(positions: Array) -> Points:
+    return Points(positions, np.zeros((*positions.shape, 1)), np.zeros((*positions.shape, 0)))
+
+
+def around(rng: np.random.Generator, steps: int) -> Array:
+    """Positions (steps + 1, 3, 2) of three points walking about the obstacle."""
+    angle = np.linspace(0, rng.uniform(2, 6), steps + 1) + rng.uniform(0, 6)
+    radius = rng.uniform(1.3, 2.0)
+    centre = np.array([2.35, 2.5]) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    offsets = rng.uniform(-0.15, 0.15, (3, 2))
+    return np.asarray(centre[:, None, :] + offsets[None])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_every_row_excludes_the_obstacle(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    plan = PositionPlan(12, (), (Separation(GROUP, OBSTACLE, 0.02),), 0.01)
+    rows = plan.rows(around(rng, 12))
+    np.testing.assert_allclose(np.linalg.norm(rows.normal, axis=1), 1)
+    at = rows.normal @ OBSTACLE.vertices.T
+    # Every point of the obstacle violates every row, by the distance asked for at least.
+    assert np.all(at.min(axis=1) - rows.offset >= 0.03 - 1e-12)
+    assert set(rows.point.tolist()) == set(GROUP)
+    assert sorted(set(rows.sample.tolist())) == list(range(13))
+    # Two points, two ends per interval.
+    assert len(rows.offset) == 12 * 4
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_chords_cannot_cut_corners(seed: int) -> None:
+    """Any positions that satisfy the rows keep the hull of both samples away."""
+    rng = np.random.default_rng(100 + seed)
+    reference = around(rng, 12)
+    plan = PositionPlan(12, (), (Separation(GROUP, OBSTACLE, 0.02),), 0.01)
+    rows = plan.rows(reference)
+    moved = reference + rng.uniform(-0.6, 0.6, reference.shape)
+    for _ in range(200):  # project the positions on the violated half-planes
+        excess = rows.excess(points_of(moved))
+        worst = int(np.argmax(excess))
+        if excess[worst] <= 0:
+            break
+        at = rows.sample[worst], rows.point[worst]
+        moved[at] -= (excess[worst] + 1e-9) * rows.normal[worst]
+    excess = rows.excess(points_of(moved))
+    for i in range(12):
+        here = np.isin(rows.sample, [i, i + 1])
+        if np.all(excess[here] <= 0):
+            swept = moved[i : i + 2, list(GROUP)].reshape(-1, 2)
+            assert distance(swept, OBSTACLE) >= 0.03 - 1e-9
+    assert np.max(excess) <= 1e-6
+
+
+def test_a_chord_across_a_corner_violates_its_rows() -> None:
+    """Both samples are clear of the obstacle by 0.1, the chord is not."""
+    positions = np.array([[[1.6, 2.4]], [[2.1, 1.9]]])
+    plan = PositionPlan(1, (), (Separation((0,), OBSTACLE, 0.0),), 0.0)
+    assert not any(inside(p, OBSTACLE) for p in positions[:, 0])
+    assert distance(positions[:, 0], OBSTACLE) == 0
+    assert plan.rows(positions).excess(points_of(positions)).max() > 0
+
+
+def test_dwells_are_the_shrunk_cells_at_their_samples() -> None:
+    plan = PositionPlan(5, (Dwell(1, 2, 4, OBSTACLE),), (), 0.05)
+    rows = plan.rows(np.zeros((6, 2, 2)))
+    assert sorted(set(rows.sample.tolist())) == [2, 3, 4]
+    assert set(rows.point.tolist()) == {1}
+    assert len(rows.offset) == 3 * 4
+    for corner in OBSTACLE.vertices:
+        inward = corner + 0.05 * np.sign(np.array([2.35, 2.5]) - corner)
+        positions = np.tile(inward, (6, 2, 1))
+        assert rows.excess(points_of(positions)).max() == pytest.approx(0, abs=1e-12)
+        positions[3, 1] = corner
+        assert rows.excess(points_of(positions)).max() == pytest.approx(0.05)
+
+
+def test_an_empty_plan_has_no_rows() -> None:
+    rows = PositionPlan(3, (), (), 0.0).rows(np.zeros((4, 1, 3)))
+    assert len(rows.offset) == 0
+    assert rows.normal.shape == (0, 3)
