@@ -61,7 +61,7 @@ AXES: Mapping[str, tuple[int, int]] = {
 }  # fmt: skip
 
 
-class MissingValue(Exception):  # noqa: N818  (a control-flow signal, never shown)
+class MissingValue(Exception):
     """The value of an instance is needed first."""
 
     def __init__(self, instance: Instance) -> None:
@@ -208,6 +208,8 @@ class _Evaluation:
                 found = self.read(node, expression)
                 if isinstance(found, Scalar):
                     return found.index
+            case _:
+                pass
         raise SemanticsError(f"a scalar is due, found {type(expression).__name__.lower()}")
 
     def vector(self, node: int, expression: ir.Expr) -> Triple:
@@ -245,6 +247,8 @@ class _Evaluation:
                 found = self.read(node, expression)
                 if isinstance(found, Frame):
                     return self.append(found.index, start)
+            case _:
+                pass
         raise SemanticsError(f"a frame is due, found {type(expression).__name__.lower()}")
 
     def step(self, parent: int, step: Step) -> int:

@@ -5,7 +5,7 @@ Every ball contains the exact value; nothing here compares floats with a toleran
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 
@@ -56,36 +56,38 @@ def closed_ball(expression: ir.Expr) -> arb:
         case ir.Pi():
             return arb.pi()
         case ir.Unary(function, operand):
-            return _unary(function, closed_ball(operand))
+            return _UNARY[function](closed_ball(operand))
         case ir.Binary("^", base, ir.Num(exponent)):
             return closed_ball(base) ** int(exponent)
         case ir.Binary(operator, left, right):
             a, b = closed_ball(left), closed_ball(right)
             return {"+": a.__add__, "-": a.__sub__, "*": a.__mul__, "/": a.__truediv__}[operator](b)
-    raise ValueError(f"not a closed scalar: {expression}")
+        case _:
+            raise ValueError(f"not a closed scalar: {expression}")
 
 
-def _unary(name: str, argument: arb) -> arb:
-    match name:
-        case "neg":
-            return -argument
-        case "abs" | "fabs":
-            return abs(argument)
-        case "sq":
-            return argument * argument
-        case "inv":
-            return 1 / argument
-        case "twice":
-            return argument + argument
-        case "sqrt":
-            return argument.sqrt()
-        case "sin":
-            return argument.sin()
-        case "cos":
-            return argument.cos()
-        case "tan":
-            return argument.tan()
-    raise ValueError(f"no ball reading of {name}")
+_UNARY: Mapping[str, Callable[[arb], arb]] = {
+    "neg": lambda a: -a,
+    "abs": abs,
+    "fabs": abs,
+    "sq": lambda a: a * a,
+    "inv": lambda a: 1 / a,
+    "twice": lambda a: a + a,
+    "sqrt": arb.sqrt,
+    "sin": arb.sin,
+    "cos": arb.cos,
+    "tan": arb.tan,
+}
+_SERIES: Mapping[str, Callable[[arb_series], arb_series]] = {
+    "neg": lambda a: -a,
+    "sq": lambda a: a * a,
+    "inv": lambda a: 1 / a,
+    "twice": lambda a: a + a,
+    "sqrt": arb_series.sqrt,
+    "sin": arb_series.sin,
+    "cos": arb_series.cos,
+    "tan": arb_series.tan,
+}
 
 
 class BallArithmetic:
@@ -97,7 +99,7 @@ class BallArithmetic:
 
     def unary(self, name: str, argument: arb) -> arb:
         """A function of one ball."""
-        return _unary(name, argument)
+        return _UNARY[name](argument)
 
     def binary(self, name: str, left: arb, right: arb) -> arb:
         """An operation on two balls."""
@@ -117,28 +119,13 @@ class SeriesArithmetic:
 
     def unary(self, name: str, argument: arb_series) -> arb_series:
         """A function of one series; ``fabs`` only where the sign is certain."""
-        match name:
-            case "neg":
-                return -argument
-            case "sq":
-                return argument * argument
-            case "inv":
-                return 1 / argument
-            case "twice":
-                return argument + argument
-            case "sqrt":
-                return argument.sqrt()
-            case "sin":
-                return argument.sin()
-            case "cos":
-                return argument.cos()
-            case "tan":
-                return argument.tan()
-            case "fabs" if len(argument) == 0 or argument[0] > 0:
+        if name == "fabs":
+            if len(argument) == 0 or argument[0] > 0:
                 return argument
-            case "fabs" if argument[0] < 0:
+            if argument[0] < 0:
                 return -argument
-        raise ValueError(f"no series reading of {name} here")
+            raise ValueError("the sign under an absolute value is not certain")
+        return _SERIES[name](argument)
 
     def binary(self, name: str, left: arb_series, right: arb_series) -> arb_series:
         """An operation on two series."""

@@ -16,7 +16,7 @@ from compiler.language import Language
 from grammar_lang import ir
 
 
-class BadDerivation(ValueError):  # noqa: N818  (the name is part of the contract)
+class BadDerivation(ValueError):
     """Labels that are not a leftmost derivation of a word from the start symbol."""
 
 

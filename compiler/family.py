@@ -1,4 +1,4 @@
-"""A robot family: the SRG with its accept condition and semantics, in the dimension of a task (FRG)."""
+"""A robot family (FRG): an SRG with its accept condition and semantics, in a task's dimension."""
 
 from __future__ import annotations
 

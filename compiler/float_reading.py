@@ -7,7 +7,7 @@ derivatives in state, input and parameters come from the variational equations c
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -172,7 +172,7 @@ class FloatReading:
 
 def scalar_floats(nodes: Sequence[ScalarNode], theta: Array) -> list[float]:
     """The value of every scalar of a robot at parameters theta (p,), SI."""
-    functions = {
+    functions: Mapping[str, Callable[..., float]] = {
         "neg": lambda a: -a, "abs": abs, "sqrt": math.sqrt,
         "sin": math.sin, "cos": math.cos, "tan": math.tan,
         "+": lambda a, b: a + b, "-": lambda a, b: a - b,

@@ -86,7 +86,8 @@ def _apply(node: Apply, arguments: list[ca.SX]) -> ca.SX:
             return ca.fabs(a)
         case "^", [a]:
             return _power(a, node.exponent)
-    raise ValueError(f"unknown operation {node.operation}")
+        case _:
+            raise ValueError(f"unknown operation {node.operation}")
 
 
 def _power(base: ca.SX, exponent: int) -> ca.SX:
@@ -185,6 +186,8 @@ def kinematics(
                     orientation = orientation.turned(axis, motion)
                 else:
                     origin = origin + orientation.matrix()[:, axis] * motion
+            case None:
+                pass
         origins.append(origin)
         orientations.append(orientation)
     return Kinematics(model, scalars, origins, orientations)

@@ -172,7 +172,7 @@ def _merged(model: RobotModel, first: int, second: int) -> RobotModel:
         _sum(a.range, b.range, sign),
         _sum(a.rate, b.rate, sign),
     )
-    dofs = model.dofs[: kept.dof] + (merged,) + model.dofs[kept.dof + 1 :]
+    dofs = (*model.dofs[: kept.dof], merged, *model.dofs[kept.dof + 1 :])
     smaller = _without(replace(model, dofs=dofs), gone.dof)
     order = sorted(range(len(smaller.dofs)), key=lambda i: smaller.dofs[i].symbols)
     place = {old: new for new, old in enumerate(order)}
@@ -278,48 +278,56 @@ def robot_key(model: RobotModel) -> str:
 
     texts = read_scalars(model.scalars, leaf, apply)
     parts = [f"dim {model.dimension}"]
-    for node in model.frames:
-        match node.step:
-            case None:
-                parts.append("world")
-            case Turn(axis, angle):
-                parts.append(f"{node.parent} turn {axis} {texts[angle]}")
-            case Offset(vector):
-                parts.append(f"{node.parent} move {[texts[i] for i in vector]}")
-            case Joint(dof, axis, sign):
-                limits = model.dofs[dof]
-                parts.append(
-                    f"{node.parent} joint {dof} {axis} {sign} {limits.kind} "
-                    f"{limits.range} {limits.rate}"
-                )
+    parts += [_frame_text(model, frame, texts) for frame in model.frames]
     parts += [_body_text(body, texts) for body in model.bodies]
     parts.append(f"effectors {model.effectors}")
     parts += [f"{name}: {model.parameters[index].domain}" for index, name in names.items()]
     return "\n".join(parts)
 
 
+def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:
+    match frame.step:
+        case None:
+            return "world"
+        case Turn(axis, angle):
+            return f"{frame.parent} turn {axis} {texts[angle]}"
+        case Offset(vector):
+            return f"{frame.parent} move {[texts[i] for i in vector]}"
+        case Joint(dof, axis, sign):
+            limits = model.dofs[dof]
+            kind = f"{limits.kind} {limits.range} {limits.rate}"
+            return f"{frame.parent} joint {dof} {axis} {sign} {kind}"
+
+
 def _used_scalars(model: RobotModel) -> set[int]:
     """The scalars that frames and bodies use, directly or not."""
-    used: set[int] = set()
-    for node in model.frames:
-        match node.step:
-            case Turn(_, angle):
-                used.add(angle)
-            case Offset(vector):
-                used.update(vector)
-    for body in model.bodies:
-        match body:
-            case RodBody(_, _, _, length, density, radius):
-                used.update(i for i in (length, density, radius) if i is not None)
-            case PointBody(_, mass):
-                used.add(mass)
-            case SolidBody(_, mass, com, inertia):
-                used.update((mass, *com, *inertia))
+    used = {i for frame in model.frames for i in _step_scalars(frame.step)}
+    used |= {i for body in model.bodies for i in _body_scalars(body)}
     for i in range(len(model.scalars) - 1, -1, -1):
         node = model.scalars[i]
         if i in used and isinstance(node, Apply):
             used.update(node.arguments)
     return used
+
+
+def _step_scalars(step: Step | None) -> tuple[int, ...]:
+    match step:
+        case Turn(_, angle):
+            return (angle,)
+        case Offset(vector):
+            return vector
+        case Joint() | None:
+            return ()
+
+
+def _body_scalars(body: Body) -> tuple[int, ...]:
+    match body:
+        case RodBody(_, _, _, length, density, radius):
+            return (length, density) if radius is None else (length, density, radius)
+        case PointBody(_, mass):
+            return (mass,)
+        case SolidBody(_, mass, com, inertia):
+            return (mass, *com, *inertia)
 
 
 def _body_text(body: Body, texts: list[str]) -> str:

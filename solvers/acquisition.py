@@ -26,12 +26,12 @@ def exploration(candidates: int, t: int) -> float:
 
 
 def gp_acb(mean: Array, deviation: Array, t: int) -> Array:
-    """m + sqrt(eta beta) sigma with eta the mean scaled to [0, 1]; 1 where the mean is flat."""
+    """The rule m + sqrt(eta beta) sigma; eta is the mean scaled to [0, 1], 1 where it is flat."""
     spread = float(mean.max() - mean.min())
     eta = (mean - mean.min()) / spread if spread > 0 else np.ones_like(mean)
     return np.asarray(mean + np.sqrt(eta * exploration(len(mean), t)) * deviation)
 
 
 def gp_ucb(mean: Array, deviation: Array, t: int) -> Array:
-    """m + sqrt(beta) sigma."""
+    """The rule m + sqrt(beta) sigma."""
     return np.asarray(mean + np.sqrt(exploration(len(mean), t)) * deviation)

@@ -63,9 +63,7 @@ def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Co
     return Configuration(top, entries, evaluations)
 
 
-def _explore(
-    search: BayesianSearch, evaluator: Evaluator, label: str, conduct: Conduct
-) -> None:
+def _explore(search: BayesianSearch, evaluator: Evaluator, label: str, conduct: Conduct) -> None:
     """Evaluate the initial design, then what the acquisition rule asks for."""
     _tell(search, search.initial(), evaluator, label, conduct)
     for _ in range(ROUNDS):
@@ -131,9 +129,7 @@ def _timed(
     return outcome, entries
 
 
-def _moved(
-    entries: tuple[int, ...], cell: int, shift: int, steps: int
-) -> tuple[int, ...] | None:
+def _moved(entries: tuple[int, ...], cell: int, shift: int, steps: int) -> tuple[int, ...] | None:
     """The entry steps with one of them shifted, or None where cells would get no sample."""
     moved = list(entries)
     moved[cell] += shift

@@ -249,7 +249,9 @@ def _outcome(
     trajectory = _simulated(problem, at.model.about)
     measured = _measure(problem, trajectory, None)
     defect = float(np.max(at.fictitious, initial=0.0))
-    closed = at.excess <= EXCESS and measured.excess <= 3 * EXCESS and defect < DEFECT * problem.scale
+    closed = (
+        at.excess <= EXCESS and measured.excess <= 3 * EXCESS and defect < DEFECT * problem.scale
+    )
     within = max(at.outside, measured.outside) <= LIMIT_EXCESS
     if closed and within and measured.margin >= 0:
         best, value = measured, measured.margin

@@ -68,7 +68,7 @@ class PositionRows:
     def excess(self, points: Points) -> Array:
         """Signed violation of each row, metres; positive where violated."""
         at = points.value[self.sample, self.point]
-        return np.einsum("rd,rd->r", self.normal, at) - self.offset
+        return np.asarray(np.einsum("rd,rd->r", self.normal, at) - self.offset)
 
 
 @dataclass(frozen=True, slots=True)

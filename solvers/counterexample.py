@@ -1,7 +1,7 @@
 r"""Counterexamples: the shortest prefix of a path that already cannot be followed (ZEROPREFIX).
 
-Problem 4 of the paper's appendix on the linearised robot: slacks g_i = max(s_i, 0) of the fictitious
-inputs are minimised with
+Problem 4 of the paper's appendix on the linearised robot: slacks g_i = max(s_i, 0) of the
+fictitious inputs are minimised with
 
 .. math:: \epsilon \sum_{l<i} g_l \le g_i \qquad (C.6)
 
@@ -41,9 +41,7 @@ def zero_prefix(slacks: Array, threshold: float) -> int:
     return int(above[0]) if len(above) else len(slacks)
 
 
-def _slacks(
-    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]
-) -> Array | None:
+def _slacks(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> Array | None:
     """The slacks (k,) of Problem 4 about an infeasible outcome."""
     problem = follower.problem(entries)
     model, rows = linearised(problem, outcome.trajectory)

@@ -1,10 +1,11 @@
 r"""Validated integration: an enclosure of the continuous-time solution at every instant.
 
-Per step, from a box [x] with midpoint m: a box W that is mapped into itself by the Taylor polynomial
-with Lagrange's remainder over W (a high-order Picard-Lindelof argument: the solution exists and
-stays in W), and the mean value form
+Per step, from a box [x] with midpoint m: a box W that is mapped into itself by the Taylor
+polynomial with Lagrange's remainder over W (a high-order Picard-Lindelof argument: the solution
+exists and stays in W), and the mean value form
 
-.. math:: x(t) \in \sum_{j<N} \bigl(x_j(m) + \partial x_j([x])\,([x] - m)\bigr)\, t^j + x_N(W)\, t^N,
+.. math::
+    x(t) \in \sum_{j<N} \bigl(x_j(m) + \partial x_j([x])\,([x] - m)\bigr)\, t^j + x_N(W)\, t^N,
     \qquad 0 \le t \le h,
 
 whose Jacobian keeps the dependency between the coordinates of the box.

@@ -1,7 +1,7 @@
 """The check of ``impossible``: every structure up to the bound, each refuted by a script of ours.
 
-The structures are enumerated again and every script is made again from the spec, byte for byte; what
-is left to believe is the solver's ``unsat``, unless it is run again in a process of its own.
+The structures are enumerated again and every script is made again from the spec, byte for byte;
+what is left to believe is the solver's ``unsat``, unless it is run again in a process of its own.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from solvers.smt_subprocess import run_z3_subprocess
 from solvers.verdict import Fails
 
 
-class FalseClaim(Exception):  # noqa: N818  (carries the reason to the caller)
+class FalseClaim(Exception):
     """The claim is false, or its evidence is not what it says."""
 
 
@@ -46,8 +46,7 @@ def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
         return claim.modules
     if not family.language.is_finite():
         raise FalseClaim("the language is infinite and the task has no bound on modules")
-    longest = len(family.language.count_words()) - 1
-    return longest
+    return len(family.language.count_words()) - 1
 
 
 def _structures(

@@ -144,9 +144,7 @@ class Follower:
         limits = motion_limits(self.model, task)
         groups = input_groups(self.model, task)
         plan = self.plan(entries)
-        return ControlProblem(
-            self.reading, float(task.step), SUBSTEPS, limits, groups, plan.rows
-        )
+        return ControlProblem(self.reading, float(task.step), SUBSTEPS, limits, groups, plan.rows)
 
     # --- seeds and solutions --------------------------------------------------------------------
 

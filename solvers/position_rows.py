@@ -15,7 +15,6 @@ import numpy as np
 from compiler.float_reading import Array
 from solvers.convex_step import Indices, PositionRows
 
-
 ASTRAY = 0.02
 """Distance in metres from which a reference counts as having left its cell."""
 

@@ -1,4 +1,4 @@
-"""The kinematic refutation of one structure: sample poses first, ask the solver only where none is found.
+"""The kinematic refutation of one structure: sample poses first, then ask the solver.
 
 A pose pair found by inverse kinematics answers "reachable" for nothing; a script answered ``unsat``
 proves that no parameters whatever let the structure do the task.
@@ -22,13 +22,17 @@ REFUTED = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Refutation:
-    """The answer for a structure; ``effector`` is that of the witness poses, if any."""
+    """The answer for a structure: a refuting ``script``, or the effector of witness poses."""
 
-    refuted: bool
     reason: str
     script: str | None
     effector: int | None
     solver_calls: int
+
+    @property
+    def refuted(self) -> bool:
+        """Whether there is a script that was answered ``unsat``."""
+        return self.script is not None
 
 
 def refute_structure(
@@ -38,7 +42,7 @@ def refute_structure(
     question = pose_question(program.workspaces[task.workspace], task)
     witness = find_poses(reading, question, conduct.seed)
     if witness is not None:
-        return Refutation(False, "poses were found", None, witness.effector, 0)
+        return Refutation("poses were found", None, witness.effector, 0)
     script = refutation_script(model, question)
     key = f"smt|{script}"
     known = conduct.journal.recall(key)
@@ -47,7 +51,5 @@ def refute_structure(
         conduct.journal.record(key, known)
     if known == REFUTED:
         reason = "no poses in the start region and in the target for any parameters"
-        return Refutation(True, reason, script, None, 1)
-    return Refutation(False, "neither poses nor a refutation were found", None, None, 1)
-
-
+        return Refutation(reason, script, None, 1)
+    return Refutation("neither poses nor a refutation were found", None, None, 1)

@@ -308,6 +308,4 @@ def _path(scene: Scene, motion: Motion, positions: Sequence[Sequence[Sequence[ar
 
 def scene_of(program: ir.Program, task: ir.Task, model: RobotModel, cells: Abstraction) -> Scene:
     """The scene of a robot in a task."""
-    return Scene(
-        robot_graph(model, task.gravity), program.workspaces[task.workspace], task, cells
-    )
+    return Scene(robot_graph(model, task.gravity), program.workspaces[task.workspace], task, cells)

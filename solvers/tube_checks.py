@@ -199,7 +199,7 @@ class PointReading:
 
 @dataclass(slots=True)
 class StateLimit:
-    """A coordinate or rate stays in an interval; None is unlimited.  ``margin`` in rad or m (/s)."""
+    """A coordinate or rate stays in an interval; None is unlimited.  Margin in rad or m (/s)."""
 
     name: str
     index: int
@@ -247,8 +247,10 @@ def check_segment(
                 item.status = _worse(item.status, Status.UNDECIDED)
             continue
         quarter = width / 2
-        for centre in (middle + quarter, middle - quarter):
-            pending.append((centre, quarter, depth + 1, again, limits_again))
+        pending += [
+            (centre, quarter, depth + 1, again, limits_again)
+            for centre in (middle + quarter, middle - quarter)
+        ]
 
 
 def _worse(a: Status, b: Status) -> Status:
@@ -287,7 +289,11 @@ def _settle_limit(limit: StateLimit, over: Slice, state: Sequence[arb], depth: i
     gap = limit.gap(state[limit.index])
     lower = float(gap.lower())
     if bool(gap < 0):
-        limit.status, limit.margin, limit.time = Status.FAILS, float(gap.mid()), float(over.time.mid())
+        limit.status, limit.margin, limit.time = (
+            Status.FAILS,
+            float(gap.mid()),
+            float(over.time.mid()),
+        )
         return True
     if not lower > 0:
         return False

@@ -38,7 +38,6 @@ from solvers.impossibility_check import check_impossible
 from solvers.trajectory_proof import Finding, Motion, prove_motion, scene_of
 from solvers.tube_checks import Status
 
-
 NOT_A_DECIMAL = Fraction(1, 10**9)
 """How closely a claim must state a value that no finite decimal states."""
 
@@ -63,7 +62,7 @@ class Report:
     findings: tuple[Finding, ...] = ()
 
 
-class Refused(Exception):  # noqa: N818  (carries an outcome to the caller, never shown as such)
+class Refused(Exception):
     """A claim that is false, or that cannot be judged."""
 
     def __init__(self, reason: str, outcome: Outcome = Outcome.REFUTED) -> None:
@@ -145,9 +144,10 @@ def _agrees_with_design(folder: Path, claim: Claim) -> None:
         }
         values = [float(Fraction(p.value)) for p in claim.parameters]
         stated = design.get("parameters") if isinstance(design, dict) else None
-        if not isinstance(stated, list) or [
-            p.get("value") if isinstance(p, dict) else None for p in stated
-        ] != values:
+        if (
+            not isinstance(stated, list)
+            or [p.get("value") if isinstance(p, dict) else None for p in stated] != values
+        ):
             raise Refused("design.json and certificate.json differ in `parameters`")
     for key, value in expected.items():
         if not isinstance(design, dict) or design.get(key) != value:
@@ -271,9 +271,7 @@ def _as_ball(item: ir.Expr | Fraction) -> arb:
     return ball(item) if isinstance(item, Fraction) else closed_ball(item)
 
 
-def _efforts(
-    claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
-) -> list[Finding]:
+def _efforts(claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task) -> list[Finding]:
     """Every input is within its bound, exactly; the claimed peak and robustness are true."""
     peak, margins, findings = Fraction(0), list[Fraction](), list[Finding]()
     exact = True
@@ -317,7 +315,9 @@ def _states(stated: Fraction, true: Fraction, *, exact: bool) -> bool:
 def _square_root(value: Fraction) -> Fraction:
     """The square root, exact where rational, else rounded up far below any margin."""
     scale = 10**60
-    return Fraction(_isqrt_up(value.numerator * value.denominator * scale**2), value.denominator * scale)
+    return Fraction(
+        _isqrt_up(value.numerator * value.denominator * scale**2), value.denominator * scale
+    )
 
 
 def _isqrt_up(value: int) -> int:

@@ -1,7 +1,7 @@
 """The command line: arguments, output and exit statuses, nothing else.
 
-Exit statuses: 0, 1, 3 and 4 as each command says; 2 usage, 5 the spec has errors, 70 internal error,
-130 interrupted.  Heavy libraries are imported in the command that needs them.
+Exit statuses: 0, 1, 3 and 4 as each command says; 2 usage, 5 the spec has errors, 70 internal
+error, 130 interrupted.  Heavy libraries are imported in the command that needs them.
 """
 
 from __future__ import annotations
@@ -236,7 +236,7 @@ def run(arguments: list[str] | None = None) -> int:
         # The reader has gone; nothing more can be said on this stream.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except Exception as error:  # noqa: BLE001  (the last line of defence: no traceback to a user)
+    except Exception as error:  # the last line of defence: no traceback reaches a user
         return _internal(error)
 
 
@@ -256,5 +256,3 @@ def _internal(error: Exception) -> int:
 def main() -> None:
     """The entry point of the ``srgc`` command."""
     sys.exit(run())
-
-

@@ -1,4 +1,4 @@
-"""What a synthesis leaves behind as data: ``design.json``, ``trajectory.csv`` and the certificate."""
+"""What a synthesis leaves as data: ``design.json``, ``trajectory.csv`` and the certificate."""
 
 from __future__ import annotations
 

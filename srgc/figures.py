@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 GHOSTS = 12
 COLOURS = {"obstacle": "#d1495b", "target": "#4c956c", "region": "#8d99ae"}
 INK, PATH, ARM = "#1f2a44", "#2e6fba", "#6b7280"
-SETTINGS = {
+SETTINGS: Any = {
     "svg.hashsalt": "srgc",
     "svg.fonttype": "path",
     "font.family": "DejaVu Sans",
@@ -39,7 +39,9 @@ def _svg(figure: Figure) -> str:
     return buffer.getvalue()
 
 
-def workspace_figure(result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task) -> str:
+def workspace_figure(
+    result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task
+) -> str:
     """Regions, cell path, effector trajectory and ghost poses (case study, figure (a)).
 
     In space the picture is the projection to the first two axes.
@@ -160,7 +162,7 @@ def _draw_ghosts(axes: Axes, points: Array, design: Design, reading: FloatReadin
 def input_figure(design: Design, task: ir.Task) -> str:
     """Inputs over time with their bounds (case study, figure (b))."""
     trajectory = design.configuration.outcome.trajectory
-    time = np.arange(task.steps + 1) * float(task.step)
+    time: Array = np.arange(task.steps + 1, dtype=np.float64) * float(task.step)
     with mpl.rc_context(SETTINGS):
         kinds = [e for e in task.effort if any(d.kind == e.kind for d in design.model.dofs)]
         figure = Figure(figsize=(7.2, 2.6 * max(1, len(kinds)) + 0.6), layout="constrained")

@@ -17,7 +17,7 @@ from grammar_lang.source import Source
 Item = TypeVar("Item")
 
 
-class UsageFault(Exception):  # noqa: N818  (the user's, not the program's)
+class UsageFault(Exception):
     """Arguments that cannot be used; exit status 2."""
 
 
@@ -30,7 +30,7 @@ class Checked:
     sources: tuple[Source, ...]
 
 
-class SpecErrors(Exception):  # noqa: N818  (carries diagnostics to the command line)
+class SpecErrors(Exception):
     """A spec with errors; exit status 5."""
 
     def __init__(self, checked: Checked) -> None:

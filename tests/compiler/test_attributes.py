@@ -18,9 +18,7 @@ from tests.oracles.robots import interval, rod_chain
 
 MODULES = {
     "B": ir.Module("B", "base", (), ()),
-    "JO": ir.Module(
-        "JO", "joint", (), (ir.Dof("q", "revolute", "z", interval(-3, 3), None),)
-    ),
+    "JO": ir.Module("JO", "joint", (), (ir.Dof("q", "revolute", "z", interval(-3, 3), None),)),
     "L": ir.Module("L", "link", (ir.Parameter("length", interval(1, 5), "m"),), ()),
     "EN": ir.Module("EN", "effector", (), ()),
 }
@@ -46,7 +44,9 @@ def length(occurrence: int) -> ir.ParameterOf:
     return ir.ParameterOf(occurrence, "length")
 
 
-def block(*rules: tuple[ir.AttributeOf, ir.Expr], emit: tuple[ir.Emission, ...] = ()) -> ir.SemanticBlock:
+def block(
+    *rules: tuple[ir.AttributeOf, ir.Expr], emit: tuple[ir.Emission, ...] = ()
+) -> ir.SemanticBlock:
     return ir.SemanticBlock(tuple(ir.AttributeRule(t, v) for t, v in rules), emit)
 
 
@@ -71,7 +71,9 @@ PLANAR_RULES: Mapping[str, ir.SemanticBlock] = {
 
 def left_recursive(labels: list[str]) -> Derivation:
     """labels[0] is the outermost production; the last is ``base``."""
-    word = [name for label in reversed(labels) for name in ("eps", PLANAR[label].right[-1].name)][1:]
+    word = [name for label in reversed(labels) for name in ("eps", PLANAR[label].right[-1].name)][
+        1:
+    ]
     nodes = []
     for depth, label in enumerate(labels):
         end = 2 * (len(labels) - 1 - depth)
@@ -85,8 +87,10 @@ def planar(labels: str) -> RobotModel:
 
 
 def test_the_running_example() -> None:
-    derivation = left_recursive("tool link joint link joint base".split())
-    assert derivation.word == tuple("B eps JO eps L eps JO eps L eps EN".split())
+    derivation = left_recursive(["tool", "link", "joint", "link", "joint", "base"])
+    assert derivation.word == tuple(
+        ["B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN"]
+    )
     robot = evaluate(derivation, MODULES, PLANAR_RULES, 2)
     assert robot.dimension == 2
     assert [dof.symbols for dof in robot.dofs] == [(2,), (6,)]
@@ -102,7 +106,8 @@ def test_the_running_example() -> None:
     for name in ("effectors", "body_points", "mass_matrix"):
         np.testing.assert_allclose(reading(found, name, q, theta), reading(wanted, name, q, theta))
     np.testing.assert_allclose(
-        reading(found, "acceleration", q, v, u, theta), reading(wanted, "acceleration", q, v, u, theta)
+        reading(found, "acceleration", q, v, u, theta),
+        reading(wanted, "acceleration", q, v, u, theta),
     )
 
 
@@ -144,15 +149,19 @@ def right_recursive(labels: list[str]) -> Derivation:
     nodes = []
     for number, label in enumerate(labels):
         rule, at = CHAIN[label], len(word)
-        children = [at + i if s.kind != "nonterminal" else number + 1 for i, s in enumerate(rule.right)]
+        children = [
+            at + i if s.kind != "nonterminal" else number + 1 for i, s in enumerate(rule.right)
+        ]
         nodes.append(DerivationNode(rule, tuple(children)))
         word += [s.name for s in rule.right if s.kind != "nonterminal"]
     return Derivation(tuple(word), tuple(nodes))
 
 
 def test_inherited_frames_give_the_same_robot() -> None:
-    derivation = right_recursive("start joint link joint link tool".split())
-    assert derivation.word == tuple("B eps JO eps L eps JO eps L eps EN".split())
+    derivation = right_recursive(["start", "joint", "link", "joint", "link", "tool"])
+    assert derivation.word == tuple(
+        ["B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN"]
+    )
     found = robot_graph(evaluate(derivation, MODULES, CHAIN_RULES, 2))
     wanted = robot_graph(rod_chain(2))
     q, theta = np.array([0.3, 0.4]), np.array([1.0, 0.5])
@@ -187,7 +196,7 @@ def mixed(top: ir.SemanticBlock, part: ir.SemanticBlock) -> RobotModel:
         DerivationNode(MIXED["part"], (2,)),
         DerivationNode(MIXED["part"], (4,)),
     )
-    derivation = Derivation(tuple("B eps L eps L".split()), nodes)
+    derivation = Derivation(tuple(["B", "eps", "L", "eps", "L"]), nodes)
     return evaluate(derivation, MODULES, {"top": top, "part": part}, 2)
 
 
@@ -224,11 +233,21 @@ def test_an_l_shaped_link_and_inherited_scalars() -> None:
 def test_vectors_powers_and_functions() -> None:
     vector = ir.AttributeOf(ir.THIS, "arm")
     part = block(
-        (vector, ir.Vector(ir.Binary("^", length(0), ir.Num(Fraction(2))), ir.Unary("sqrt", length(0)), ir.Num(Fraction(0)))),
+        (
+            vector,
+            ir.Vector(
+                ir.Binary("^", length(0), ir.Num(Fraction(2))),
+                ir.Unary("sqrt", length(0)),
+                ir.Num(Fraction(0)),
+            ),
+        ),
         emit=(ir.Effector(ir.Compose(ir.Shift(vector), ir.Shift(inherited(ir.THIS, "more")))),),
     )
     top = block(
-        (inherited(2, "more"), ir.Vector(ir.Unary("cos", ONE), ir.Num(Fraction(0)), ir.Num(Fraction(0)))),
+        (
+            inherited(2, "more"),
+            ir.Vector(ir.Unary("cos", ONE), ir.Num(Fraction(0)), ir.Num(Fraction(0))),
+        ),
         (inherited(4, "more"), ir.AttributeOf(2, "arm")),
     )
     tips = reading(robot_graph(mixed(top, part)), "effectors", np.zeros(0), np.array([2.0, 3.0]))
@@ -242,7 +261,9 @@ def test_a_frame_applied_twice_turns_twice() -> None:
         (FRAME, ir.Compose(ir.Rot("z", ONE), ir.Move("x", length(0)))),
         emit=(ir.Effector(ir.Compose(FRAME, FRAME)),),
     )
-    tips = reading(robot_graph(mixed(block(), part)), "effectors", np.zeros(0), np.array([2.0, 3.0]))
+    tips = reading(
+        robot_graph(mixed(block(), part)), "effectors", np.zeros(0), np.array([2.0, 3.0])
+    )
     once = np.exp(1j)
     expected = [2 * (once + once**2), 3 * (once + once**2)]
     np.testing.assert_allclose(tips[0::2] + 1j * tips[1::2], expected)

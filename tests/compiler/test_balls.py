@@ -87,9 +87,7 @@ def test_closed_expressions_with_rational_values(expression: ir.Expr, value: Fra
     assert found.rad() < 1e-12
 
 
-@pytest.mark.parametrize(
-    "expression", [ir.World(), ir.ParameterOf(0, "length"), ir.DofOf(0, "q")]
-)
+@pytest.mark.parametrize("expression", [ir.World(), ir.ParameterOf(0, "length"), ir.DofOf(0, "q")])
 def test_what_is_not_a_closed_scalar_is_refused(expression: ir.Expr) -> None:
     with pytest.raises(ValueError, match="closed"):
         closed_ball(expression)
@@ -134,9 +132,11 @@ def test_series_of_functions_are_taylor_series(name: str, centre: str) -> None:
         ctx.cap = 8
         argument = arb_series([ball(Fraction(centre)), arb(3), arb(-1)])
         found = SeriesArithmetic().unary(name, argument)
-        expected = mp.taylor(
-            lambda t: SERIES[name](mp.mpf(centre) + 3 * t - t**2), 0, 7
-        ) if name != "fabs" else [mp.mpf(centre), 3, -1, 0, 0, 0, 0, 0]
+        expected = (
+            mp.taylor(lambda t: SERIES[name](mp.mpf(centre) + 3 * t - t**2), 0, 7)
+            if name != "fabs"
+            else [mp.mpf(centre), 3, -1, 0, 0, 0, 0, 0]
+        )
         for i, value in enumerate(expected):
             # Differences carry a dozen digits at least.
             assert abs(mp.mpf(str(found[i].mid().str(30, radius=False))) - value) < 1e-12 * (

@@ -78,7 +78,9 @@ def test_two_point_masses_agree_with_the_corrected_closed_form() -> None:
         bias = [-h * (2 * v[0] * v[1] + v[1] ** 2), h * v[0] ** 2]
         u = rng.uniform(-5, 5, 2)
         np.testing.assert_allclose(evaluate(graph, "mass_matrix", q, theta), mass, rtol=1e-11)
-        np.testing.assert_allclose(evaluate(graph, "bias", q, v, theta), bias, rtol=1e-10, atol=1e-10)
+        np.testing.assert_allclose(
+            evaluate(graph, "bias", q, v, theta), bias, rtol=1e-10, atol=1e-10
+        )
         expected = np.linalg.solve(mass, u - bias)
         found = evaluate(graph, "acceleration", q, v, u, theta)
         np.testing.assert_allclose(found, expected, rtol=1e-8)
@@ -295,9 +297,7 @@ def test_space_robot_about_z_then_y_with_a_tilted_solid_and_a_slide() -> None:
         return np.array(result + rod_points(hand, hand + turn @ [0, 1, 0]))
 
     masses = np.array([0.5, 0.5, 1.0, 1.0, *[1 / 3] * 6, 0.5, 1.0, 1.0])
-    compare(
-        builder, PointCloud(masses, positions), (Fraction(1), Fraction(1, 7), Fraction(-10)), 8
-    )
+    compare(builder, PointCloud(masses, positions), (Fraction(1), Fraction(1, 7), Fraction(-10)), 8)
 
 
 def test_a_coordinate_that_acts_twice_in_one_chain() -> None:

@@ -47,7 +47,8 @@ def test_the_step_converges_to_the_solution_with_order_four(links: int) -> None:
     robot, (x, u, theta) = reading(links), samples(links, 3)
     exact = np.array([flow(a, b, theta, DT, (0, -9.81)) for a, b in zip(x, u, strict=True)])
     errors = [
-        float(np.abs(robot.step(x, u, theta, DT, count).value - exact).max()) for count in (4, 8, 64)
+        float(np.abs(robot.step(x, u, theta, DT, count).value - exact).max())
+        for count in (4, 8, 64)
     ]
     assert 8 < errors[0] / errors[1] < 32
     assert errors[2] < 1e-7

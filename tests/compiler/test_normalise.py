@@ -151,7 +151,9 @@ def test_a_solid_or_a_thick_thing_off_the_axis_is_moved() -> None:
     assert len(normalise(builder.build()).dofs) == 2
 
 
-def arm(*pieces: str, range_: tuple[int, int] = (-3, 3), box: tuple[int, int] = (1, 5)) -> RobotModel:
+def arm(
+    *pieces: str, range_: tuple[int, int] = (-3, 3), box: tuple[int, int] = (1, 5)
+) -> RobotModel:
     """B and then pieces JO, L, EN of the running example."""
     builder, frame = Builder(), WORLD
     builder.symbol()
@@ -292,7 +294,11 @@ def test_normalisation_changes_neither_points_nor_forces(model: RobotModel, seed
     normal = normalise(model)
     turn, rng = coordinate_map(model, normal), np.random.default_rng(seed)
     n = len(model.dofs)
-    q, v, theta = rng.uniform(-2, 2, n), rng.uniform(-2, 2, n), rng.uniform(1, 2, len(model.parameters))
+    q, v, theta = (
+        rng.uniform(-2, 2, n),
+        rng.uniform(-2, 2, n),
+        rng.uniform(1, 2, len(model.parameters)),
+    )
     pull = (Fraction(1), Fraction(-10), Fraction(2))[: model.dimension]
     before, after = robot_graph(model, pull), robot_graph(normal, pull)
     for name in ("effectors", "body_points"):

@@ -28,6 +28,7 @@ from tests.oracles.questions import (
     random_design,
     random_pose,
     random_robot,
+    round_box_about,
 )
 
 SAT, UNSAT = Holds(None), Fails(None)
@@ -391,6 +392,8 @@ def pinned(model, theta):
     """The model with every parameter at one value, so that the solver has an easy time."""
     parameters = tuple(
         replace(parameter, domain=interval(Fraction(value), Fraction(value)))
+        if isinstance(parameter.domain, ir.Interval)
+        else parameter
         for parameter, value in zip(model.parameters, map(float, theta), strict=True)
     )
     return replace(model, parameters=parameters)
@@ -404,10 +407,13 @@ def sound(seed, dimension, budget, *, pin):
     if pin:
         model = pinned(model, theta)
     places = [effector_positions(model, random_pose(rng, model), theta) for _ in range(2)]
-    width = Fraction(1, 10 ** int(rng.integers(1, 7)))
+    width = Fraction(1, 10 ** int(rng.integers(1, 4)))
     for start in range(len(model.effectors)):
         for reach in range(len(model.effectors)):
-            boxes = box_about(places[0][start], width), box_about(places[1][reach], width)
+            boxes = (
+                round_box_about(places[0][start], width),
+                round_box_about(places[1][reach], width),
+            )
             named = {"start_effector": start, "reach_effector": reach}
             asked = question(*boxes, EVERYWHERE[:dimension], **named)
             yield solve_script(refutation_script(normalise(model), asked), resources=budget)

@@ -71,7 +71,9 @@ def awkward() -> RobotModel:
     """Densities 0.1 + 0.2, angles of 30 degrees, sqrt(2), integer angles, masses and lengths."""
     builder = Builder()
     table = builder.table
-    thirty = table.binary("*", builder.number(30), table.binary("/", table.pi(), builder.number(180)))
+    thirty = table.binary(
+        "*", builder.number(30), table.binary("/", table.pi(), builder.number(180))
+    )
     frame = builder.joint(builder.turn(WORLD, "z", thirty))
     frame = builder.link(frame, builder.parameter(), density=Fraction("0.1") + Fraction("0.2"))
     builder.point(frame, builder.number(3))

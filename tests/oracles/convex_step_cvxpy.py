@@ -20,7 +20,12 @@ the linearised positions p(i, j) and unit fictitious inputs B'_i, this solves
         |\theta_j - \hat\theta_j| \le R \max(|\hat\theta_j|, 0.1), \quad
         \theta_{\min} \le \theta \le \theta_{\max}.
 
-Without a box for the parameters, theta is theta^.
+Without a box for the parameters, theta is theta^.  With epsilon (Problem 4 and C.6) there is one
+slack per step instead of V and no reward for rho:
+
+.. math::
+    \min\ w_V \sum_i g_i + w_\sigma \sigma + \varepsilon \sum_i \lVert u_i \rVert_2^2, \qquad
+    \lVert v_i \rVert_\infty \le g_i, \quad \epsilon \sum_{l<i} g_l \le g_i, \quad \rho \ge 0.
 """
 
 from __future__ import annotations
@@ -74,6 +79,7 @@ def solve_reference(
     radius: float,
     theta_box: tuple[Array, Array] | None,
     weights: Weights,
+    epsilon: float | None = None,
 ) -> Reference:
     about, dynamics, points = model.about, model.dynamics, model.points
     k, n = about.u.shape
@@ -92,7 +98,12 @@ def solve_reference(
         if len(about.theta):
             after += dynamics.parameter[i] @ change
         constraints.append(x[i + 1] == after)
-    constraints += [cp.abs(v) <= largest]
+    g = cp.Variable(k)
+    if epsilon is None:
+        constraints += [cp.abs(v) <= largest]
+    else:
+        constraints += [cp.max(cp.abs(v), axis=1) <= g, rho >= 0, largest == 0]
+        constraints += [epsilon * cp.sum(g[:i]) <= g[i] for i in range(1, k)]
     for sample, point, normal, offset in zip(
         rows.sample, rows.point, rows.normal, rows.offset, strict=True
     ):
@@ -116,6 +127,8 @@ def solve_reference(
     constraints.append(cp.abs(x[:, :n] - about.x[:, :n]) <= radius)
     objective = rho - weights.fictitious * largest - weights.position * sigma
     objective -= weights.quadratic * cp.sum_squares(u)
+    if epsilon is not None:
+        objective -= rho + weights.fictitious * cp.sum(g)
     problem = cp.Problem(cp.Maximize(objective), constraints)
     problem.solve(solver=cp.CLARABEL)
     if problem.status != cp.OPTIMAL:

@@ -51,7 +51,9 @@ def chain_dynamics(
     return back @ mass @ to_absolute, back @ coriolis, back @ gravity
 
 
-def chain_energy(lengths: Array, densities: Array, q: Array, v: Array, pull: Sequence[float]) -> float:
+def chain_energy(
+    lengths: Array, densities: Array, q: Array, v: Array, pull: Sequence[float]
+) -> float:
     """Kinetic plus potential energy."""
     mass, _, _ = chain_dynamics(lengths, densities, q, v, pull)
     phi = np.cumsum(q)

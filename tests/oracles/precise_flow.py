@@ -65,9 +65,7 @@ def chain_flow(
         fresh = [row]
         for k in range(column):
             ratio = mp.mpf(steps) / (2 * (column - k))
-            row = [
-                a + (a - b) / (ratio**2 - 1) for a, b in zip(fresh[k], table[k], strict=True)
-            ]
+            row = [a + (a - b) / (ratio**2 - 1) for a, b in zip(fresh[k], table[k], strict=True)]
             fresh.append(row)
         table = fresh
     return table[-1]

@@ -27,6 +27,12 @@ def box_about(point, width):
     return tuple((Fraction(x) - width, Fraction(x) + width) for x in map(float, point))
 
 
+def round_box_about(point, width):
+    """A box that holds a point of floats: a half width about the nearest multiple of it."""
+    centres = [round(float(x) / float(width)) * width for x in point]
+    return tuple((x - width, x + width) for x in centres)
+
+
 def random_robot(rng, dimension):
     """A small robot with turns, bends, sliders, choices, functions and branches."""
     arm = ArmBuilder(dimension)
@@ -72,12 +78,12 @@ def _length(arm, t, kind):
 
 
 def random_design(rng, model):
-    """Parameters (p,) in their domains."""
+    """Parameters (p,) in their domains, eighths where the domain is an interval."""
     values = []
     for parameter in model.parameters:
         match parameter.domain:
             case ir.Interval(lower, upper):
-                values.append(rng.uniform(float(lower.value), float(upper.value)))
+                values.append(rng.integers(8 * lower.value, 8 * upper.value, endpoint=True) / 8)
             case ir.Choices():
                 values.append([0.5, np.sqrt(2), 2.0][int(rng.integers(3))])
     return np.array(values)

@@ -57,7 +57,9 @@ class Builder:
     def number(self, value: Number) -> int:
         return self.table.constant(value)
 
-    def parameter(self, low: Number = Fraction(1, 2), high: Number = 5, name: str = "length") -> int:
+    def parameter(
+        self, low: Number = Fraction(1, 2), high: Number = 5, name: str = "length"
+    ) -> int:
         index = len(self.parameters)
         domain = interval(low, high)
         self.parameters.append(RobotParameter(self.symbol(), "L", name, domain, "m"))

@@ -38,7 +38,10 @@ def limits(n: int, final: float, **changes: Array | float) -> MotionLimits:
 def beyond(steps: int, angle: float, length: float = LENGTH) -> PositionRows:
     """The tip's last position is at least as high as at an angle below a right one."""
     return PositionRows(
-        np.array([steps]), np.array([0]), np.array([[0.0, -1.0]]), np.array([-length * np.sin(angle)])
+        np.array([steps]),
+        np.array([0]),
+        np.array([[0.0, -1.0]]),
+        np.array([-length * np.sin(angle)]),
     )
 
 
@@ -47,7 +50,12 @@ def one_link(
 ) -> tuple[ControlProblem, Trajectory]:
     rows = beyond(steps, angle)
     problem = ControlProblem(
-        ONE, DT, 1, limits(1, final, **changes), (InputGroup((0,), bound, norm2=False),), lambda _: rows
+        ONE,
+        DT,
+        1,
+        limits(1, final, **changes),
+        (InputGroup((0,), bound, norm2=False),),
+        lambda _: rows,
     )
     x = np.stack([np.linspace(0, angle, steps + 1), np.full(steps + 1, angle / steps / DT)], axis=1)
     x[0, 1] = 0.0
@@ -97,9 +105,7 @@ def test_the_least_peak_torque_of_a_double_integrator(steps: int, rest: bool) ->
 
 
 def test_rate_limits_raise_the_peak() -> None:
-    problem, seed = one_link(
-        16, 10.0, 0.0, rate_lower=np.array([-0.8]), rate_upper=np.array([0.8])
-    )
+    problem, seed = one_link(16, 10.0, 0.0, rate_lower=np.array([-0.8]), rate_upper=np.array([0.8]))
     outcome = synthesise_control(problem, seed)
     peak = double_integrator(16, rest=True, reach=ANGLE, rate=0.8)
     assert peak > 1.01 * double_integrator(16, rest=True, reach=ANGLE)
@@ -222,7 +228,9 @@ def test_free_lengths_are_used() -> None:
 def test_a_seed_that_breaks_the_limits_is_not_taken_for_a_solution(wrong: dict[str, float]) -> None:
     """A free motion needs no effort, but it neither starts nor ends at rest."""
     steps, rate = 8, 1.0
-    problem, _ = one_link(steps, 10.0, 0.0 if "final" in wrong else np.inf, angle=0.9 * steps * DT * rate)
+    problem, _ = one_link(
+        steps, 10.0, 0.0 if "final" in wrong else np.inf, angle=0.9 * steps * DT * rate
+    )
     if "final" in wrong:
         problem = replace(problem, limits=replace(problem.limits, start_rates=2.0))
     times = np.arange(steps + 1) * DT

@@ -49,7 +49,10 @@ def linearised(seed: int) -> Model:
     """About a random trajectory that obeys no dynamics."""
     rng = np.random.default_rng(seed)
     x = np.concatenate(
-        [np.cumsum(rng.uniform(-0.2, 0.2, (STEPS + 1, 2)), axis=0), rng.uniform(-0.5, 0.5, (STEPS + 1, 2))],
+        [
+            np.cumsum(rng.uniform(-0.2, 0.2, (STEPS + 1, 2)), axis=0),
+            rng.uniform(-0.5, 0.5, (STEPS + 1, 2)),
+        ],
         axis=1,
     )
     about = Trajectory(x, rng.uniform(-2, 2, (STEPS, 2)), rng.uniform(1, 2, 2))
@@ -180,6 +183,27 @@ def test_the_point_satisfies_every_constraint(case: str) -> None:
         assert np.all(np.abs(dp) <= radius * np.maximum(np.abs(about.theta), 0.1) + tolerance)
         assert np.all(theta >= box[0] - tolerance)
         assert np.all(theta <= box[1] + tolerance)
+
+
+@pytest.mark.parametrize("epsilon", [1e-6, 0.2])
+def test_slacks_by_step_under_c6(epsilon: float) -> None:
+    """Problem 4: a jump at the start and an end out of reach, each to be paid for where it is."""
+    limits, groups, _, radius, _ = CASES["a jump: needs V"]
+    weights = Weights(position=1e4)
+    for changed in (limits, replace(FREE, start_values=np.zeros(2), final_rates=0.0)):
+        model = linearised(2)
+        rows = end_in(model, 0.4)
+        small = (replace(groups[0], bound=0.5),)
+        args = model, rows, changed, small, radius, None, weights
+        found, wanted = convex_step(*args, epsilon), solve_reference(*args, epsilon)
+        assert isinstance(found, StepResult)
+        assert np.abs(found.trajectory.u).max() <= 0.5 + 1e-6
+        total = 0.0
+        for size in np.abs(found.fictitious).max(axis=1):  # the least g that C.6 allows
+            total += max(float(size), epsilon * total)
+        paid = weights.fictitious * total + weights.position * found.position_slack
+        assert -paid == pytest.approx(wanted.value, rel=1e-4, abs=1e-4)
+        assert paid > 1
 
 
 def test_a_contradiction_is_not_an_optimum() -> None:

@@ -16,7 +16,15 @@ from compiler.balls import ball, constant_ball, working_precision
 from compiler.dynamics import RobotGraph, robot_graph
 from compiler.robot import WORLD
 from compiler.tape import tape
-from solvers.enclosure import Accuracy, EnclosureFailure, TubeSegment, VectorField, _span, polynomial, tube
+from solvers.enclosure import (
+    Accuracy,
+    EnclosureFailure,
+    TubeSegment,
+    VectorField,
+    _span,
+    polynomial,
+    tube,
+)
 from tests.oracles.exact_chain import Multiprecision
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.precise_flow import DIGITS, chain_flow, chain_slope
@@ -29,9 +37,7 @@ ACCURATE = Accuracy(order=12, bits=128, remainder=1e-9)
 
 def field_of(graph: RobotGraph, theta: list[arb]) -> VectorField:
     tail = (*theta, *map(constant_ball, graph.constants))
-    return VectorField(
-        tape(graph.acceleration), tape(graph.variation), len(graph.model.dofs), tail
-    )
+    return VectorField(tape(graph.acceleration), tape(graph.variation), len(graph.model.dofs), tail)
 
 
 def rationals(rng: np.random.Generator, low: float, high: float, count: int) -> list[Fraction]:
@@ -84,7 +90,13 @@ def test_the_tube_contains_the_motion_at_random_times(links: int) -> None:
     with mp.workdps(DIGITS), working_precision(ACCURATE.bits):
         field = field_of(graph, [ball(x) for x in lengths])
         segments = list(
-            tube(field, [ball(x) for x in state], [[ball(x) for x in u] for u in inputs], ball(DT), ACCURATE)
+            tube(
+                field,
+                [ball(x) for x in state],
+                [[ball(x) for x in u] for u in inputs],
+                ball(DT),
+                ACCURATE,
+            )
         )
         current = [number(x) for x in state]
         for k, u in enumerate(inputs):
@@ -144,7 +156,9 @@ def test_the_tube_of_a_box_contains_the_motions_of_its_points(links: int) -> Non
         box = [ball(x) + arb(0, 1) * ball(width) for x in state]
         # A large box has a large remainder, which this accuracy allows.
         accuracy = Accuracy(12, 80, 1e-2)
-        segments = list(tube(field, box, [[ball(x) for x in u] for u in inputs], ball(DT), accuracy))
+        segments = list(
+            tube(field, box, [[ball(x) for x in u] for u in inputs], ball(DT), accuracy)
+        )
     corners = rng.choice([-1, 1], (4, 2 * links))
     with mp.workdps(DIGITS), working_precision(80):
         for offset in [*corners, *rng.uniform(-1, 1, (4, 2 * links))]:
@@ -152,7 +166,11 @@ def test_the_tube_of_a_box_contains_the_motions_of_its_points(links: int) -> Non
                 number(x + width * Fraction(float(o))) for x, o in zip(state, offset, strict=True)
             ]
             for k, u in enumerate(inputs):
-                args = ([number(x) for x in u], [number(x) for x in lengths], [number(x) for x in PULL])
+                args = (
+                    [number(x) for x in u],
+                    [number(x) for x in lengths],
+                    [number(x) for x in PULL],
+                )
                 half = chain_flow(current, *args, number(DT / 2))
                 current = chain_flow(current, *args, number(DT))
                 for part, reached in ((Fraction(1, 2), half), (Fraction(1), current)):
@@ -198,9 +216,7 @@ def test_the_tube_satisfies_the_differential_equation() -> None:
             return mp.fsum(k * c * t ** (k - 1) for k, c in enumerate(terms) if k)
 
         x = [value(i, h) for i in range(4)]
-        constants = [
-            number(c.value) if hasattr(c, "value") else +mp.pi for c in graph.constants
-        ]
+        constants = [number(c.value) if hasattr(c, "value") else +mp.pi for c in graph.constants]
         inputs = [*x, mp.mpf(1), mp.mpf(-2), mp.mpf(1), mp.mpf(3) / 2, *constants]
         slopes = [*x[2:], *program.run(inputs, Multiprecision())]
         for i in range(4):
@@ -248,7 +264,9 @@ def test_a_robot_that_becomes_singular_has_no_tube_beyond() -> None:
 
 def test_an_escape_in_finite_time_has_no_tube_beyond() -> None:
     """q'' = 2 q^3, q(0) = q'(0) = 1: q = 1 / (1 - t), gone at t = 1."""
-    q, v, u, theta, k = (ca.SX.sym(n, m) for n, m in (("q", 1), ("v", 1), ("u", 1), ("t", 0), ("k", 0)))
+    q, v, u, theta, k = (
+        ca.SX.sym(n, m) for n, m in (("q", 1), ("v", 1), ("u", 1), ("t", 0), ("k", 0))
+    )
     slope = 2 * q * q * q
     jacobian = ca.vertcat(slope, ca.vec(ca.densify(ca.jacobian(slope, ca.vertcat(q, v)))))
     field = VectorField(
@@ -258,7 +276,10 @@ def test_an_escape_in_finite_time_has_no_tube_beyond() -> None:
         (),
     )
     with working_precision(80):
-        found, ends = tube(field, [arb(1), arb(1)], [[arb(0)]] * 16, ball(Fraction(1, 8)), ACCURATE), []
+        found, ends = (
+            tube(field, [arb(1), arb(1)], [[arb(0)]] * 16, ball(Fraction(1, 8)), ACCURATE),
+            [],
+        )
         with pytest.raises(EnclosureFailure):
             for segment in found:
                 end = segment.start + segment.length

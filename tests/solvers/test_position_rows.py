@@ -90,7 +90,9 @@ def test_planes_separate_exactly_what_is_apart(width: int) -> None:
 
 def test_a_facet_shows_the_whole_distance_where_it_is_the_nearest() -> None:
     box = convex_set(np.array(list(product([0.0, 1.0], [0.0, 1.0]))))
-    swept = np.array([[[0.2, 1.3], [0.7, 1.6]], [[1.4, 0.1], [1.6, 0.9]], [[0.5, -0.3], [0.5, -0.3]]])
+    swept = np.array(
+        [[[0.2, 1.3], [0.7, 1.6]], [[1.4, 0.1], [1.6, 0.9]], [[0.5, -0.3], [0.5, -0.3]]]
+    )
     normals, support = separating_planes(swept, box)
     gaps = np.min(np.einsum("kwd,kd->kw", swept, normals), axis=1) - support
     np.testing.assert_allclose(gaps, [0.3, 0.4, 0.3])
@@ -182,6 +184,22 @@ def test_dwells_are_the_shrunk_cells_at_their_samples() -> None:
         assert rows.excess(points_of(positions)).max() == pytest.approx(0, abs=1e-12)
         positions[3, 1] = corner
         assert rows.excess(points_of(positions)).max() == pytest.approx(0.05)
+
+
+def test_planes_of_a_reference_that_is_astray_are_chosen_at_its_anchors() -> None:
+    """The dwell is left of the obstacle; the reference has strayed to its right."""
+    cell = convex_set(np.array([[0.0, 2.0], [1.5, 2.0], [1.5, 3.0], [0.0, 3.0]]))
+    astray = np.tile([3.5, 2.5], (4, 1, 1))
+    anchors = np.tile([1.0, 2.5], (4, 1))
+    separation = Separation((0,), OBSTACLE, 0.0)
+    plan = PositionPlan(3, (Dwell(0, 0, 3, cell),), (separation,), 0.0, 0, anchors)
+    rows = plan.rows(astray)
+    assert rows.excess(points_of(anchors[:, None])).max() <= 0
+    plain = PositionPlan(3, (Dwell(0, 0, 3, cell),), (separation,), 0.0)
+    assert plain.rows(astray).excess(points_of(anchors[:, None])).max() > 0
+    # A reference within its dwell is believed.
+    here = np.tile([1.4, 2.9], (4, 1, 1))
+    np.testing.assert_array_equal(plan.rows(here).normal, plain.rows(here).normal)
 
 
 def test_an_empty_plan_has_no_rows() -> None:
