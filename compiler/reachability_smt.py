@@ -329,11 +329,13 @@ class _Encoding:
         return self._radii[key]
 
     def _norm(self, prefix: str, parts: tuple[Quantity, ...]) -> Quantity:
-        script = self.script
+        script, square = self.script, self.script.sum_of_squares(parts)
+        known = script.number(square.ball.sqrt())
+        if known is not None:
+            return known
         norm = script.fresh(prefix)
         script.assertion(script.at_most(script.constant(0), norm))
-        squared = script.multiply(norm, norm)
-        script.assertion(script.equal(squared, script.sum_of_squares(parts)))
+        script.assertion(script.equal(script.multiply(norm, norm), square))
         return norm
 
     def _polygon(self, total: list[Quantity], radii: list[Quantity], pose: Pose) -> list[FNode]:

@@ -17,6 +17,9 @@ from pysmt.smtlib.printers import SmtPrinter
 from pysmt.typing import REAL
 
 from compiler.balls import ball
+from compiler.rational_enclosure import GRID, outward
+
+NARROW = 4  # grid steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +61,18 @@ class RealScript:
         self._counts[prefix] = self._counts.get(prefix, 0) + 1
         return self.declare(f"{prefix}{self._counts[prefix]}", enclosure)
 
+    def number(self, enclosure: arb) -> Quantity | None:
+        """A symbol within a ball, if the ball is as good as a number; else None.
+
+        A known irrational number costs the solver less as an interval than as a root.
+        """
+        bounds = outward(enclosure)
+        if bounds is None or bounds[1] - bounds[0] > Fraction(NARROW, GRID):
+            return None
+        symbol = self.fresh("k", enclosure)
+        self.assertion(self.between(bounds, symbol))
+        return symbol
+
     def named(self, prefix: str, quantity: Quantity) -> Quantity:
         """A symbol asserted equal to a quantity; constants and multiples of symbols stay.
 
@@ -66,6 +81,9 @@ class RealScript:
         core = self._factored(quantity)[1]
         if core is None or core.is_symbol():
             return quantity
+        number = self.number(quantity.ball)
+        if number is not None:
+            return number
         symbol = self.fresh(prefix, quantity.ball)
         self.assertion(self.equal(symbol, quantity))
         return symbol

@@ -2,8 +2,9 @@ r"""The algebraic reading of a robot's scalars, for nonlinear real arithmetic.
 
 Sums, products, quotients, powers, roots and absolute values are exact.  A sine and a cosine of
 one angle are unknowns with :math:`c^2 + s^2 = 1`, within intervals from ball arithmetic over the
-parameters' ranges; what else the angle says about them is left out, which only enlarges the set
-of solutions.  Values at which an expression is undefined are excluded, as they are no robots.
+parameters' ranges.  What else the angle says about them is left out, and so is all about a known
+irrational number but a narrow interval; that only enlarges the set of solutions.  Values at which
+an expression is undefined are excluded, as they are no robots.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from fractions import Fraction
 from flint import arb
 
 from compiler.balls import BallArithmetic, closed_ball, constant_ball
-from compiler.rational_enclosure import outward, rational_bounds
+from compiler.rational_enclosure import exact_rational, outward, rational_bounds
 from compiler.real_terms import Quantity, RealScript
 from compiler.robot import RobotModel
 from compiler.scalars import (
@@ -58,7 +59,19 @@ class ScalarTerms:
             return domains[node.index] if isinstance(node, ParameterLeaf) else constant_ball(node)
 
         self.balls = read_scalars(self.model.scalars, leaf, _apply_ball)
-        self.monomials = read_scalars(self.model.scalars, _leaf_monomial, _apply_monomial)
+        values = [_only_value(parameter.domain) for parameter in self.model.parameters]
+
+        def exact_leaf(node: Constant | PiConstant | ParameterLeaf) -> Monomial | None:
+            match node:
+                case Constant(value):
+                    return value, 0
+                case PiConstant():
+                    return ONE, 1
+                case ParameterLeaf(index):
+                    only = values[index]
+                    return None if only is None else (only, 0)
+
+        self.monomials = read_scalars(self.model.scalars, exact_leaf, _apply_monomial)
 
     def define(self, scalars: set[int]) -> None:
         """Declare what the given scalars need; angles follow on demand."""
@@ -91,28 +104,36 @@ class ScalarTerms:
         return self._angles[scalar]
 
     def _new_angle(self, scalar: int) -> Angle:
-        """Exact where both are rational, else unknowns on the unit circle."""
+        """Exact where rational, intervals where known, else unknowns on the unit circle."""
         script, value = self.script, self.balls[scalar]
-        cosine = self._circle("cos", scalar, value.cos())
-        sine = self._circle("sin", scalar, value.sin())
+        cosine = self._known("cos", scalar, value.cos())
+        sine = self._known("sin", scalar, value.sin())
+        if cosine is not None and sine is not None:
+            return Angle(cosine, sine)
+        cosine, sine = self._unknown("cos", value.cos()), self._unknown("sin", value.sin())
         on_circle = script.sum_of_squares((cosine, sine))
         script.assertion(script.equal(on_circle, script.constant(1)))
         return Angle(cosine, sine)
 
-    def _circle(self, function: ir.Function, scalar: int, enclosure: arb) -> Quantity:
+    def _known(self, function: ir.Function, scalar: int, enclosure: arb) -> Quantity | None:
         at = self.monomials[scalar]
         exact = None if at is None else apply(function, at)
         if exact is not None and exact[1] == 0:
             return self.script.constant(exact[0])
-        unknown = self.script.fresh(function, enclosure)
+        return self.script.number(enclosure)
+
+    def _unknown(self, name: str, enclosure: arb) -> Quantity:
+        unknown = self.script.fresh(name, enclosure)
         bounds = outward(enclosure)
-        whole = bounds is None or (bounds[0] <= -ONE and bounds[1] >= ONE)
-        if bounds is not None and not whole:
+        if bounds is not None and (bounds[0] > -ONE or bounds[1] < ONE):
             self.script.assertion(self.script.between(bounds, unknown))
         return unknown
 
     def _parameter(self, leaf: ParameterLeaf) -> Quantity:
         script, domain = self.script, self.model.parameters[leaf.index].domain
+        value = _only_value(domain)
+        if value is not None:
+            return script.constant(value)
         unknown = script.fresh("theta", _domain_ball(domain))
         if isinstance(domain, ir.Interval):
             lower, upper = rational_bounds(domain.lower)[0], rational_bounds(domain.upper)[1]
@@ -126,13 +147,12 @@ class ScalarTerms:
         script, exact = self.script, self.monomials[index]
         if exact is not None and exact[1] == 0:
             return script.constant(exact[0])
-        if isinstance(node, Apply):
-            return self._operation(index, node)
-        bounds = outward(arb.pi())
-        pi = script.declare("pi", arb.pi())
-        if bounds is not None:
-            script.assertion(script.between(bounds, pi))
-        return pi
+        number = script.number(self.balls[index])
+        if number is not None:
+            return number
+        if not isinstance(node, Apply):
+            raise TypeError(f"a constant is a number: {node}")
+        return self._operation(index, node)
 
     def _operation(self, index: int, node: Apply) -> Quantity:
         """The term of an operation; undefined values are excluded."""
@@ -228,22 +248,19 @@ def _domain_ball(domain: ir.Interval | ir.Choices) -> arb:
     return first
 
 
+def _only_value(domain: ir.Interval | ir.Choices) -> Fraction | None:
+    """The value of a parameter that has only one, a rational."""
+    ends = (domain.lower, domain.upper) if isinstance(domain, ir.Interval) else domain.values
+    values = {exact_rational(end) for end in ends}
+    return values.pop() if len(values) == 1 else None
+
+
 def _apply_ball(node: Apply, arguments: list[arb]) -> arb:
     if node.operation == "^":
         return arguments[0] ** node.exponent
     if node.operation in OPERATORS:
         return BallArithmetic().binary(OPERATORS[node.operation], arguments[0], arguments[1])
     return BallArithmetic().unary(node.operation, arguments[0])
-
-
-def _leaf_monomial(node: Constant | PiConstant | ParameterLeaf) -> Monomial | None:
-    match node:
-        case Constant(value):
-            return value, 0
-        case PiConstant():
-            return ONE, 1
-        case ParameterLeaf():
-            return None
 
 
 def _apply_monomial(node: Apply, arguments: list[Monomial | None]) -> Monomial | None:

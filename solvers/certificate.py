@@ -9,13 +9,18 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from dataclasses import fields as dataclass_fields
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 FORMAT = 1
+
+_NUMBER = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,1100}|/[0-9]{1,300})?")
+"""Decimals that a double can state, and quotients; no exponents, whose expansion has no bound."""
 
 
 class CertificateError(ValueError):
@@ -100,6 +105,21 @@ def exact_decimal(value: Fraction) -> str:
     return sign + (f"{whole[:-digits]}.{whole[-digits:]}" if digits else whole)
 
 
+def exact(text: str) -> Fraction:
+    """The rational that a decimal or a quotient of whole numbers denotes.
+
+    Raises:
+        CertificateError: the text is neither, or the quotient's denominator is zero.
+    """
+    if not _NUMBER.fullmatch(text):
+        shown = text if len(text) <= 40 else f"{text[:40]}..."
+        raise CertificateError(f"the certificate is malformed: {shown!r} is no exact number")
+    try:
+        return Fraction(text)
+    except ZeroDivisionError:
+        raise CertificateError(f"the certificate is malformed: {text!r} divides by zero") from None
+
+
 def spec_digest(files: Mapping[str, bytes]) -> str:
     """SHA-256 over the sorted relative paths and bytes of a spec and what it includes."""
     digest = hashlib.sha256()
@@ -140,16 +160,7 @@ def from_text(text: str) -> Claim:
     Raises:
         CertificateError: not a certificate of this format, or altered since it was written.
     """
-    try:
-        content = json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise CertificateError(f"the certificate is not JSON: {error}") from None
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise CertificateError(f"the certificate is not of format {FORMAT}")
-    if content.get("digest") != _digest(content):
-        raise CertificateError(
-            "the certificate has been altered: its digest does not match its content"
-        )
+    content = _checked_content(text)
     kind = content.get("kind")
     fields = {k: v for k, v in content.items() if k not in ("format", "kind", "digest")}
     try:
@@ -158,8 +169,52 @@ def from_text(text: str) -> Claim:
         if kind == "impossible":
             return _impossible(fields)
     except (TypeError, KeyError, ValueError) as error:
-        raise CertificateError(f"the certificate is malformed: {error}") from None
+        raise CertificateError(f"the certificate is malformed: {error.args[0]}") from None
     raise CertificateError(f"the certificate is of an unknown kind: {kind!r}")
+
+
+def _checked_content(text: str) -> dict[str, Any]:
+    """The JSON object of a certificate whose digest matches its content."""
+    try:
+        content = json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
+        if not isinstance(content, dict) or "digest" not in content:
+            raise CertificateError("the certificate is no JSON object with a digest")
+        digest = _digest(content)
+    except CertificateError:
+        raise
+    except (ValueError, RecursionError) as error:
+        # Not JSON; or a whole number or a surrogate that Python reads and cannot write.
+        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise CertificateError(f"the certificate is not JSON: {reason}") from None
+    if content["digest"] != digest:
+        raise CertificateError(
+            "the certificate has been altered: its digest does not match its content"
+        )
+    form = content.get("format")
+    if form != FORMAT or not isinstance(form, int) or isinstance(form, bool):
+        raise CertificateError(f"the certificate is not of format {FORMAT}")
+    return content
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object none of whose keys is repeated: readers differ in which one they believe."""
+    content = dict(pairs)
+    if len(content) != len(pairs):
+        raise ValueError("a key is repeated")
+    return content
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is no JSON value")
+
+
+def _expect_keys(fields: Mapping[str, Any], kind: type) -> None:
+    names = {item.name for item in dataclass_fields(kind)}
+    for key in sorted(names - fields.keys()):
+        raise KeyError(f"the field `{key}` is missing")
+    for key in fields:
+        if key not in names:
+            raise KeyError(f"the field `{key}` is unknown")
 
 
 def _texts(items: object) -> tuple[str, ...]:
@@ -180,15 +235,31 @@ def _text(value: object) -> str:
     return value
 
 
+def _objects(items: object, kind: type) -> list[dict[str, Any]]:
+    """A list of JSON objects with exactly the fields of a dataclass."""
+    if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
+        raise TypeError("a list of objects is due")
+    for item in items:
+        _expect_keys(item, kind)
+    return items
+
+
+def _rows(items: object) -> tuple[tuple[str, ...], ...]:
+    if not isinstance(items, list):
+        raise TypeError("a list of lists of strings is due")
+    return tuple(_texts(row) for row in items)
+
+
 def _found(fields: dict[str, Any]) -> FoundClaim:
+    _expect_keys(fields, FoundClaim)
     fields["parameters"] = tuple(
         ParameterClaim(_number(p["symbol"]), _text(p["name"]), _text(p["value"]))
-        for p in fields["parameters"]
+        for p in _objects(fields["parameters"], ParameterClaim)
     )
     for name in ("word", "derivation", "start"):
         fields[name] = _texts(fields[name])
     for name in ("inputs", "path"):
-        fields[name] = tuple(_texts(row) for row in fields[name])
+        fields[name] = _rows(fields[name])
     for name in ("task", "spec", "spec_sha256", "step", "effort_peak", "robustness"):
         _text(fields[name])
     for name in ("effector", "steps"):
@@ -197,6 +268,7 @@ def _found(fields: dict[str, Any]) -> FoundClaim:
 
 
 def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
+    _expect_keys(fields, ImpossibleClaim)
     fields["structures"] = tuple(
         StructureClaim(
             _texts(s["word"]),
@@ -204,7 +276,7 @@ def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
             None if s["evidence"] is None else _text(s["evidence"]),
             None if s["same_robot_as"] is None else _number(s["same_robot_as"]),
         )
-        for s in fields["structures"]
+        for s in _objects(fields["structures"], StructureClaim)
     )
     for name in ("task", "spec", "spec_sha256"):
         _text(fields[name])

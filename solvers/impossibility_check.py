@@ -26,14 +26,14 @@ class FalseClaim(Exception):
 def check_impossible(
     folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
 ) -> tuple[str | None, bool]:
-    """The reason why the claim is refused, or None; and whether a solver confirmed every script."""
+    """The reason why the claim is refused, or None; and whether no script is left to believe."""
     family = family_of(program, task)
     try:
         bound = _bound(claim, family, task)
         _structures(folder, claim, family, task, bound, trust)
     except FalseClaim as error:
         return str(error), False
-    return None, trust == "z3"
+    return None, trust == "z3" or not claim.structures
 
 
 def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:

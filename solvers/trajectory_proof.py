@@ -119,6 +119,8 @@ def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding
     always = _always(scene, tail)
     limits = _limits(graph.model)
     found = [_positive_mass(graph, state, tail), *_start(scene, motion, reading, state)]
+    if any(finding.status is Status.FAILS for finding in found):
+        return tuple(found)
     samples = [state]
     try:
         for segment in tube(field, state, inputs, ball(task.step), accuracy):

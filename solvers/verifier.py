@@ -5,18 +5,17 @@ It shares the compiler and the validated integration with the searchers, and not
 
 from __future__ import annotations
 
-import json
 import sys
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from math import isqrt
 from pathlib import Path
-from typing import Any
 
 from flint import arb
 
-from compiler.abstraction import abstract
+from compiler.abstraction import Abstraction, abstract
+from compiler.attributes import SemanticsError
 from compiler.balls import ball, closed_ball, working_precision
 from compiler.derivation import BadDerivation, Derivation
 from compiler.family import RobotFamily, family_of
@@ -29,11 +28,14 @@ from solvers.certificate import (
     CertificateError,
     Claim,
     FoundClaim,
+    ImpossibleClaim,
+    exact,
     exact_decimal,
     from_text,
     spec_digest,
     spec_files,
 )
+from solvers.design_agreement import disagreement
 from solvers.impossibility_check import check_impossible
 from solvers.trajectory_proof import Finding, Motion, prove_motion, scene_of
 from solvers.tube_checks import Status
@@ -86,13 +88,10 @@ def verify_directory(folder: Path, spec: Path | None = None, trust: str | None =
     try:
         claim = from_text(path.read_text(encoding="utf-8"))
         program = _spec_of(folder, claim, spec)
-        _agrees_with_design(folder, claim)
-        task = program.tasks.get(claim.task)
-        if task is None:
-            raise Refused(f"the spec has no task `{claim.task}`")
-        if not isinstance(claim, FoundClaim):
-            return _impossible(folder, claim, program, task, trust)
-        return _found(claim, program, task)
+        return _judged(folder, claim, program, trust)
+    except OSError as error:
+        reason = f"the certificate cannot be read: {error.strerror}"
+        return Report(Outcome.UNDECIDED, None, None, reason)
     except UnicodeDecodeError:
         return Report(Outcome.REFUTED, None, None, "the certificate is not UTF-8")
     except CertificateError as error:
@@ -121,53 +120,48 @@ def _spec_of(folder: Path, claim: Claim, other: Path | None) -> ir.Program:
     return program
 
 
-def _agrees_with_design(folder: Path, claim: Claim) -> None:
-    """``design.json``, where present, claims nothing else than the certificate."""
-    path = folder / "design.json"
-    if not path.is_file():
-        return
-    try:
-        design = json.loads(path.read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
-        raise Refused("design.json is not JSON") from None
-    verdict = "found" if isinstance(claim, FoundClaim) else "impossible"
-    expected: dict[str, Any] = {
-        "verdict": verdict, "task": claim.task, "spec_sha256": claim.spec_sha256
-    }  # fmt: skip
+def _judged(folder: Path, claim: Claim, program: ir.Program, trust: str | None) -> Report:
+    """The report on a claim; then whether ``design.json`` says the same."""
+    task = program.tasks.get(claim.task)
+    if task is None:
+        raise Refused(f"the spec has no task `{claim.task}`")
+    cells = abstract(program.workspaces[task.workspace])
     if isinstance(claim, FoundClaim):
-        expected |= {
-            "word": list(claim.word),
-            "derivation": list(claim.derivation),
-            "path": [list(names) for names in claim.path],
-            "robustness": float(Fraction(claim.robustness)),
-            "effort_peak": float(Fraction(claim.effort_peak)),
-        }
-        values = [float(Fraction(p.value)) for p in claim.parameters]
-        stated = design.get("parameters") if isinstance(design, dict) else None
-        if (
-            not isinstance(stated, list)
-            or [p.get("value") if isinstance(p, dict) else None for p in stated] != values
-        ):
-            raise Refused("design.json and certificate.json differ in `parameters`")
-    for key, value in expected.items():
-        if not isinstance(design, dict) or design.get(key) != value:
-            raise Refused(f"design.json and certificate.json differ in `{key}`")
+        model, report = _found(claim, program, task, cells)
+    else:
+        model, report = None, _impossible(folder, claim, program, task, trust)
+    if report.outcome is not Outcome.REFUTED:
+        reason = disagreement(folder, claim, cells, model)
+        if reason is not None:
+            raise Refused(reason)
+    return report
 
 
 # --- found ---------------------------------------------------------------------------------------
 
 
-def _found(claim: FoundClaim, program: ir.Program, task: ir.Task) -> Report:
+def _found(
+    claim: FoundClaim, program: ir.Program, task: ir.Task, cells: Abstraction
+) -> tuple[RobotModel, Report]:
+    """The robot and the report on it."""
     family = family_of(program, task)
     derivation = _derivation(claim, family)
-    model = family.robot(derivation)
+    try:
+        model = family.robot(derivation)
+    except SemanticsError as error:
+        raise Refused(f"the derivation defines no robot: {error}") from None
     _modules(derivation, program, task)
     motion = _motion(claim, model, task)
     findings = [*_efforts(claim, model, motion, task)]
-    cells = abstract(program.workspaces[task.workspace])
     _claimed_path(claim, model, task)
-    _path_avoids(claim, program, task)
-    findings += prove_motion(scene_of(program, task, model, cells), motion)
+    _path_avoids(claim, task, cells)
+    if all(finding.status is Status.HOLDS for finding in findings):
+        findings += prove_motion(scene_of(program, task, model, cells), motion)
+    return model, _conclusion(findings)
+
+
+def _conclusion(findings: list[Finding]) -> Report:
+    """One violated condition refutes, one open condition leaves open."""
     failed = next((f for f in findings if f.status is Status.FAILS), None)
     open_one = next((f for f in findings if f.status is Status.UNDECIDED), None)
     if failed is not None:
@@ -202,17 +196,10 @@ def _modules(derivation: Derivation, program: ir.Program, task: ir.Task) -> None
         raise Refused(f"the robot has {count} modules, the task allows {task.modules}")
 
 
-def _fraction(text: str, what: str) -> Fraction:
-    try:
-        return Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        raise Refused(f"{what} is no number: {text!r}") from None
-
-
 def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
     """The claim's numbers, exact, of the right shapes, with every parameter in its domain."""
     n = len(model.dofs)
-    if claim.steps != task.steps or _fraction(claim.step, "the step") != task.step:
+    if claim.steps != task.steps or exact(claim.step) != task.step:
         raise Refused("the horizon is not the task's")
     if len(claim.inputs) != task.steps or any(len(row) != n for row in claim.inputs):
         raise Refused(f"the inputs are not {task.steps} rows of {n}")
@@ -227,8 +214,8 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
         raise Refused(f"the robot has no effector {task.start.effector}")
     return Motion(
         _theta(claim, model),
-        tuple(_fraction(text, "a start value") for text in claim.start),
-        tuple(tuple(_fraction(text, "an input") for text in row) for row in claim.inputs),
+        tuple(exact(text) for text in claim.start),
+        tuple(tuple(exact(text) for text in row) for row in claim.inputs),
         claim.effector,
         claim.path,
     )
@@ -240,7 +227,7 @@ def _theta(claim: FoundClaim, model: RobotModel) -> tuple[Fraction, ...]:
         raise Refused("the parameters are not those of the robot")
     theta = []
     for claimed, parameter in zip(claim.parameters, model.parameters, strict=True):
-        value = _fraction(claimed.value, f"parameter `{claimed.name}`")
+        value = exact(claimed.value)
         if not _in_domain(value, parameter.domain):
             raise Refused(
                 f"`{parameter.module}.{parameter.name}` = {claimed.value} "
@@ -259,12 +246,11 @@ def _in_domain(value: Fraction, domain: ir.Interval | ir.Choices) -> bool:
 
 def _not_above(a: ir.Expr | Fraction, b: ir.Expr | Fraction) -> bool:
     """Whether a <= b certainly, exactly where both are rational."""
-    exact = [item if isinstance(item, Fraction) else rational(item) for item in (a, b)]
-    if exact[0] is not None and exact[1] is not None:
-        return exact[0] <= exact[1]
+    left, right = (item if isinstance(item, Fraction) else rational(item) for item in (a, b))
+    if left is not None and right is not None:
+        return left <= right
     with working_precision(128):
-        left, right = (_as_ball(item) for item in (a, b))
-        return bool(left <= right)
+        return bool(_as_ball(a) <= _as_ball(b))
 
 
 def _as_ball(item: ir.Expr | Fraction) -> arb:
@@ -274,7 +260,10 @@ def _as_ball(item: ir.Expr | Fraction) -> arb:
 def _efforts(claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task) -> list[Finding]:
     """Every input is within its bound, exactly; the claimed peak and robustness are true."""
     peak, margins, findings = Fraction(0), list[Fraction](), list[Finding]()
-    exact = True
+    all_exact = True
+    free = {dof.kind for dof in model.dofs} - {effort.kind for effort in task.effort}
+    if free:
+        raise Refused(f"the task bounds no effort of {' and '.join(sorted(free))} joints")
     for effort in task.effort:
         dofs = [i for i, dof in enumerate(model.dofs) if dof.kind == effort.kind]
         if not dofs:
@@ -287,7 +276,7 @@ def _efforts(claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
         time = float(step * task.step)
         unit = "N*m" if effort.kind == "revolute" else "N"
         largest = _square_root(squared)
-        exact = exact and largest**2 == squared
+        all_exact = all_exact and largest**2 == squared
         holds = squared <= effort.bound**2
         status = Status.HOLDS if holds else Status.FAILS
         margin = effort.bound - largest
@@ -297,19 +286,19 @@ def _efforts(claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
     true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}
     if all(finding.status is Status.HOLDS for finding in findings):
         for name, true in true_values.items():
-            stated = _fraction(getattr(claim, name), f"`{name}`")
-            if not _states(stated, true, exact=exact):
+            stated = exact(getattr(claim, name))
+            if not _states(stated, true, exactly=all_exact):
                 raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
     return findings
 
 
-def _states(stated: Fraction, true: Fraction, *, exact: bool) -> bool:
+def _states(stated: Fraction, true: Fraction, *, exactly: bool) -> bool:
     """Whether a decimal states a value: exactly if the value is a decimal, else closely."""
     try:
         exact_decimal(true)
     except ValueError:
-        exact = False
-    return stated == true if exact else abs(stated - true) <= NOT_A_DECIMAL
+        exactly = False
+    return stated == true if exactly else abs(stated - true) <= NOT_A_DECIMAL
 
 
 def _square_root(value: Fraction) -> Fraction:
@@ -333,9 +322,8 @@ def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:
         raise Refused(f"the path is not {task.steps + 1} cells per effector")
 
 
-def _path_avoids(claim: FoundClaim, program: ir.Program, task: ir.Task) -> None:
+def _path_avoids(claim: FoundClaim, task: ir.Task, cells: Abstraction) -> None:
     """The path starts and ends where the task says and keeps out of what effectors avoid."""
-    cells = abstract(program.workspaces[task.workspace])
     known = {cell.name: index for index, cell in enumerate(cells.cells)}
     first = claim.path[claim.effector][0]
     problem = path_problem(cells, task, [known[first]] if first in known else [])
@@ -359,7 +347,7 @@ def _path_avoids(claim: FoundClaim, program: ir.Program, task: ir.Task) -> None:
 
 
 def _impossible(
-    folder: Path, claim: Any, program: ir.Program, task: ir.Task, trust: str | None
+    folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
 ) -> Report:
     reason, proved = check_impossible(folder, claim, program, task, trust)
     if reason is not None:

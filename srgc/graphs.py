@@ -59,13 +59,16 @@ def _drawn(text: str, form: str) -> bytes:
     program = shutil.which("dot")
     if program is None:
         raise UsageFault("Graphviz (`dot`) is not installed: write a .dot file instead")
-    finished = subprocess.run(  # noqa: S603  (the program found above, fixed arguments)
-        [program, f"-T{form}"],
-        input=text.encode(),
-        capture_output=True,
-        timeout=DRAWING_SECONDS,
-        check=False,
-    )
+    try:
+        finished = subprocess.run(  # noqa: S603  (the program found above, fixed arguments)
+            [program, f"-T{form}"],
+            input=text.encode(),
+            capture_output=True,
+            timeout=DRAWING_SECONDS,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise UsageFault(f"Graphviz did not finish within {DRAWING_SECONDS} s") from None
     if finished.returncode:
         raise UsageFault(f"Graphviz failed: {finished.stderr.decode(errors='replace').strip()}")
     return finished.stdout

@@ -51,7 +51,7 @@ class ResultFolder:
         """Write a file below the folder, atomically."""
         target = self.path / name
         target.parent.mkdir(parents=True, exist_ok=True)
-        beside = target.with_name(f".{target.name}.part")
+        beside = target.with_name(_beside(target.name))
         data = content.encode() if isinstance(content, str) else content
         with beside.open("wb") as file:
             file.write(data)
@@ -87,9 +87,7 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
         raise UsageFault(f"{path} cannot be written")
     folder = ResultFolder(path, identity)
     owner = _owner(path)
-    foreign = [p.name for p in path.iterdir() if p.name not in (*OWN_FILES, *OWN_FOLDERS)]
-    foreign = sorted(name for name in foreign if not name.endswith(".part"))
-    if owner is None and (foreign or any(path.iterdir())) and not force:
+    if owner is None and any(not _unfinished(item.name) for item in path.iterdir()) and not force:
         raise UsageFault(f"{path} is not empty and holds no results; --force uses it all the same")
     if owner is not None and owner != identity and not force:
         raise UsageFault(
@@ -110,6 +108,16 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
         }
         folder.write(JOURNAL, json.dumps(header) + "\n")
     return folder
+
+
+def _beside(name: str) -> str:
+    """The name under which a file is written before it is moved to its place."""
+    return f".{name}.part"
+
+
+def _unfinished(name: str) -> bool:
+    """Whether a kill left this behind: a file of ours that was never moved to its place."""
+    return any(name == _beside(own) for own in OWN_FILES)
 
 
 def _difference(a: Identity, b: Identity) -> str:

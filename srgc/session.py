@@ -44,13 +44,13 @@ def check_file(path: Path) -> Checked:
     Raises:
         UsageFault: the file exists but cannot be read.
     """
-    if path.exists() and not path.is_file():
-        raise UsageFault(f"{path} is not a file")
-    if path.is_file():
-        try:
+    try:
+        if path.exists() and not path.is_file():
+            raise UsageFault(f"{path} is not a file")
+        if path.is_file():
             path.open("rb").close()
-        except OSError as error:
-            raise UsageFault(f"{path}: {error.strerror}") from None
+    except OSError as error:
+        raise UsageFault(f"{path}: {error.strerror}") from None
     loaded = load(path)
     if loaded.program is None:
         return Checked(None, loaded.diagnostics, loaded.sources)

@@ -23,6 +23,7 @@ MODULES = {
     "EN": ir.Module("EN", "effector", (), ()),
 }
 ONE = ir.Num(Fraction(1))
+TWO_LINKS = ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
 FRAME = ir.AttributeOf(ir.THIS, "frame")
 
 
@@ -88,9 +89,7 @@ def planar(labels: str) -> RobotModel:
 
 def test_the_running_example() -> None:
     derivation = left_recursive(["tool", "link", "joint", "link", "joint", "base"])
-    assert derivation.word == tuple(
-        ["B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN"]
-    )
+    assert derivation.word == ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
     robot = evaluate(derivation, MODULES, PLANAR_RULES, 2)
     assert robot.dimension == 2
     assert [dof.symbols for dof in robot.dofs] == [(2,), (6,)]
@@ -159,9 +158,7 @@ def right_recursive(labels: list[str]) -> Derivation:
 
 def test_inherited_frames_give_the_same_robot() -> None:
     derivation = right_recursive(["start", "joint", "link", "joint", "link", "tool"])
-    assert derivation.word == tuple(
-        ["B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN"]
-    )
+    assert derivation.word == ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
     found = robot_graph(evaluate(derivation, MODULES, CHAIN_RULES, 2))
     wanted = robot_graph(rod_chain(2))
     q, theta = np.array([0.3, 0.4]), np.array([1.0, 0.5])
@@ -196,7 +193,7 @@ def mixed(top: ir.SemanticBlock, part: ir.SemanticBlock) -> RobotModel:
         DerivationNode(MIXED["part"], (2,)),
         DerivationNode(MIXED["part"], (4,)),
     )
-    derivation = Derivation(tuple(["B", "eps", "L", "eps", "L"]), nodes)
+    derivation = Derivation(("B", "eps", "L", "eps", "L"), nodes)
     return evaluate(derivation, MODULES, {"top": top, "part": part}, 2)
 
 

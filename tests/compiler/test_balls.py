@@ -111,10 +111,15 @@ def test_constants() -> None:
 
 def test_working_precision_is_restored_even_after_an_error() -> None:
     before = ctx.prec, ctx.cap
-    with pytest.raises(KeyError), working_precision(77):
-        assert ctx.prec == 77
-        ctx.cap = 3
-        raise KeyError
+
+    def fail() -> None:
+        with working_precision(77):
+            assert ctx.prec == 77
+            ctx.cap = 3
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        fail()
     assert (ctx.prec, ctx.cap) == before
 
 
@@ -166,5 +171,5 @@ def test_absolute_value_of_a_negative_series_and_of_an_unsure_one() -> None:
     found = arithmetic.unary("fabs", arb_series([-2, 1]))
     assert found[0] == 2
     assert found[1] == -1
-    with pytest.raises(ValueError, match="fabs"):
+    with pytest.raises(ValueError, match=r"sign|fabs"):
         arithmetic.unary("fabs", arb_series([arb(0, 1), 1]))

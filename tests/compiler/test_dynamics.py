@@ -260,7 +260,7 @@ def tilted_cloud() -> tuple[list[list[Fraction]], list[Fraction]]:
     points = []
     for column, half in enumerate(HALF_AXES):
         for sign in (1, -1):
-            points.append([Fraction(TILT[row][column], 3) * half * sign for row in range(3)])
+            points += [[Fraction(TILT[row][column], 3) * half * sign for row in range(3)]]
     inertia = []
     for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
         trace = sum(sum(x * x for x in p) for p in points) if i == j else Fraction(0)
@@ -286,15 +286,15 @@ def test_space_robot_about_z_then_y_with_a_tilted_solid_and_a_slide() -> None:
         top = np.array([0, 0, 1 + 0j])
         turn = rotation_z(q[0]) @ rotation_y(-q[1])
         end = top + turn @ [1.5, 0, 0]
-        result = rod_points(zero, top) + rod_points(top, end)
+        result = [*rod_points(zero, top), *rod_points(top, end)]
         for point in points:
-            local = np.array([float(x) for x in point]) + [0.25, 0.2, 0]
+            local = np.array([float(x) for x in point]) + np.array([0.25, 0.2, 0])
             result.append(end + turn @ local)
         turn = turn @ rotation_x(1.0)
         hand = end + turn @ np.array([0, 0, q[2]])
         result.append(hand)
         turn = turn @ rotation_x(q[3])
-        return np.array(result + rod_points(hand, hand + turn @ [0, 1, 0]))
+        return np.array([*result, *rod_points(hand, hand + turn @ [0, 1, 0])])
 
     masses = np.array([0.5, 0.5, 1.0, 1.0, *[1 / 3] * 6, 0.5, 1.0, 1.0])
     compare(builder, PointCloud(masses, positions), (Fraction(1), Fraction(1, 7), Fraction(-10)), 8)

@@ -290,7 +290,7 @@ def coordinate_map(model: RobotModel, normal: RobotModel) -> Array:
 @settings(max_examples=30, deadline=None)
 @given(robots(), st.integers(0, 2**32 - 1))
 def test_normalisation_changes_neither_points_nor_forces(model: RobotModel, seed: int) -> None:
-    """M = P' M_n P, c + g = P' (c_n + g_n) for the linear map q_n = P q; removed columns are zero."""
+    """M = P' M_n P, c + g = P' (c_n + g_n) for the linear map q_n = P q, 0 where removed."""
     normal = normalise(model)
     turn, rng = coordinate_map(model, normal), np.random.default_rng(seed)
     n = len(model.dofs)

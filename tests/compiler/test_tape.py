@@ -162,7 +162,7 @@ def test_the_ball_reading_encloses_the_independent_formula() -> None:
 
 
 def test_a_folded_double_would_have_been_noticed() -> None:
-    """The enclosures above are tight enough to exclude the robot of density 0.1 + 0.2 in doubles."""
+    """The enclosures are tight enough to exclude the robot of density 0.1 + 0.2 in doubles."""
     graph = robot_graph(rod_chain(1, [Fraction(3, 10)]))
     with working_precision(100):
         balls = [ball(0), ball(1), *map(constant_ball, graph.constants)]

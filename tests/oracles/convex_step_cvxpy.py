@@ -14,7 +14,8 @@ the linearised positions p(i, j) and unit fictitious inputs B'_i, this solves
     & |u_{ij}| \le \bar u_g - \rho \ (j \in g) \quad\text{or}\quad
         \lVert u_{ig} \rVert_2 \le \bar u_g - \rho, \qquad \rho \le \min_g \bar u_g \\
     & n_r \cdot p(i_r, j_r) \le b_r + \sigma, \qquad \sigma \ge 0 \\
-    & q_{\min} \le q_i \le q_{\max} \text{ (but where given)}, \quad \dot q_{\min} \le \dot q_i \le \dot q_{\max} \\
+    & q_{\min} \le q_i \le q_{\max} \text{ (but where given)}, \quad
+        \dot q_{\min} \le \dot q_i \le \dot q_{\max} \\
     & q_0 = q_s \text{ (where given)}, \quad |\dot q_0| \le r_0, \quad |\dot q_k| \le r_k \\
     & |q_i - \hat q_i| \le R, \quad
         |\theta_j - \hat\theta_j| \le R \max(|\hat\theta_j|, 0.1), \quad
@@ -71,6 +72,28 @@ def _between(values: cp.Expression, lower: Array, upper: Array) -> list[cp.Const
     return constraints
 
 
+def _inputs(
+    u: cp.Variable, rho: cp.Variable, groups: tuple[InputGroup, ...]
+) -> list[cp.Constraint]:
+    constraints = []
+    for group in groups:
+        inputs = u[:, list(group.dofs)]
+        size = cp.norm(inputs, 2, axis=1) if group.norm2 else cp.max(cp.abs(inputs), axis=1)
+        constraints += [size <= group.bound - rho, rho <= group.bound]
+    return constraints or [rho <= 0]
+
+
+def _limits(x: cp.Variable, limits: MotionLimits) -> list[cp.Constraint]:
+    n = len(limits.lower)
+    first = 0 if limits.start_values is None else 1
+    constraints = _between(x[first:, :n], limits.lower, limits.upper)
+    constraints += _between(x[:, n:], limits.rate_lower, limits.rate_upper)
+    constraints += _bounded(x[0, n:], limits.start_rates) + _bounded(x[-1, n:], limits.final_rates)
+    if limits.start_values is not None:
+        constraints.append(x[0, :n] == limits.start_values)
+    return constraints
+
+
 def solve_reference(
     model: Model,
     rows: PositionRows,
@@ -112,18 +135,7 @@ def solve_reference(
         if len(about.theta):
             position += points.by_theta[sample, point] @ change
         constraints.append(normal @ position <= offset + sigma)
-    for group in groups:
-        inputs = u[:, list(group.dofs)]
-        size = cp.norm(inputs, 2, axis=1) if group.norm2 else cp.max(cp.abs(inputs), axis=1)
-        constraints += [size <= group.bound - rho, rho <= group.bound]
-    if not groups:
-        constraints.append(rho <= 0)
-    first = 0 if limits.start_values is None else 1
-    constraints += _between(x[first:, :n], limits.lower, limits.upper)
-    constraints += _between(x[:, n:], limits.rate_lower, limits.rate_upper)
-    constraints += _bounded(x[0, n:], limits.start_rates) + _bounded(x[k, n:], limits.final_rates)
-    if limits.start_values is not None:
-        constraints.append(x[0, :n] == limits.start_values)
+    constraints += _inputs(u, rho, groups) + _limits(x, limits)
     constraints.append(cp.abs(x[:, :n] - about.x[:, :n]) <= radius)
     objective = rho - weights.fictitious * largest - weights.position * sigma
     objective -= weights.quadratic * cp.sum_squares(u)

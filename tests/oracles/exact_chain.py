@@ -18,7 +18,7 @@ def exact(constant: Constant | PiConstant) -> mp.mpf:
 
 
 def contains(ball: arb, value: mp.mpf) -> bool:
-    """Whether a ball contains a number that is known to DIGITS digits, give or take the last ten."""
+    """Whether a ball contains a number known to DIGITS digits, give or take the last ten."""
     tolerance = abs(value) * mp.mpf(10) ** (10 - DIGITS) + mp.mpf(10) ** (5 - DIGITS)
     around = arb(mp.nstr(value, DIGITS), mp.nstr(tolerance, 5))
     return bool(ball.overlaps(around))

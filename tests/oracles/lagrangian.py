@@ -65,6 +65,6 @@ class PointCloud:
 def rod_points(
     base: NDArray[np.complex128], tip: NDArray[np.complex128]
 ) -> list[NDArray[np.complex128]]:
-    """The two Gauss points of a rod, of half its mass each: exact for what is quadratic along it."""
+    """The two Gauss points of a rod, half its mass each: exact for what is quadratic along it."""
     offset = 0.5 / np.sqrt(3.0)
     return [base + (tip - base) * s for s in (0.5 - offset, 0.5 + offset)]

@@ -97,7 +97,8 @@ CASES = {
     "tight trust region": (FREE, GROUPS, 0.3, 0.05, None),
     "norm": (FREE, (InputGroup((0, 1), 5.0, norm2=True),), 0.2, 0.5, None),
     "two groups": (
-        FREE, (InputGroup((0,), 5.0, norm2=False), InputGroup((1,), 3.0, norm2=True)), 0.2, 0.5, None,
+        FREE, (InputGroup((0,), 5.0, norm2=False), InputGroup((1,), 3.0, norm2=True)),
+        0.2, 0.5, None,
     ),
     "a jump: needs V": (
         replace(

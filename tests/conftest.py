@@ -1,0 +1,99 @@
+"""Results of whole syntheses, made once for all tests of a session and handed out as copies."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.oracles import small_specs
+
+ROOT = Path(__file__).parents[1]
+WAIT_SECONDS = 900
+COMMAND = (sys.executable, "-c", "from srgc.cli import main; main()")
+
+SPECS = {
+    "planar_arm": (ROOT / "specs" / "planar_arm.srg").read_bytes(),
+    "planar_arm_paper": (ROOT / "specs" / "planar_arm_paper.srg").read_bytes(),
+    "turner": small_specs.TURNER.encode(),
+    "slider": small_specs.SLIDER.encode(),
+    "beyond_reach": small_specs.BEYOND_REACH.encode(),
+}
+
+
+def srgc_process(
+    arguments: Sequence[str | Path], folder: Path, **environment: str
+) -> subprocess.Popen[bytes]:
+    """A ``srgc`` process of its own, in a folder, started but not waited for."""
+    return subprocess.Popen(
+        [*COMMAND, *map(str, arguments)],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+def _make(spec: str, folder: Path) -> None:
+    """``folder/out`` with the result, and beside it the spec, the exit status and the output."""
+    (folder / f"{spec}.srg").write_bytes(SPECS[spec])
+    process = srgc_process(["synth", f"{spec}.srg", "-o", "out"], folder)
+    out, err = process.communicate()
+    (folder / "stdout").write_bytes(out)
+    (folder / "stderr").write_bytes(err)
+    (folder / "status").write_text(str(process.returncode), encoding="utf-8")
+
+
+def _shared(spec: str, base: Path) -> Path:
+    """The folder made by whichever worker came first; the others wait for it."""
+    done, making = base / f"made-{spec}", base / f"making-{spec}"
+    try:
+        os.close(os.open(base / f"lock-{spec}", os.O_CREAT | os.O_EXCL))
+    except FileExistsError:
+        end = time.monotonic() + WAIT_SECONDS
+        while not done.exists():
+            if time.monotonic() > end:
+                pytest.fail(f"the worker that makes {spec} has not finished")
+            time.sleep(0.1)
+        return done
+    making.mkdir()
+    try:
+        _make(spec, making)
+    finally:
+        making.rename(done)
+    return done
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The folder of a finished ``srgc synth``: ``NAME.srg out/ status stdout stderr``; read only."""
+    base = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        base = base.parent
+    known: dict[str, Path] = {}
+
+    def get(spec: str) -> Path:
+        if spec not in known:
+            known[spec] = _shared(spec, base)
+        return known[spec]
+
+    return get
+
+
+@pytest.fixture
+def result(made: Callable[[str], Path], tmp_path: Path) -> Callable[[str], Path]:
+    """A fresh copy of the result folder of a spec."""
+
+    def copy(spec: str) -> Path:
+        target = tmp_path / f"result-{spec}"
+        shutil.copytree(made(spec) / "out", target)
+        return target
+
+    return copy

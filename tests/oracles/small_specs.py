@@ -1,0 +1,110 @@
+"""Small specs, quick to synthesise."""
+
+from __future__ import annotations
+
+TURNER = """\
+module B  { role base; }
+module JO { role joint; dof q: revolute z in [-180, 180] deg; }
+module L  { role link; param length in [1, 2] m; const density = 1 kg/m; }
+module EN { role effector; }
+edge eps;
+
+grammar Turner {
+  start N;
+  base:  N -> B;
+  joint: N -> N eps JO;
+  link:  N -> N eps L;
+  tool:  N -> N eps EN;
+  accept contains EN and starts with B eps JO;
+}
+
+semantics Turner {
+  base  { this.frame = world; }
+  joint { this.frame = N.frame * rot(z, JO.q); }
+  link  { this.frame = N.frame * move(x, L.length);
+          rod(frame: N.frame, axis: x, length: L.length, density: L.density); }
+  tool  { this.frame = N.frame; effector(frame: N.frame); }
+}
+
+workspace Table {
+  plane xy;
+  bounds box [-1, 3] x [-1, 3] m;
+  region S box [1.2, 1.9] x [-0.3, 0.3] m;
+  obstacle O box [1.4, 2.5] x [1.4, 2.5] m;
+  target T box [-0.3, 0.3] x [1.2, 1.9] m;
+}
+
+task Turn {
+  robot Turner;
+  workspace Table;
+  start in S at rest;
+  reach T;
+  avoid O with effector;
+  effort <= 10 N*m;
+  horizon 10 steps of 0.2 s;
+}
+"""
+"""One link of free length that turns by a right angle; nothing is in its way."""
+
+SLIDER = """\
+module B  { role base; }
+module P  { role joint; dof q: prismatic x in [0, 3] m; }
+module M  { role link; const mass = 1 kg; }
+module EN { role effector; }
+edge eps;
+
+grammar Slider {
+  start N;
+  base:  N -> B;
+  slide: N -> N eps P;
+  load:  N -> N eps M;
+  tool:  N -> N eps EN;
+  accept matches B eps P eps M eps EN;
+}
+
+semantics Slider {
+  base  { this.frame = world; }
+  slide { this.frame = N.frame * move(x, P.q); }
+  load  { this.frame = N.frame; point(frame: N.frame, mass: M.mass); }
+  tool  { this.frame = N.frame; effector(frame: N.frame); }
+}
+
+workspace Rail {
+  plane xy;
+  bounds box [-1, 4] x [-1, 1] m;
+  region S box [0.1, 0.5] x [-0.2, 0.2] m;
+  target T box [2, 2.5] x [-0.2, 0.2] m;
+}
+
+task Slide {
+  robot Slider;
+  workspace Rail;
+  start in S;
+  reach T;
+  effort <= 10 N;
+  horizon 10 steps of 0.2 s;
+}
+"""
+"""A mass on a rail: the quickest spec that is found."""
+
+
+def replaced(text: str, old: str, new: str) -> str:
+    """The text with the one occurrence of ``old`` replaced."""
+    assert text.count(old) == 1, (old, text.count(old))
+    return text.replace(old, new)
+
+
+BEYOND_REACH = replaced(
+    replaced(
+        replaced(
+            TURNER,
+            "region S box [1.2, 1.9] x [-0.3, 0.3] m;",
+            "region S box [0.5, 0.8] x [-0.2, 0.2] m;",
+        ),
+        "target T box [-0.3, 0.3] x [1.2, 1.9] m;",
+        "target T box [-0.3, 0.3] x [1.6, 1.9] m;",
+    ),
+    "  horizon 10",
+    "  modules <= 4;\n  horizon 10",
+)
+"""Start and target at different distances from the joint: no robot of four modules can."""
