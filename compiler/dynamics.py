@@ -12,6 +12,7 @@ from fractions import Fraction
 
 import casadi as ca
 
+from compiler.absolute_angles import Coordinates, own_coordinates
 from compiler.kinematics import ConstantInputs, Kinematics, kinematics
 from compiler.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody
 from compiler.scalars import Constant, PiConstant
@@ -22,40 +23,57 @@ class RobotGraph:
     """One robot's expression graph, read by several back ends.
 
     Inputs, each a column: ``q``, ``v`` (rates), ``u`` (free inputs), ``theta`` and ``k``, the
-    exact constants listed in ``constants``.  With n degrees of freedom, e effectors, b body
-    points and d the dimension of the workspace:
+    exact constants listed in ``constants``.  Where ``coordinates`` are absolute angles, ``q`` and
+    ``v`` stand for those and their rates; ``u`` are the joints' own inputs always.  With n degrees
+    of freedom, e effectors, b body points and d the dimension of the workspace:
 
     - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows);
     - ``bias(q, v, theta, k)``: c + g, shape (n,), N m (N);
     - ``acceleration(q, v, u, theta, k)``: the second derivative of q, shape (n,);
-    - ``variation(q, v, u, theta, k)``: accelerations (n,), then their Jacobian in (q, v), column by
-      column (n * 2n,);
+    - ``balance(q, v, u, theta, k)``: M column by column (n * n,), then u - c - g (n,): the parts
+      that a validated reading solves itself, without the graph's own divisions;
+    - ``variation(q, v, a, u, theta, k)``: the Jacobian of u - c - g - M a in (q, v) for given
+      accelerations a, column by column (n * 2n,);
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
       them span which body.
     """
 
     model: RobotModel
+    coordinates: Coordinates
     constants: tuple[Constant | PiConstant, ...]
     mass_matrix: ca.Function
     bias: ca.Function
     acceleration: ca.Function
+    balance: ca.Function
     variation: ca.Function
     effectors: ca.Function
     body_points: ca.Function
     hulls: tuple[tuple[int, ...], ...]
 
 
-def robot_graph(model: RobotModel, gravity: tuple[Fraction, ...] = ()) -> RobotGraph:
-    """Build the graph of a robot; ``gravity`` is the acceleration in m/s^2, default none."""
+def robot_graph(
+    model: RobotModel,
+    gravity: tuple[Fraction, ...] = (),
+    coordinates: Coordinates | None = None,
+) -> RobotGraph:
+    """Build the graph of a robot.
+
+    Args:
+        model: the robot.
+        gravity: the acceleration in m/s^2, default none.
+        coordinates: what the motion is written in, default the joints' own coordinates.
+    """
+    coordinates = coordinates or own_coordinates(model)
     n = len(model.dofs)
-    q, v, u = (ca.SX.sym(name, n) for name in "qvu")
+    q, v, u, a = (ca.SX.sym(name, n) for name in "qvua")
     theta = ca.SX.sym("theta", len(model.parameters))
     constants = ConstantInputs()
-    body = kinematics(model, q, theta, constants)
-    mass = _mass_matrix(model, body, q, constants)
+    body = kinematics(model, q, theta, constants, coordinates)
+    mass = _mass_matrix(model, body, q, constants, coordinates)
     bias = _bias(mass, q, v, constants) + _gravity(model, body, q, gravity, constants)
-    acceleration = _solve(_unfolded(mass, constants), u - bias) if n else ca.SX(0, 1)
+    drive = _generalised(coordinates, u) - bias
+    acceleration = _solve(_unfolded(mass, constants), drive) if n else ca.SX(0, 1)
     d = model.dimension
     points = [body.body_points(item) for item in model.bodies]
     hulls, start = [], 0
@@ -71,11 +89,13 @@ def robot_graph(model: RobotModel, gravity: tuple[Fraction, ...] = ()) -> RobotG
 
     return RobotGraph(
         model,
+        coordinates,
         tuple(constants.symbols),
         function("mass_matrix", [q], mass),
         function("bias", [q, v], bias),
         function("acceleration", [q, v, u], acceleration),
-        function("variation", [q, v, u], _with_jacobian(acceleration, ca.vertcat(q, v))),
+        function("balance", [q, v, u], ca.vertcat(ca.vec(ca.densify(mass)), drive)),
+        function("variation", [q, v, a, u], _jacobian(drive - mass @ a, ca.vertcat(q, v))),
         function("effectors", [q], tips),
         function("body_points", [q], corners),
         tuple(hulls),
@@ -91,8 +111,19 @@ def _unfolded(matrix: ca.SX, constants: ConstantInputs) -> ca.SX:
     return result
 
 
-def _with_jacobian(value: ca.SX, state: ca.SX) -> ca.SX:
-    return ca.vertcat(value, ca.vec(ca.densify(ca.jacobian(value, state))))
+def _generalised(coordinates: Coordinates, u: ca.SX) -> ca.SX:
+    """The joints' own inputs as generalised forces: D' u, by virtual work."""
+    rows = coordinates.rows
+    forces = [ca.SX(0)] * len(rows)
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            if entry:
+                forces[j] = forces[j] + (u[i] if entry > 0 else -u[i])
+    return _stack(forces)
+
+
+def _jacobian(value: ca.SX, state: ca.SX) -> ca.SX:
+    return ca.vec(ca.densify(ca.jacobian(value, state)))
 
 
 def _stack(columns: list[ca.SX]) -> ca.SX:
@@ -125,23 +156,39 @@ def _inertia(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.
             return at.scalars[mass_scalar], at.point(frame, com_local), turn @ local @ turn.T
 
 
-def _angular_jacobian(model: RobotModel, at: Kinematics, frame: int) -> ca.SX:
-    """The Jacobian of the angular velocity of a frame, shape (3, n)."""
+def _angular_jacobian(
+    model: RobotModel, at: Kinematics, frame: int, coordinates: Coordinates
+) -> ca.SX:
+    """The Jacobian of the angular velocity of a frame in y, shape (3, n)."""
     columns = ca.SX.zeros(3, len(model.dofs))
     for node in model.chain(frame):
         step = model.frames[node].step
-        if isinstance(step, Joint) and model.dofs[step.dof].kind == "revolute":
+        if not isinstance(step, Joint) or model.dofs[step.dof].kind != "revolute":
+            continue
+        if step.dof not in coordinates.absolute:
             columns[:, step.dof] += step.sign * at.axis(node, step.axis)
+            continue
+        # Measured from a fixed direction: the rate of the joint it is measured from drops out.
+        for other, entry in enumerate(coordinates.rows[step.dof]):
+            if entry and other != step.dof:
+                columns[:, other] = 0
+        columns[:, step.dof] = at.axis(node, step.axis)
     return columns
 
 
-def _mass_matrix(model: RobotModel, at: Kinematics, q: ca.SX, constants: ConstantInputs) -> ca.SX:
+def _mass_matrix(
+    model: RobotModel,
+    at: Kinematics,
+    q: ca.SX,
+    constants: ConstantInputs,
+    coordinates: Coordinates,
+) -> ca.SX:
     """M, the Hessian of the kinetic energy in the rates."""
     total = ca.SX.zeros(len(model.dofs), len(model.dofs))
     for body in model.bodies:
         mass, com, inertia = _inertia(body, at, constants)
         linear = ca.jacobian(com, q)
-        angular = _angular_jacobian(model, at, body.frame)
+        angular = _angular_jacobian(model, at, body.frame, coordinates)
         if model.dimension == 2:
             spin = angular[2, :]
             total += mass * (linear.T @ linear) + inertia[2, 2] * (spin.T @ spin)

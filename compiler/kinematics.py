@@ -11,6 +11,7 @@ from fractions import Fraction
 
 import casadi as ca
 
+from compiler.absolute_angles import Coordinates
 from compiler.robot import WORLD, Body, Joint, Offset, RobotModel, RodBody, SolidBody, Turn
 from compiler.scalars import Apply, Constant, ParameterLeaf, PiConstant, read_scalars
 
@@ -102,21 +103,31 @@ def _power(base: ca.SX, exponent: int) -> ca.SX:
 
 @dataclass(frozen=True, slots=True)
 class Orientation:
-    """``base * R(axis, angle)``; the last rotation is kept apart so that coaxial angles add."""
+    """``base * R(axis, angle + leading)``, so that angles about one axis add.
+
+    ``leading`` is the absolute angle of the last joint that is measured from a fixed direction.
+    """
 
     base: ca.SX
     axis: int
     angle: ca.SX
+    leading: ca.SX
 
     def matrix(self) -> ca.SX:
         """The rotation matrix, shape (3, 3)."""
-        return self.base @ rotation(self.axis, self.angle)
+        return self.base @ rotation(self.axis, self.angle + self.leading)
 
     def turned(self, axis: int, angle: ca.SX) -> Orientation:
         """After a further rotation about a local axis."""
         if axis == self.axis:
-            return Orientation(self.base, axis, self.angle + angle)
-        return Orientation(self.matrix(), axis, angle)
+            return Orientation(self.base, axis, self.angle + angle, self.leading)
+        return Orientation(self.matrix(), axis, angle, ca.SX(0))
+
+    def led(self, axis: int, leading: ca.SX) -> Orientation:
+        """After a joint whose absolute angle about a local axis replaces the one before."""
+        if axis == self.axis:
+            return Orientation(self.base, axis, self.angle, leading)
+        return Orientation(self.matrix(), axis, ca.SX(0), leading)
 
 
 def rotation(axis: int, angle: ca.SX) -> ca.SX:
@@ -166,12 +177,19 @@ class Kinematics:
 
 
 def kinematics(
-    model: RobotModel, coordinates: ca.SX, parameters: ca.SX, constants: ConstantInputs
+    model: RobotModel,
+    coordinates: ca.SX,
+    parameters: ca.SX,
+    constants: ConstantInputs,
+    measured: Coordinates,
 ) -> Kinematics:
-    """Forward kinematics, one pass over the frames in topological order."""
+    """Forward kinematics, one pass over the frames in topological order.
+
+    ``coordinates`` are y with q = D y, as ``measured`` says.
+    """
     scalars = scalar_expressions(model, parameters, constants)
     origins = [ca.SX.zeros(3)]
-    orientations = [Orientation(ca.SX.eye(3), 2, ca.SX(0))]
+    orientations = [Orientation(ca.SX.eye(3), 2, ca.SX(0), ca.SX(0))]
     for node in model.frames[WORLD + 1 :]:
         origin, orientation = origins[node.parent], orientations[node.parent]
         match node.step:
@@ -182,7 +200,9 @@ def kinematics(
                 origin = origin + orientation.matrix() @ offset
             case Joint(dof, axis, sign):
                 motion = sign * coordinates[dof]
-                if model.dofs[dof].kind == "revolute":
+                if dof in measured.absolute:
+                    orientation = orientation.led(axis, coordinates[dof])
+                elif model.dofs[dof].kind == "revolute":
                     orientation = orientation.turned(axis, motion)
                 else:
                     origin = origin + orientation.matrix()[:, axis] * motion

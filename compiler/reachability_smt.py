@@ -28,12 +28,27 @@ from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from flint import arb
-from pysmt.fnode import FNode
 
 from compiler.balls import working_precision
 from compiler.polytope import polytope_of
 from compiler.rational_enclosure import rational_bounds
-from compiler.real_terms import Quantity, RealScript
+from compiler.real_terms import (
+    FALSE,
+    Formula,
+    Quantity,
+    RealScript,
+    add,
+    all_of,
+    any_of,
+    at_most,
+    between,
+    constant,
+    equal,
+    multiply,
+    non_negative,
+    subtract,
+    sum_of_squares,
+)
 from compiler.robot import Joint, Offset, RobotModel, Step, Turn
 from compiler.scalar_terms import ScalarTerms, absolute
 from grammar_lang import ir
@@ -142,7 +157,7 @@ def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
             _Encoding(model, question, script).write(pairs)
     else:
         script.comment("The structure has no such effector.")
-        script.assertion(script.any_of([]))
+        script.assertion(FALSE)
     script.lines.append("(check-sat)")
     return "\n".join(script.lines) + "\n"
 
@@ -159,8 +174,8 @@ class _Encoding:
     _displacements: dict[tuple[Segment, Pose | None], Vector] = field(
         default_factory=dict[tuple[Segment, "Pose | None"], Vector]
     )
-    _radii: dict[tuple[FNode, ...], Quantity] = field(
-        default_factory=dict[tuple[FNode, ...], Quantity]
+    _radii: dict[tuple[Formula, ...], Quantity] = field(
+        default_factory=dict[tuple[Formula, ...], Quantity]
     )
 
     def __post_init__(self) -> None:
@@ -172,21 +187,23 @@ class _Encoding:
         self._define_scalars(pairs)
         start = self._position("start", question.start) if question.start is not None else None
         target = self._position("target", question.target)
-        alternatives: list[FNode] = []
+        alternatives: list[list[Formula]] = []
         for number, (starting, reaching) in enumerate(pairs, 1):
             many = f" (alternative {number} of {len(pairs)})" if len(pairs) > 1 else ""
             script.comment(
                 "Reach: lengths r of the segments between revolute joints, and distances rho from\n"
                 f"the first joint, with the polygon inequality{many}."
             )
-            parts: list[FNode] = []
+            parts: list[Formula] = []
             if start is not None:
                 parts += self._reached(starting, "start", start)
             parts += self._reached(reaching, "target", target)
-            alternatives.append(script.all_of(parts))
-        if len(alternatives) > 1:
+            alternatives.append(parts)
+        if len(alternatives) == 1:
+            script.assertion(*alternatives[0])
+        else:
             script.comment("One of the alternatives.")
-        script.assertion(script.any_of(alternatives))
+            script.assertion(any_of([all_of(parts) for parts in alternatives]))
 
     def _define_scalars(self, pairs: list[tuple[Chain, Chain]]) -> None:
         lengths = set[int]()
@@ -207,20 +224,18 @@ class _Encoding:
         position = [script.declare(f"{pose}_{LETTERS[i]}") for i in range(self.model.dimension)]
         for row in (*region, *self.question.bounds):
             script.assertion(self._inside(row, position))
-        position += [script.constant(0)] * (3 - len(position))
+        position += [constant(0)] * (3 - len(position))
         return position[0], position[1], position[2]
 
-    def _inside(self, row: ir.HalfSpace, position: list[Quantity]) -> FNode:
+    def _inside(self, row: ir.HalfSpace, position: list[Quantity]) -> Formula:
         """A half-space, written without negative factors."""
-        script = self.script
         terms = [
-            (a, script.multiply(script.constant(abs(a)), x))
-            for a, x in zip(row.normal, position, strict=True)
+            (a, multiply(constant(abs(a)), x)) for a, x in zip(row.normal, position, strict=True)
         ]
         left = [term for a, term in terms if a > 0]
         right = [term for a, term in terms if a < 0]
-        (right if left else left).append(script.constant(row.offset if left else -row.offset))
-        return script.at_most(script.add(*left), script.add(*right))
+        (right if left else left).append(constant(row.offset if left else -row.offset))
+        return at_most(add(*left), add(*right))
 
     # --- segments ---
 
@@ -235,15 +250,15 @@ class _Encoding:
     def _new_displacement(self, segment: Segment, pose: Pose) -> Vector:
         """By Horner's scheme, from the far end: terms stay linear in the number of steps."""
         script = self.script
-        vector = [script.constant(0)] * 3
+        vector = [constant(0)] * 3
         for step in reversed(segment.steps):
             match step:
                 case Offset(offset):
                     pairs = zip(vector, offset, strict=True)
-                    vector = [script.add(v, self.scalars.term(o)) for v, o in pairs]
+                    vector = [add(v, self.scalars.term(o)) for v, o in pairs]
                 case Joint(dof, axis, sign):
-                    way = script.multiply(script.constant(sign), self._coordinate(dof, pose))
-                    vector[axis] = script.add(vector[axis], way)
+                    way = multiply(constant(sign), self._coordinate(dof, pose))
+                    vector[axis] = add(vector[axis], way)
                 case Turn(axis, angle):
                     vector = self._turned(vector, axis, angle, 1)
         x, y, z = (script.named("d", v) for v in vector)
@@ -252,12 +267,12 @@ class _Encoding:
     def _turned(self, vector: list[Quantity], axis: int, angle: int, sign: int) -> list[Quantity]:
         """The vector rotated by ``sign`` times an angle."""
         script, turn = self.script, self.scalars.angle(angle)
-        sine = script.multiply(script.constant(sign), turn.sine)
+        sine = multiply(constant(sign), turn.sine)
         i, j = (axis + 1) % 3, (axis + 2) % 3
         u, v = (script.named("d", vector[k]) for k in (i, j))
         rotated = list(vector)
-        rotated[i] = script.subtract(script.multiply(turn.cosine, u), script.multiply(sine, v))
-        rotated[j] = script.add(script.multiply(sine, u), script.multiply(turn.cosine, v))
+        rotated[i] = subtract(multiply(turn.cosine, u), multiply(sine, v))
+        rotated[j] = add(multiply(sine, u), multiply(turn.cosine, v))
         return rotated
 
     def _coordinate(self, dof: int, pose: Pose) -> Quantity:
@@ -271,37 +286,37 @@ class _Encoding:
                 upper = rational_bounds(limits.upper)[1]
                 low, high = (arb(int(end.numerator)) / end.denominator for end in (lower, upper))
                 unknown = self.script.fresh(f"{pose}_q", low.union(high))
-                self.script.assertion(self.script.between((lower, upper), unknown))
+                self.script.assertion(*between((lower, upper), unknown))
             self._coordinates[dof, pose] = unknown
         return self._coordinates[dof, pose]
 
     # --- positions ---
 
-    def _reached(self, chain: Chain, pose: Pose, position: Vector) -> list[FNode]:
+    def _reached(self, chain: Chain, pose: Pose, position: Vector) -> list[Formula]:
         """The constraints under which the chain's end can be at a position."""
         script, (base, *moving) = self.script, chain
         pairs = zip(position, self._displacement(base, pose), strict=True)
-        rest = [script.subtract(p, d) for p, d in pairs]
+        rest = [subtract(p, d) for p, d in pairs]
         axis = moving[0].axis if moving else None
         if axis is None:
-            return [script.equal(r, script.constant(0)) for r in rest]
+            return [equal(r, constant(0)) for r in rest]
         rest = self._from_base(base, rest, axis)
         count = _parallel(moving)
         head = [self._displacement(segment, pose) for segment in moving[:count]]
         tail = [self._displacement(segment, pose) for segment in moving[count:]]
-        along = script.subtract(rest[axis], script.add(*(d[axis] for d in head)))
+        along = subtract(rest[axis], add(*(d[axis] for d in head)))
         across = [i for i in range(3) if i != axis]
         radii = self._lengths([tuple(d[i] for i in across) for d in head])
-        formulas: list[FNode] = []
+        formulas: list[Formula] = []
         later = self._lengths(tail)
         if later:
             # The later segments add a vector of the plane, of any direction, and one along.
             aside = script.fresh(f"{pose}_r")
-            script.assertion(script.at_most(script.constant(0), aside))
+            script.assertion(non_negative(aside))
             formulas += self._polygon([aside, along], later, pose)
             radii.append(aside)
         else:
-            formulas.append(script.equal(along, script.constant(0)))
+            formulas.append(equal(along, constant(0)))
         return formulas + self._polygon([rest[i] for i in across], radii, pose)
 
     def _from_base(self, base: Segment, vector: list[Quantity], axis: int) -> list[Quantity]:
@@ -320,7 +335,7 @@ class _Encoding:
 
     def _length(self, parts: tuple[Quantity, ...]) -> Quantity:
         """The Euclidean norm of a vector, the same at both poses where the vector is."""
-        script, key = self.script, tuple(part.term for part in parts)
+        script, key = self.script, tuple(part.text for part in parts)
         if key not in self._radii:
             if len(parts) == 1:
                 self._radii[key] = absolute(script, parts[0])
@@ -329,31 +344,30 @@ class _Encoding:
         return self._radii[key]
 
     def _norm(self, prefix: str, parts: tuple[Quantity, ...]) -> Quantity:
-        script, square = self.script, self.script.sum_of_squares(parts)
+        script, square = self.script, sum_of_squares(parts)
         known = script.number(square.ball.sqrt())
         if known is not None:
             return known
         norm = script.fresh(prefix)
-        script.assertion(script.at_most(script.constant(0), norm))
-        script.assertion(script.equal(script.multiply(norm, norm), square))
+        script.assertion(non_negative(norm))
+        script.assertion(equal(multiply(norm, norm), square))
         return norm
 
-    def _polygon(self, total: list[Quantity], radii: list[Quantity], pose: Pose) -> list[FNode]:
+    def _polygon(self, total: list[Quantity], radii: list[Quantity], pose: Pose) -> list[Formula]:
         """Vectors of these lengths, freely turned, have this sum."""
-        script = self.script
         if not radii:
-            return [script.equal(part, script.constant(0)) for part in total]
+            return [equal(part, constant(0)) for part in total]
         if len(radii) == 1:
-            squared = script.multiply(radii[0], radii[0])
-            return [script.equal(script.sum_of_squares(tuple(total)), squared)]
+            squared = multiply(radii[0], radii[0])
+            return [equal(sum_of_squares(tuple(total)), squared)]
         distance = self._norm(f"{pose}_rho", tuple(total))
-        length = script.add(*radii)
-        around = script.add(distance, *radii)
-        twice = script.constant(Fraction(2))
-        formulas = [script.at_most(distance, length)]
-        sides = dict.fromkeys(radius.term for radius in radii)
-        unique = [next(r for r in radii if r.term == side) for side in sides]
-        return formulas + [script.at_most(script.multiply(twice, r), around) for r in unique]
+        length = add(*radii)
+        around = add(distance, *radii)
+        twice = constant(Fraction(2))
+        formulas = [at_most(distance, length)]
+        sides = dict.fromkeys(radius.text for radius in radii)
+        unique = [next(r for r in radii if r.text == side) for side in sides]
+        return formulas + [at_most(multiply(twice, r), around) for r in unique]
 
 
 def _parallel(moving: list[Segment]) -> int:

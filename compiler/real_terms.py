@@ -1,41 +1,62 @@
 """Real terms with the balls that contain them, and the SMT-LIB 2 script they are asserted in.
 
-Source: Barrett, Fontaine & Tinelli, *The SMT-LIB Standard, version 2.6* (logic QF_NRA).  Terms
-are pysmt's, in an environment of their own; constants are folded exactly.
+Source: Barrett, Fontaine & Tinelli, *The SMT-LIB Standard, version 2.6* (logic QF_NRA).  Terms are
+written directly: pySMT loads z3 when it is imported, and the verifier, which writes every script
+again, loads no solver.  Constants are folded exactly.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from io import StringIO
+from typing import TypeAlias
 
 from flint import arb
-from pysmt.environment import Environment
-from pysmt.fnode import FNode
-from pysmt.smtlib.printers import SmtPrinter
-from pysmt.typing import REAL
 
 from compiler.balls import ball
 from compiler.rational_enclosure import GRID, outward
 
 NARROW = 4  # grid steps
+TRUE, FALSE = "true", "false"
+
+Formula: TypeAlias = str
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A term, a ball that contains its values, and its value where it is a constant."""
+    """``factor * core``, the core an SMT-LIB term (None: one), and a ball that contains it."""
 
-    term: FNode
-    ball: arb
-    value: Fraction | None = None
+    factor: Fraction
+    core: str | None
+    ball: arb = field(compare=False)
+
+    @property
+    def value(self) -> Fraction | None:
+        """The value of a constant."""
+        return self.factor if self.core is None else None
+
+    @property
+    def text(self) -> str:
+        """The SMT-LIB term."""
+        if self.core is None:
+            return numeral(self.factor)
+        if self.factor == 1:
+            return self.core
+        return (
+            f"(- {self.core})" if self.factor == -1 else f"(* {numeral(self.factor)} {self.core})"
+        )
+
+    @property
+    def is_leaf(self) -> bool:
+        """Whether it is a constant or a multiple of a symbol."""
+        return self.core is None or not self.core.startswith("(")
 
 
 @dataclass(slots=True)
 class RealScript:
     """A growing QF_NRA script; every symbol is declared once, in order of use."""
 
-    environment: Environment = field(default_factory=Environment)
     lines: list[str] = field(default_factory=list[str])
     _counts: dict[str, int] = field(default_factory=dict[str, int])
 
@@ -45,16 +66,15 @@ class RealScript:
         """Add comment lines."""
         self.lines += [f"; {line}" for line in text.splitlines()]
 
-    def assertion(self, formula: FNode) -> None:
-        """Assert a formula, its top-level conjuncts one by one."""
-        parts = formula.args() if formula.is_and() else (formula,)
-        self.lines += [f"(assert {self._text(part)})" for part in parts if not part.is_true()]
+    def assertion(self, *formulas: Formula) -> None:
+        """Assert each formula that is not trivially true."""
+        self.lines += [f"(assert {formula})" for formula in formulas if formula != TRUE]
 
     def declare(self, name: str, enclosure: arb | None = None) -> Quantity:
         """A new symbol; its ball is a claim about what is asserted of it, by default none."""
         self.lines.append(f"(declare-fun {name} () Real)")
-        symbol = self.environment.formula_manager.Symbol(name, REAL)
-        return Quantity(symbol, arb(0, float("inf")) if enclosure is None else enclosure)
+        whole = arb(0, float("inf"))
+        return Quantity(Fraction(1), name, whole if enclosure is None else enclosure)
 
     def fresh(self, prefix: str, enclosure: arb | None = None) -> Quantity:
         """A new symbol, numbered from 1 within its prefix."""
@@ -70,7 +90,7 @@ class RealScript:
         if bounds is None or bounds[1] - bounds[0] > Fraction(NARROW, GRID):
             return None
         symbol = self.fresh("k", enclosure)
-        self.assertion(self.between(bounds, symbol))
+        self.assertion(*between(bounds, symbol))
         return symbol
 
     def named(self, prefix: str, quantity: Quantity) -> Quantity:
@@ -78,106 +98,114 @@ class RealScript:
 
         Keeps the script linear in the size of shared expressions.
         """
-        core = self._factored(quantity)[1]
-        if core is None or core.is_symbol():
+        if quantity.is_leaf:
             return quantity
         number = self.number(quantity.ball)
         if number is not None:
             return number
         symbol = self.fresh(prefix, quantity.ball)
-        self.assertion(self.equal(symbol, quantity))
+        self.assertion(equal(symbol, quantity))
         return symbol
 
-    def _text(self, formula: FNode) -> str:
-        buffer = StringIO()
-        SmtPrinter(buffer).printer(formula)
-        return buffer.getvalue()
 
-    # --- terms ---
+# --- terms ---------------------------------------------------------------------------------------
 
-    def constant(self, value: Fraction | int) -> Quantity:
-        """A rational."""
-        exact = Fraction(value)
-        return Quantity(self.environment.formula_manager.Real(exact), ball(exact), exact)
 
-    def add(self, *quantities: Quantity) -> Quantity:
-        """A sum; zeros vanish and constants become one."""
-        known = sum((q.value for q in quantities if q.value is not None), Fraction(0))
-        parts = [q for q in quantities if q.value is None]
-        if known or not parts:
-            parts.append(self.constant(known))
-        if len(parts) == 1:
-            return parts[0]
-        term = self.environment.formula_manager.Plus([q.term for q in parts])
-        return Quantity(term, sum((q.ball for q in parts), arb(0)))
+def numeral(value: Fraction) -> str:
+    """A rational as an SMT-LIB term."""
+    size = abs(value)
+    whole = size.denominator == 1
+    text = f"{size.numerator}.0" if whole else f"(/ {size.numerator} {size.denominator})"
+    return text if value >= 0 else f"(- {text})"
 
-    def multiply(self, left: Quantity, right: Quantity) -> Quantity:
-        """A product, a constant factor first."""
-        (a, u), (b, v) = self._factored(left), self._factored(right)
-        cores = [core for core in (u, v) if core is not None]
-        factor = a * b
-        if not factor or not cores:
-            return self.constant(factor)
-        manager = self.environment.formula_manager
-        term = cores[0] if len(cores) == 1 else manager.Times(*cores)
-        if factor != 1:
-            term = manager.Times(manager.Real(factor), term)
-        return Quantity(term, left.ball * right.ball)
 
-    def _factored(self, quantity: Quantity) -> tuple[Fraction, FNode | None]:
-        """The constant factor and what it multiplies (None: a constant)."""
-        term = quantity.term
-        if quantity.value is not None:
-            return quantity.value, None
-        if term.is_times() and term.arg(0).is_real_constant():
-            factor = term.arg(0).constant_value()
-            return Fraction(int(factor.numerator), int(factor.denominator)), term.arg(1)
-        return Fraction(1), term
+def constant(value: Fraction | int) -> Quantity:
+    """A rational."""
+    return Quantity(Fraction(value), None, ball(value))
 
-    def negate(self, quantity: Quantity) -> Quantity:
-        """The opposite."""
-        return self.multiply(self.constant(-1), quantity)
 
-    def subtract(self, left: Quantity, right: Quantity) -> Quantity:
-        """A difference."""
-        return self.add(left, self.negate(right))
+def add(*quantities: Quantity) -> Quantity:
+    """A sum; zeros vanish and constants become one."""
+    known = sum((q.value for q in quantities if q.value is not None), Fraction(0))
+    parts = [q for q in quantities if q.value is None]
+    if known or not parts:
+        parts.append(constant(known))
+    if len(parts) == 1:
+        return parts[0]
+    text = " ".join(part.text for part in parts)
+    return Quantity(Fraction(1), f"(+ {text})", sum((q.ball for q in parts), arb(0)))
 
-    def sum_of_squares(self, quantities: tuple[Quantity, ...]) -> Quantity:
-        """The squared norm of a vector."""
-        return self.add(*(self.multiply(q, q) for q in quantities))
 
-    # --- formulas ---
+def multiply(left: Quantity, right: Quantity) -> Quantity:
+    """A product; constant factors become one."""
+    factor = left.factor * right.factor
+    cores = [core for core in (left.core, right.core) if core is not None]
+    if not factor or not cores:
+        return constant(factor)
+    core = cores[0] if len(cores) == 1 else f"(* {cores[0]} {cores[1]})"
+    return Quantity(factor, core, left.ball * right.ball)
 
-    def equal(self, left: Quantity, right: Quantity) -> FNode:
-        """``left = right``, decided where both are constants."""
-        manager = self.environment.formula_manager
-        if left.value is not None and right.value is not None:
-            return manager.Bool(left.value == right.value)
-        return manager.Equals(left.term, right.term)
 
-    def at_most(self, left: Quantity, right: Quantity) -> FNode:
-        """``left <= right``, decided where both are constants."""
-        manager = self.environment.formula_manager
-        if left.value is not None and right.value is not None:
-            return manager.Bool(left.value <= right.value)
-        return manager.LE(left.term, right.term)
+def negate(quantity: Quantity) -> Quantity:
+    """The opposite."""
+    return Quantity(-quantity.factor, quantity.core, -quantity.ball)
 
-    def between(self, bounds: tuple[Fraction, Fraction], quantity: Quantity) -> FNode:
-        """``lower <= quantity <= upper``."""
-        lower, upper = (self.constant(bound) for bound in bounds)
-        if lower.value == upper.value:
-            return self.equal(quantity, lower)
-        return self.all_of([self.at_most(lower, quantity), self.at_most(quantity, upper)])
 
-    def all_of(self, formulas: list[FNode]) -> FNode:
-        """A conjunction, without what is trivially true."""
-        kept = [formula for formula in formulas if not formula.is_true()]
-        return self.environment.formula_manager.And(kept)
+def subtract(left: Quantity, right: Quantity) -> Quantity:
+    """A difference."""
+    return add(left, negate(right))
 
-    def any_of(self, formulas: list[FNode]) -> FNode:
-        """A disjunction; none is false."""
-        return self.environment.formula_manager.Or(formulas)
 
-    def negation(self, formula: FNode) -> FNode:
-        """The opposite of a formula."""
-        return self.environment.formula_manager.Not(formula)
+def sum_of_squares(quantities: Sequence[Quantity]) -> Quantity:
+    """The squared norm of a vector."""
+    return add(*(multiply(q, q) for q in quantities))
+
+
+# --- formulas ------------------------------------------------------------------------------------
+
+
+def equal(left: Quantity, right: Quantity) -> Formula:
+    """``left = right``, decided where both are constants."""
+    if left.value is not None and right.value is not None:
+        return TRUE if left.value == right.value else FALSE
+    return f"(= {left.text} {right.text})"
+
+
+def at_most(left: Quantity, right: Quantity) -> Formula:
+    """``left <= right``, decided where both are constants."""
+    if left.value is not None and right.value is not None:
+        return TRUE if left.value <= right.value else FALSE
+    return f"(<= {left.text} {right.text})"
+
+
+def non_negative(quantity: Quantity) -> Formula:
+    """``0 <= quantity``."""
+    return at_most(constant(0), quantity)
+
+
+def between(bounds: tuple[Fraction, Fraction], quantity: Quantity) -> list[Formula]:
+    """``lower <= quantity <= upper``, conjunct by conjunct."""
+    lower, upper = (constant(bound) for bound in bounds)
+    if lower.value == upper.value:
+        return [equal(quantity, lower)]
+    return [at_most(lower, quantity), at_most(quantity, upper)]
+
+
+def all_of(formulas: Sequence[Formula]) -> Formula:
+    """A conjunction, without what is trivially true; none is true."""
+    kept = [formula for formula in formulas if formula != TRUE]
+    if len(kept) < 2:
+        return kept[0] if kept else TRUE
+    return f"(and {' '.join(kept)})"
+
+
+def any_of(formulas: Sequence[Formula]) -> Formula:
+    """A disjunction; none is false."""
+    if len(formulas) < 2:
+        return formulas[0] if formulas else FALSE
+    return TRUE if TRUE in formulas else f"(or {' '.join(formulas)})"
+
+
+def negation(formula: Formula) -> Formula:
+    """The opposite of a formula."""
+    return {TRUE: FALSE, FALSE: TRUE}.get(formula, f"(not {formula})")

@@ -16,7 +16,22 @@ from flint import arb
 
 from compiler.balls import BallArithmetic, closed_ball, constant_ball
 from compiler.rational_enclosure import exact_rational, outward, rational_bounds
-from compiler.real_terms import Quantity, RealScript
+from compiler.real_terms import (
+    Quantity,
+    RealScript,
+    add,
+    all_of,
+    any_of,
+    between,
+    constant,
+    equal,
+    multiply,
+    negate,
+    negation,
+    non_negative,
+    subtract,
+    sum_of_squares,
+)
 from compiler.robot import RobotModel
 from compiler.scalars import (
     Apply,
@@ -98,7 +113,7 @@ class ScalarTerms:
         node = self.model.scalars[scalar]
         if isinstance(node, Apply) and node.operation == "neg":
             opposite = self.angle(node.arguments[0])
-            return Angle(opposite.cosine, self.script.negate(opposite.sine))
+            return Angle(opposite.cosine, negate(opposite.sine))
         if scalar not in self._angles:
             self._angles[scalar] = self._new_angle(scalar)
         return self._angles[scalar]
@@ -111,42 +126,42 @@ class ScalarTerms:
         if cosine is not None and sine is not None:
             return Angle(cosine, sine)
         cosine, sine = self._unknown("cos", value.cos()), self._unknown("sin", value.sin())
-        on_circle = script.sum_of_squares((cosine, sine))
-        script.assertion(script.equal(on_circle, script.constant(1)))
+        on_circle = sum_of_squares((cosine, sine))
+        script.assertion(equal(on_circle, constant(1)))
         return Angle(cosine, sine)
 
     def _known(self, function: ir.Function, scalar: int, enclosure: arb) -> Quantity | None:
         at = self.monomials[scalar]
         exact = None if at is None else apply(function, at)
         if exact is not None and exact[1] == 0:
-            return self.script.constant(exact[0])
+            return constant(exact[0])
         return self.script.number(enclosure)
 
     def _unknown(self, name: str, enclosure: arb) -> Quantity:
         unknown = self.script.fresh(name, enclosure)
         bounds = outward(enclosure)
         if bounds is not None and (bounds[0] > -ONE or bounds[1] < ONE):
-            self.script.assertion(self.script.between(bounds, unknown))
+            self.script.assertion(*between(bounds, unknown))
         return unknown
 
     def _parameter(self, leaf: ParameterLeaf) -> Quantity:
         script, domain = self.script, self.model.parameters[leaf.index].domain
         value = _only_value(domain)
         if value is not None:
-            return script.constant(value)
+            return constant(value)
         unknown = script.fresh("theta", _domain_ball(domain))
         if isinstance(domain, ir.Interval):
             lower, upper = rational_bounds(domain.lower)[0], rational_bounds(domain.upper)[1]
-            script.assertion(script.between((lower, upper), unknown))
+            script.assertion(*between((lower, upper), unknown))
         else:
-            values = [script.between(rational_bounds(value), unknown) for value in domain.values]
-            script.assertion(script.any_of(values))
+            values = [all_of(between(rational_bounds(v), unknown)) for v in domain.values]
+            script.assertion(any_of(values))
         return unknown
 
     def _term(self, index: int, node: ScalarNode) -> Quantity:
         script, exact = self.script, self.monomials[index]
         if exact is not None and exact[1] == 0:
-            return script.constant(exact[0])
+            return constant(exact[0])
         number = script.number(self.balls[index])
         if number is not None:
             return number
@@ -162,13 +177,13 @@ class ScalarTerms:
         first, *others = (self._terms[i] for i in node.arguments)
         match node.operation:
             case "+":
-                return script.named("a", script.add(first, *others))
+                return script.named("a", add(first, *others))
             case "-":
-                return script.named("a", script.subtract(first, others[0]))
+                return script.named("a", subtract(first, others[0]))
             case "*":
-                return script.named("a", script.multiply(first, others[0]))
+                return script.named("a", multiply(first, others[0]))
             case "neg":
-                return script.negate(first)
+                return negate(first)
             case "/":
                 return self._quotient(first, others[0])
             case "^":
@@ -177,8 +192,8 @@ class ScalarTerms:
                 return absolute(script, first)
             case "sqrt":
                 root = script.fresh("a", self.balls[index])
-                script.assertion(script.at_most(script.constant(0), root))
-                script.assertion(script.equal(script.multiply(root, root), first))
+                script.assertion(non_negative(root))
+                script.assertion(equal(multiply(root, root), first))
                 return root
             case _:
                 raise ValueError(f"unknown operation {node.operation}")
@@ -188,45 +203,45 @@ class ScalarTerms:
         if node.operation != "tan":
             return angle.sine if node.operation == "sin" else angle.cosine
         tangent = self.script.fresh("a", enclosure)
-        product = self.script.multiply(tangent, angle.cosine)
-        self.script.assertion(self.script.equal(product, angle.sine))
+        product = multiply(tangent, angle.cosine)
+        self.script.assertion(equal(product, angle.sine))
         return tangent
 
     def _quotient(self, dividend: Quantity, divisor: Quantity) -> Quantity:
         script = self.script
         if divisor.value:
-            return script.named("a", script.multiply(script.constant(1 / divisor.value), dividend))
+            return script.named("a", multiply(constant(1 / divisor.value), dividend))
         quotient = script.fresh("a", dividend.ball / divisor.ball)
-        script.assertion(script.equal(script.multiply(quotient, divisor), dividend))
-        script.assertion(script.negation(script.equal(divisor, script.constant(0))))
+        script.assertion(equal(multiply(quotient, divisor), dividend))
+        script.assertion(negation(equal(divisor, constant(0))))
         return quotient
 
     def _power(self, base: Quantity, exponent: int) -> Quantity:
         """An integer power by repeated squaring."""
-        script, result, left = self.script, self.script.constant(1), abs(exponent)
+        script, result, left = self.script, constant(1), abs(exponent)
         square = base
         while left:
             if left & 1:
-                result = script.named("a", script.multiply(result, square))
+                result = script.named("a", multiply(result, square))
             left >>= 1
             if left:
-                square = script.named("a", script.multiply(square, square))
-        return result if exponent >= 0 else self._quotient(script.constant(1), result)
+                square = script.named("a", multiply(square, square))
+        return result if exponent >= 0 else self._quotient(constant(1), result)
 
 
 def absolute(script: RealScript, quantity: Quantity) -> Quantity:
     """The absolute value: the quantity or its opposite where the sign is certain."""
     if quantity.value is not None:
-        return script.constant(abs(quantity.value))
+        return constant(abs(quantity.value))
     if quantity.ball >= 0:
         return quantity
-    opposite = script.negate(quantity)
+    opposite = negate(quantity)
     if quantity.ball <= 0:
         return opposite
     unknown = script.fresh("a", abs(quantity.ball))
-    script.assertion(script.at_most(script.constant(0), unknown))
-    signs = [script.equal(unknown, quantity), script.equal(unknown, opposite)]
-    script.assertion(script.any_of(signs))
+    script.assertion(non_negative(unknown))
+    signs = [equal(unknown, quantity), equal(unknown, opposite)]
+    script.assertion(any_of(signs))
     return unknown
 
 

@@ -20,7 +20,7 @@ from typing import Any
 FORMAT = 1
 
 _NUMBER = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,1100}|/[0-9]{1,300})?")
-"""Decimals that a double can state, and quotients; no exponents, whose expansion has no bound."""
+"""Decimals below 1e300, and quotients; no exponents, whose expansion has no bound."""
 
 
 class CertificateError(ValueError):

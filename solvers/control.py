@@ -40,6 +40,8 @@ FUNNEL = 0.3
 FREE_STEPS = 3
 """Steps that are taken whatever their defects, to get away from the seed."""
 MERIT_WEIGHT = 0.3
+WORST = 10.0
+"""The largest violation that is told apart, in units of the effort bound."""
 EXCESS = 1e-4
 """Position excess in metres that the margin absorbs."""
 LIMIT_EXCESS = 1e-4
@@ -152,18 +154,25 @@ def limit_excess(limits: MotionLimits, x: Array) -> float:
     return max(float(np.max(gap, initial=0.0)) for gap in gaps)
 
 
-def _measure(
-    problem: ControlProblem, trajectory: Trajectory, rows: PositionRows | None
-) -> _Measured:
-    """Linearise about a trajectory and measure its defects."""
+def _measure(problem: ControlProblem, trajectory: Trajectory) -> _Measured | None:
+    """Linearise about a trajectory and measure its defects; None where that is not finite."""
     reading = problem.reading
     x, u, theta = trajectory.x, trajectory.u, trajectory.theta
-    dynamics = reading.step(x[:-1], u, theta, problem.dt, problem.substeps)
-    points = reading.points(x[:, : reading.n], theta)
-    fictitious = fictitious_inputs(reading, trajectory, problem.dt)
-    defect = np.linalg.solve(fictitious, (x[1:] - dynamics.value)[:, :, None])[:, :, 0]
-    if rows is None:
-        rows = problem.rows_of(points.value)
+    if not np.isfinite(x).all():
+        return None
+    with np.errstate(all="ignore"):
+        dynamics = reading.step(x[:-1], u, theta, problem.dt, problem.substeps)
+        points = reading.points(x[:, : reading.n], theta)
+        try:
+            fictitious = fictitious_inputs(reading, trajectory, problem.dt)
+            gap = (x[1:] - dynamics.value)[:, :, None]
+            defect = np.linalg.solve(fictitious, gap)[:, :, 0]
+        except np.linalg.LinAlgError:
+            return None
+    parts = (dynamics.value, dynamics.state, dynamics.input, dynamics.parameter, defect)
+    if not all(np.isfinite(part).all() for part in parts):
+        return None
+    rows = problem.rows_of(points.value)
     return _Measured(
         Model(trajectory, dynamics, points, fictitious),
         rows,
@@ -174,10 +183,10 @@ def _measure(
     )
 
 
-def linearised(problem: ControlProblem, about: Trajectory) -> tuple[Model, PositionRows]:
-    """The robot linearised about a trajectory, and the half-planes chosen there."""
-    measured = _measure(problem, about, None)
-    return measured.model, measured.rows
+def linearised(problem: ControlProblem, about: Trajectory) -> tuple[Model, PositionRows] | None:
+    """The robot linearised about a trajectory, with its half-planes; None where not finite."""
+    measured = _measure(problem, about)
+    return None if measured is None else (measured.model, measured.rows)
 
 
 def synthesise_control(
@@ -193,11 +202,12 @@ def synthesise_control(
     With ``theta_box`` the parameters are unknowns within that box, else they stay as seeded.
     """
     weights = weights or Weights()
-    current = _measure(problem, start, None)
-    best = current.merit(problem.scale)
+    current = _measure(problem, start)
+    if current is None:
+        return _hopeless(problem, start)
     status = "iteration limit"
     used = 0
-    while used < effort.iterations:
+    while used < effort.iterations and radius >= SMALLEST_RADIUS:
         used += 1
         if used > effort.iterations // 2:
             radius *= DECAY
@@ -214,27 +224,37 @@ def synthesise_control(
         if isinstance(result, NotSolved):
             radius /= 4
             status = f"convex step: {result.status}"
-            if radius < SMALLEST_RADIUS:
-                break
             continue
-        trial = _measure(problem, result.trajectory, None)
-        beyond = trial.infeasibility(problem.scale) - _conceded(result, problem.scale)
-        funnel = max(current.infeasibility(problem.scale) / 2, FUNNEL * min(1.0, radius))
-        if used > FREE_STEPS and beyond > funnel and radius > SMALLEST_RADIUS:
+        trial = _measure(problem, result.trajectory)
+        if trial is None or (
+            used > FREE_STEPS and not _within_funnel(problem, current, trial, result, radius)
+        ):
             radius /= 2
             continue
         moved = float(np.max(np.abs(trial.model.about.x - current.model.about.x)))
+        before, after = current.merit(problem.scale), trial.merit(problem.scale)
         current = trial
-        merit = current.merit(problem.scale)
-        if merit > best - effort.tolerance * (1 + abs(best)):
+        if after > before - effort.tolerance * (1 + abs(before)):
             radius /= 2
         elif used <= effort.iterations // 2:
             radius = min(LARGEST_RADIUS, radius * GROWTH)
-        best = min(best, merit)
         if moved < STILL or radius < SMALLEST_RADIUS:
             status = "fixpoint"
             break
     return _outcome(problem, current, used, status)
+
+
+def _within_funnel(
+    problem: ControlProblem,
+    current: _Measured,
+    trial: _Measured,
+    result: StepResult,
+    radius: float,
+) -> bool:
+    """Whether the defects that linearisation has caused are small for this trust region."""
+    scale = problem.scale
+    beyond = trial.infeasibility(scale) - _conceded(result, scale)
+    return beyond <= max(current.infeasibility(scale) / 2, FUNNEL * min(1.0, radius))
 
 
 def _conceded(result: StepResult, scale: float) -> float:
@@ -247,26 +267,48 @@ def _outcome(
 ) -> ControlOutcome:
     """Close the small remaining defects by simulation, then judge."""
     trajectory = _simulated(problem, at.model.about)
-    measured = _measure(problem, trajectory, None)
+    measured = _measure(problem, trajectory)
     defect = float(np.max(at.fictitious, initial=0.0))
+    small = at.excess <= EXCESS and defect < DEFECT * problem.scale
     closed = (
-        at.excess <= EXCESS and measured.excess <= 3 * EXCESS and defect < DEFECT * problem.scale
+        measured is not None
+        and small
+        and measured.excess <= 3 * EXCESS
+        and max(at.outside, measured.outside) <= LIMIT_EXCESS
+        and measured.margin >= 0
     )
-    within = max(at.outside, measured.outside) <= LIMIT_EXCESS
-    if closed and within and measured.margin >= 0:
+    if closed and measured is not None:
         best, value = measured, measured.margin
     else:
-        best, value = at, -(defect + max(0.0, -at.margin) + at.excess + at.outside)
+        violation = defect + max(0.0, -at.margin) + at.excess + at.outside
+        best, value = at, -min(violation, WORST * problem.scale)
         trajectory = at.model.about
     return ControlOutcome(
         trajectory,
-        best is measured,
+        closed,
         value,
         effort_peak(problem.groups, trajectory.u),
         best.fictitious,
         best.excess,
         iterations,
         status,
+    )
+
+
+def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
+    """The outcome of a seed about which nothing can be computed."""
+    k = len(start.u)
+    peak = effort_peak(problem.groups, start.u)
+    worst = np.full(k, np.inf)
+    return ControlOutcome(
+        trajectory=start,
+        feasible=False,
+        robustness=-WORST * problem.scale,
+        effort_peak=peak,
+        fictitious=worst,
+        excess=float("inf"),
+        iterations=0,
+        status="not finite",
     )
 
 

@@ -44,7 +44,10 @@ def zero_prefix(slacks: Array, threshold: float) -> int:
 def _slacks(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> Array | None:
     """The slacks (k,) of Problem 4 about an infeasible outcome."""
     problem = follower.problem(entries)
-    model, rows = linearised(problem, outcome.trajectory)
+    about = linearised(problem, outcome.trajectory)
+    if about is None:
+        return None
+    model, rows = about
     epsilon = float(follower.task.slack)
     result = convex_step(
         model, rows, problem.limits, problem.groups, RADIUS, None, Weights(), epsilon

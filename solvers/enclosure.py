@@ -19,9 +19,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from flint import arb, arb_series, ctx
+from flint import arb, arb_mat, arb_series, ctx
 
-from compiler.balls import SeriesArithmetic
+from compiler.balls import BallArithmetic, SeriesArithmetic
 from compiler.tape import Tape
 
 Coefficients = list[arb]
@@ -62,28 +62,38 @@ def polynomial(coefficients: Sequence[arb], tau: arb) -> arb:
 
 @dataclass(frozen=True, slots=True)
 class VectorField:
-    """q' = v, v' = acceleration(q, v, u, theta, k), and its variational equation.
+    """q' = v, M(q) v' = r(q, v, u), and its variational equation, as series with ball coefficients.
 
-    ``tail`` holds the balls of theta and k.
+    ``balance`` gives M and r, ``variation`` the Jacobian of r - M a in (q, v); ``tail`` holds the
+    balls of theta and k.  The linear systems are solved coefficient by coefficient with the
+    constant term of M, preconditioned: far tighter than eliminating in series.
     """
 
-    acceleration: Tape
+    balance: Tape
     variation: Tape
     dofs: int
     tail: tuple[arb, ...]
+
+    def acceleration(self, state: Sequence[arb], u: Sequence[arb]) -> list[arb]:
+        """Accelerations for a state given as balls.
+
+        Raises:
+            ZeroDivisionError: M may be singular there.
+        """
+        flat = self.balance.run([*state, *u, *self.tail], BallArithmetic())
+        mass = _Mass(self._square(flat[: self.dofs**2]))
+        return mass.solve(arb_mat([[item] for item in flat[self.dofs**2 :]])).entries()
 
     def taylor(self, state: Sequence[arb], u: Sequence[arb], order: int) -> list[Coefficients]:
         """Taylor coefficients 0 ... order of the solution through a state.
 
         Each pass of Picard's iteration on series fixes one more coefficient.
+
+        Raises:
+            ZeroDivisionError: M may be singular on the state.
         """
-        n = self.dofs
         x = [[item] for item in state]
-        for length in range(1, order + 1):
-            slopes = self._run(self.acceleration, x, u, length)
-            for i in range(n):
-                x[i].append(x[n + i][length - 1] / length)
-                x[n + i].append(slopes[i][length - 1] / length)
+        self._extend(x, u, order)
         return x
 
     def jacobians(
@@ -92,29 +102,80 @@ class VectorField:
         """Taylor coefficients of the derivative of the solution in its initial state.
 
         Entry [i][j] belongs to the derivative of state i in initial state j.
+
+        Raises:
+            ZeroDivisionError: M may be singular on the state.
         """
         n = self.dofs
         x = [[item] for item in state]
+        mass, masses, pulls = self._extend(x, u, order)
+        slopes: list[arb_mat] = []
         s = [[[arb(1 if i == j else 0)] for j in range(2 * n)] for i in range(2 * n)]
+        ctx.cap = order
+        inputs = [arb_series(item) for item in (*x, *pulls)]
+        out = self.variation.run(
+            [*inputs, *(arb_series([item]) for item in (*u, *self.tail))], SeriesArithmetic()
+        )
+        table = [[[series[m] for series in out[i::n]] for i in range(n)] for m in range(order)]
+        blocks = [arb_mat(rows) for rows in table]
+        grown: list[arb_mat] = []
         for length in range(1, order + 1):
-            out = self._run(self.variation, x, u, length)
-            wide = [[arb_series(entry) for entry in row] for row in s]
+            last = length - 1
+            grown.append(arb_mat([[entry[last] for entry in row] for row in s]))
+            right = blocks[0] * grown[last]
+            for m in range(1, length):
+                right = right + blocks[m] * grown[last - m] - masses[m] * slopes[last - m]
+            slopes.append(mass.solve(right))
             for i in range(n):
-                x[i].append(x[n + i][length - 1] / length)
-                x[n + i].append(out[i][length - 1] / length)
                 for j in range(2 * n):
-                    terms = (out[n + k * n + i] * wide[k][j] for k in range(2 * n))
-                    s[i][j].append(s[n + i][j][length - 1] / length)
-                    s[n + i][j].append(sum(terms, arb_series([0]))[length - 1] / length)
+                    s[i][j].append(s[n + i][j][last] / length)
+                    s[n + i][j].append(slopes[last][i, j] / length)
         return s
 
-    def _run(
-        self, tape: Tape, x: Sequence[Coefficients], u: Sequence[arb], length: int
-    ) -> list[arb_series]:
-        """A tape on series of the given length."""
-        ctx.cap = length
-        constants = [arb_series([item]) for item in (*u, *self.tail)]
-        return tape.run([*(arb_series(item) for item in x), *constants], SeriesArithmetic())
+    def _extend(
+        self, x: list[Coefficients], u: Sequence[arb], order: int
+    ) -> tuple[_Mass, list[arb_mat], list[Coefficients]]:
+        """Append coefficients up to ``order``; also M factorised, its series and accelerations."""
+        n = self.dofs
+        arithmetic = SeriesArithmetic()
+        mass: _Mass | None = None
+        masses: list[arb_mat] = []
+        pulls: list[arb_mat] = []
+        for length in range(1, order + 1):
+            ctx.cap = length
+            constants = [arb_series([item]) for item in (*u, *self.tail)]
+            flat = self.balance.run([*(arb_series(item) for item in x), *constants], arithmetic)
+            last = length - 1
+            masses.append(self._square([item[last] for item in flat[: n * n]]))
+            if mass is None:
+                mass = _Mass(masses[0])
+            right = arb_mat([[item[last]] for item in flat[n * n :]])
+            for m in range(1, length):
+                right = right - masses[m] * pulls[last - m]
+            pulls.append(mass.solve(right))
+            for i in range(n):
+                x[i].append(x[n + i][last] / length)
+                x[n + i].append(pulls[last][i, 0] / length)
+        if mass is None:
+            raise ValueError("an order of at least 1 is due")
+        return mass, masses, [[pull[i, 0] for pull in pulls] for i in range(n)]
+
+    def _square(self, flat: Sequence[arb]) -> arb_mat:
+        """A symmetric matrix from its entries, column by column."""
+        n = self.dofs
+        return arb_mat([[flat[j * n + i] for j in range(n)] for i in range(n)])
+
+
+class _Mass:
+    """Solves systems with one interval matrix, preconditioned by the inverse of its midpoint."""
+
+    def __init__(self, matrix: arb_mat) -> None:
+        self._inverse = matrix.mid().inv().mid()
+        self._near_identity = self._inverse * matrix
+
+    def solve(self, right: arb_mat) -> arb_mat:
+        """An enclosure of all solutions; ZeroDivisionError if the matrix may be singular."""
+        return self._near_identity.solve(self._inverse * right, algorithm="lu")
 
 
 def _span(h: arb) -> arb:

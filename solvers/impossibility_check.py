@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from compiler.attributes import SemanticsError
-from compiler.derivation import structures
+from compiler.derivation import InfiniteAmbiguityError, structures
 from compiler.family import RobotFamily, family_of
 from compiler.normalise import robot_key
 from compiler.reachability_smt import pose_question, refutation_script
@@ -31,7 +31,7 @@ def check_impossible(
     try:
         bound = _bound(claim, family, task)
         _structures(folder, claim, family, task, bound, trust)
-    except FalseClaim as error:
+    except (FalseClaim, InfiniteAmbiguityError) as error:
         return str(error), False
     return None, trust == "z3" or not claim.structures
 

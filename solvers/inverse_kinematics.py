@@ -6,11 +6,16 @@ Only a source of seeds: what it does not find may still exist.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compiler.float_reading import Array, FloatReading
 
 ROUNDS = 60
 DAMPING = 1e-3
+SLIDE = 10.0
+"""Metres beyond the target's distance up to which an unlimited slide is sampled."""
+APART = 0.1
+"""Branches differ by this much in some coordinate: sin of half an angle, or metres."""
 
 
 def solve_positions(
@@ -62,18 +67,36 @@ def branches(
 ) -> Array:
     """Distinct coordinates that bring a point nearest to a target, best first, shape (b, n).
 
-    ``count`` bounds the number of branches; random starts are drawn with ``seed``.
+    ``count`` bounds the number of branches; random starts are drawn with ``seed`` from the box,
+    from one turn (or SLIDE metres about the target's distance) where it is wider or unlimited.
     """
-    lower, upper = (np.clip(bound, -np.pi, np.pi) for bound in box)
+    turns = np.array([dof.kind == "revolute" for dof in reading.graph.model.dofs], dtype=bool)
+    width = np.where(turns, np.pi, SLIDE + float(np.linalg.norm(target)))
+    lower, upper = _sampled_box(box, width)
     starts = np.random.default_rng(seed).uniform(lower, upper, size=(24, reading.n))
     q, distance = solve_positions(
         reading, starts, theta, point, np.tile(target, (len(starts), 1)), box
     )
     chosen: list[Array] = []
     for index in np.lexsort((*q.T[::-1], np.round(distance, 6))):
-        apart = [np.max(np.abs(np.sin((q[index] - other) / 2))) for other in chosen]
-        if all(gap > 0.1 for gap in apart):
+        if all(_gap(q[index] - other, turns) > APART for other in chosen):
             chosen.append(q[index])
         if len(chosen) == count:
             break
-    return np.array(chosen)
+    return np.array(chosen).reshape(-1, reading.n)
+
+
+def _sampled_box(box: tuple[Array, Array], width: Array) -> tuple[Array, Array]:
+    """The box (n,), (n,) cut to ``width`` on either side of its point nearest to zero."""
+    lower, upper = box
+    centre = np.clip(0.0, lower, upper)
+    # A range that begins or ends beyond zero keeps the whole width on its own side.
+    low = np.where(centre == upper, centre - 2 * width, centre - width)
+    high = np.where(centre == lower, centre + 2 * width, centre + width)
+    return np.maximum(lower, low), np.minimum(upper, high)
+
+
+def _gap(difference: Array, turns: NDArray[np.bool_]) -> float:
+    """How far two coordinate vectors are apart: sin of half the angle, metres for slides."""
+    apart = np.where(turns, np.abs(np.sin(difference / 2)), np.abs(difference))
+    return float(np.max(apart, initial=0.0))

@@ -15,6 +15,9 @@ import numpy as np
 from compiler.float_reading import Array
 from solvers.convex_step import Indices, PositionRows
 
+ON_FACET = 1e-9
+"""Metres up to which a vertex lies on a facet."""
+PARALLEL = 1e-9
 ASTRAY = 0.02
 """Distance in metres from which a reference counts as having left its cell."""
 
@@ -26,6 +29,23 @@ class ConvexSet:
     normals: Array
     offsets: Array
     vertices: Array
+
+    def edge_directions(self) -> Array:
+        """Unit directions (e, 3) of the edges in space, parallel ones once.
+
+        Two vertices on two common facets span an edge; more than the edges do no harm.
+        """
+        on = np.abs(self.vertices @ self.normals.T - self.offsets) <= ON_FACET
+        found: list[Array] = []
+        for i, j in combinations(range(len(self.vertices)), 2):
+            direction = self.vertices[j] - self.vertices[i]
+            length = float(np.linalg.norm(direction))
+            if np.count_nonzero(on[i] & on[j]) < 2 or length <= ON_FACET:
+                continue
+            direction = direction / length
+            if all(np.linalg.norm(np.cross(direction, other)) > PARALLEL for other in found):
+                found.append(direction)
+        return np.array(found).reshape(-1, 3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,21 +136,36 @@ class PositionPlan:
 def separating_planes(swept: Array, obstacle: ConvexSet) -> tuple[Array, Array]:
     """The best half-plane between each point set (k, w, d) and a convex obstacle.
 
-    Candidates are the obstacle's facets and, in the plane, the lines through two of the points: a
-    segment misses a convex polygon iff one of these separates them.  Returns unit normals (k, d)
-    pointing away from the obstacle and the obstacle's support (k,) in those directions.
+    Candidates are the obstacle's facets; in the plane also the lines through two of the points, in
+    space the planes through three of them and those along one edge of either.  The sets are
+    disjoint iff one of these separates them (separating axis theorem).  Returns unit normals
+    (k, d) pointing away from the obstacle and the obstacle's support (k,) in those directions.
     """
     k, width, d = swept.shape
-    normals = np.broadcast_to(obstacle.normals, (k, *obstacle.normals.shape))
-    if d == 2:
-        pairs = list(combinations(range(width), 2))
-        edge = swept[:, [j for _, j in pairs]] - swept[:, [i for i, _ in pairs]]
-        length = np.linalg.norm(edge, axis=2, keepdims=True)
-        across = np.stack([-edge[..., 1], edge[..., 0]], axis=2) / np.maximum(length, 1e-12)
-        across = np.where(length > 1e-9, across, obstacle.normals[0])
-        normals = np.concatenate([normals, across, -across], axis=1)
+    facets = np.broadcast_to(obstacle.normals, (k, *obstacle.normals.shape))
+    pairs = list(combinations(range(width), 2))
+    edge = swept[:, [j for _, j in pairs]] - swept[:, [i for i, _ in pairs]]
+    across = _planar(edge) if d == 2 else _spatial(edge, swept, obstacle)
+    length = np.linalg.norm(across, axis=2, keepdims=True)
+    across = np.where(length > 1e-9, across / np.maximum(length, 1e-12), obstacle.normals[0])
+    normals = np.concatenate([facets, across, -across], axis=1)
     support = np.max(normals @ obstacle.vertices.T, axis=2)
     nearest = np.min(np.einsum("kcd,kwd->kcw", normals, swept), axis=2)
     best = np.argmax(nearest - support, axis=1)
     row = np.arange(k)
     return normals[row, best], support[row, best]
+
+
+def _planar(edge: Array) -> Array:
+    """Normals (k, c, 2) of the lines through two of the points."""
+    return np.stack([-edge[..., 1], edge[..., 0]], axis=2)
+
+
+def _spatial(edge: Array, swept: Array, obstacle: ConvexSet) -> Array:
+    """Normals (k, c, 3): edge times edge, and the planes through three of the points."""
+    k, width, _ = swept.shape
+    crossed = np.cross(edge[:, :, None, :], obstacle.edge_directions()[None, None])
+    parts = [crossed.reshape(k, -1, 3)]
+    for i, j, m in combinations(range(width), 3):
+        parts.append(np.cross(swept[:, j] - swept[:, i], swept[:, m] - swept[:, i])[:, None, :])
+    return np.concatenate(parts, axis=1)

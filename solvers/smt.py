@@ -12,8 +12,8 @@ import z3
 from solvers.verdict import Fails, Holds, Reason, Unknown, Verdict
 
 LOGIC = "QF_NRA"
-# Kinematic scripts that z3 decides at all took 2,000 to 100,000 units (milliseconds); one unit of
-# nonlinear reasoning can cost 50 microseconds, so that a larger budget buys minutes of silence.
+# Refuted structures of the test suite took 2,000 to 270,000 units (milliseconds); one unit can
+# cost 0.1 milliseconds of nonlinear reasoning, so that a larger budget buys minutes of silence.
 RESOURCES = 1_000_000
 
 

@@ -13,6 +13,7 @@ from fractions import Fraction
 import casadi as ca
 from flint import arb
 
+from compiler.absolute_angles import absolute_angles
 from compiler.abstraction import Abstraction
 from compiler.balls import (
     BallArithmetic,
@@ -110,14 +111,14 @@ def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding
     graph, task = scene.graph, scene.task
     tail = tuple(ball(value) for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
-    field = VectorField(
-        tape(graph.acceleration), tape(graph.variation), len(graph.model.dofs), tail
-    )
+    field = VectorField(tape(graph.balance), tape(graph.variation), len(graph.model.dofs), tail)
     reading = PointReading(tape(all_points(graph)), field, graph.model.dimension)
-    state = [ball(value) for value in motion.state]
+    n, coordinates = len(graph.model.dofs), graph.coordinates
+    exact = [coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
+    state = [ball(value) for part in exact for value in part]
     inputs = [[ball(value) for value in step] for step in motion.inputs]
     always = _always(scene, tail)
-    limits = _limits(graph.model)
+    limits = _limits(graph)
     found = [_positive_mass(graph, state, tail), *_start(scene, motion, reading, state)]
     if any(finding.status is Status.FAILS for finding in found):
         return tuple(found)
@@ -145,7 +146,7 @@ def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding
     tip = positions[-1][motion.effector]
     found.append(_inside(f"target {task.reach.region}", target, tip, end))
     if task.reach.at_rest:
-        found.append(_at_most("rest at the end", samples[-1], field.dofs, REST_RATE, end))
+        found.append(_rest("rest at the end", graph, samples[-1], end))
     return tuple(found)
 
 
@@ -189,17 +190,19 @@ def _radius(model: RobotModel, body: int, tail: Sequence[arb]) -> arb:
     return scalar_balls(model.scalars, tail)[item.radius]
 
 
-def _limits(model: RobotModel) -> list[StateLimit]:
-    """Joint limits and rate limits as balls."""
+def _limits(graph: RobotGraph) -> list[StateLimit]:
+    """Joint limits and rate limits as balls, on the rows of q = D y."""
     found = []
-    for number, dof in enumerate(model.dofs):
-        for index, interval, what in (
-            (number, dof.range, "range"),
-            (len(model.dofs) + number, dof.rate, "rate"),
+    none = (0,) * len(graph.model.dofs)
+    for number, dof in enumerate(graph.model.dofs):
+        weights_of = graph.coordinates.rows[number]
+        for weights, interval, what in (
+            ((*weights_of, *none), dof.range, "range"),
+            ((*none, *weights_of), dof.rate, "rate"),
         ):
             if interval is not None:
                 ends = closed_ball(interval.lower), closed_ball(interval.upper)
-                found.append(StateLimit(f"{what} of joint {number + 1}", index, *ends))
+                found.append(StateLimit(f"{what} of joint {number + 1}", weights, *ends))
     return found
 
 
@@ -245,9 +248,14 @@ def _least(
     return Finding(name, status, margin, unit, time, place)
 
 
-def _at_most(name: str, state: Sequence[arb], n: int, bound: Fraction, time: float) -> Finding:
-    """All rates are below a bound."""
-    return _least(name, [ball(bound) - abs(rate) for rate in state[n:]], "SI", time)
+def _weighed(weights: Sequence[int], values: Sequence[arb]) -> arb:
+    return sum((w * x for w, x in zip(weights, values, strict=False) if w), arb(0))
+
+
+def _rest(name: str, graph: RobotGraph, state: Sequence[arb], time: float) -> Finding:
+    """All rates of the joints are below the bound of a rest."""
+    rates = [_weighed(row, state[len(row) :]) for row in graph.coordinates.rows]
+    return _least(name, [ball(REST_RATE) - abs(rate) for rate in rates], "SI", time)
 
 
 def _start(
@@ -257,7 +265,8 @@ def _start(
     start, n = scene.task.start, len(scene.model.dofs)
     if isinstance(start, ir.StartAt):
         exact = [closed_ball(value) for value in start.values]
-        near = [ball(Fraction(1, 10**9)) - abs(s - e) for s, e in zip(state, exact, strict=False)]
+        own = [_weighed(row, state) for row in scene.graph.coordinates.rows]
+        near = [ball(Fraction(1, 10**9)) - abs(s - e) for s, e in zip(own, exact, strict=False)]
         if len(exact) != n:
             near = [arb(-1)]
         rest = all(value == 0 for value in motion.state[n:])
@@ -310,4 +319,9 @@ def _path(scene: Scene, motion: Motion, positions: Sequence[Sequence[Sequence[ar
 
 def scene_of(program: ir.Program, task: ir.Task, model: RobotModel, cells: Abstraction) -> Scene:
     """The scene of a robot in a task."""
-    return Scene(robot_graph(model, task.gravity), program.workspaces[task.workspace], task, cells)
+    return Scene(
+        robot_graph(model, task.gravity, absolute_angles(model)),
+        program.workspaces[task.workspace],
+        task,
+        cells,
+    )

@@ -182,7 +182,10 @@ class PointReading:
         n, d = self.field.dofs, self.dimension
         state = segment.at(middle + arb(0, 1) * half)
         centre = segment.at(middle)
-        pull = self.field.acceleration.run([*state, *u, *self.field.tail], BallArithmetic())
+        try:
+            pull = self.field.acceleration(state, u)
+        except ZeroDivisionError:
+            return None
         if not all(item.is_finite() for item in (*state, *pull)):
             return None
         wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3)
@@ -202,16 +205,17 @@ class StateLimit:
     """A coordinate or rate stays in an interval; None is unlimited.  Margin in rad or m (/s)."""
 
     name: str
-    index: int
+    weights: tuple[int, ...]
     lower: arb | None
     upper: arb | None
     margin: float = float("inf")
     time: float = 0.0
     status: Status = Status.HOLDS
 
-    def gap(self, value: arb) -> arb:
-        """The distance to the nearer end."""
+    def gap(self, state: Sequence[arb]) -> arb:
+        """The distance to the nearer end, for a state given as balls."""
         gap = arb("inf")
+        value = sum((w * x for w, x in zip(self.weights, state, strict=True) if w), arb(0))
         if self.lower is not None:
             gap = gap.min(value - self.lower)
         if self.upper is not None:
@@ -286,7 +290,7 @@ def _place(over: Slice, points: Sequence[int]) -> tuple[float, ...]:
 
 def _settle_limit(limit: StateLimit, over: Slice, state: Sequence[arb], depth: int) -> bool:
     """Whether a limit needs no smaller slices here."""
-    gap = limit.gap(state[limit.index])
+    gap = limit.gap(state)
     lower = float(gap.lower())
     if bool(gap < 0):
         limit.status, limit.margin, limit.time = (

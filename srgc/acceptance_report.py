@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from compiler.automaton import Configuration, accepting_run, accepts, configurations, sra
-from compiler.derivation import derivations_of
-from compiler.language import Language, language
+from compiler.derivation import Derivation, replay
+from compiler.language import language
 from grammar_lang import ir
 
 
@@ -24,7 +24,8 @@ def acceptance_text(
         return False, f"not accepted{f': `{unknown[0]}` is no symbol' if unknown else ''}"
     lines = ["accepted", "", "run of the pushdown automaton (state, remaining word, stack):"]
     lines += [f"  {_configuration(c)}" for c in configurations(pda, word, run)]
-    lines += ["", "leftmost derivation:", *_derivation(family, word)]
+    derivation = replay(grammar, tuple(step.label for step in run if step.label is not None))
+    lines += ["", "leftmost derivation:", *_sentential_forms(derivation)]
     return True, "\n".join(lines)
 
 
@@ -32,11 +33,8 @@ def _configuration(at: Configuration) -> str:
     return f"({at.state}, {' '.join(at.remaining) or 'empty'}, {' '.join(at.stack) or 'empty'})"
 
 
-def _derivation(family: Language, word: tuple[str, ...]) -> list[str]:
-    """The sentential forms of the first derivation, with the production applied."""
-    derivation = next(iter(derivations_of(family, word)), None)
-    if derivation is None:
-        return ["  (none)"]
+def _sentential_forms(derivation: Derivation) -> list[str]:
+    """The sentential forms of the derivation that the run follows, with the production applied."""
     done: list[str] = []
     pending = [derivation.nodes[0].production.left]
     lines = [f"  {pending[0]}"]

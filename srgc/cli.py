@@ -14,7 +14,15 @@ from pathlib import Path
 import click
 
 from grammar_lang.render import records, to_text
-from srgc.session import Checked, SpecErrors, UsageFault, check_file, chosen, program_of
+from srgc.session import (
+    Checked,
+    SpecErrors,
+    UsageFault,
+    check_file,
+    chosen,
+    program_of,
+    refuse_cycles,
+)
 
 FOUND, REFUSED, USAGE, IMPOSSIBLE, UNKNOWN, SPEC_ERRORS = 0, 1, 2, 3, 4, 5
 INTERNAL, INTERRUPTED = 70, 130
@@ -181,6 +189,7 @@ def synth(
     """
     program = program_of(file)
     chosen_task = chosen(program.tasks, task, "task")
+    refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.synthesis_report import synthesis_text
     from srgc.synthesis_run import SynthesisOptions, run_synthesis
 
@@ -232,8 +241,8 @@ def run(arguments: list[str] | None = None) -> int:
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return INTERRUPTED
-    except BrokenPipeError:
-        # The reader has gone; nothing more can be said on this stream.
+    except (BrokenPipeError, SystemExit):
+        # The reader has gone (click turns that into an exit of its own): no more can be said.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:  # the last line of defence: no traceback reaches a user

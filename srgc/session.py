@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
 from compiler.grammar_checks import grammar_diagnostics
 from compiler.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
+from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Diagnostic, Severity, Sink
 from grammar_lang.load import load
 from grammar_lang.source import Source
@@ -73,6 +74,25 @@ def program_of(path: Path) -> ir.Program:
         errors = tuple(d for d in checked.diagnostics if d.severity is Severity.ERROR)
         raise SpecErrors(Checked(None, errors, checked.sources))
     return checked.program
+
+
+def refuse_cycles(program: ir.Program, grammar: ir.Grammar) -> None:
+    """Elsewhere only a warning: a nonterminal that derives itself, with infinitely many robots.
+
+    Raises:
+        SpecErrors: the grammar has one.
+    """
+    sink = Sink()
+    grammar_diagnostics(program, sink)
+    errors = tuple(
+        replace(d, severity=Severity.ERROR)
+        for d in sink.sorted()
+        if d.code is Code.CYCLIC_GRAMMAR
+        and d.span.file == grammar.span.file
+        and grammar.span.start <= d.span.start < grammar.span.end
+    )
+    if errors:
+        raise SpecErrors(Checked(None, errors, program.sources))
 
 
 def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:

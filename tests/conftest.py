@@ -73,7 +73,7 @@ def _shared(spec: str, base: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """The folder of a finished ``srgc synth``: ``NAME.srg out/ status stdout stderr``; read only."""
+    """The folder of a finished ``srgc synth``, read only: NAME.srg out/ status stdout stderr."""
     base = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         base = base.parent
@@ -82,6 +82,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def get(spec: str) -> Path:
         if spec not in known:
             known[spec] = _shared(spec, base)
+        if not (known[spec] / "out" / "certificate.json").exists():
+            pytest.fail(f"no verdict on {spec}: {(known[spec] / 'stderr').read_text()[-2000:]}")
         return known[spec]
 
     return get

@@ -108,20 +108,22 @@ def test_chains_of_rods_agree_with_the_absolute_angle_formula(links: int) -> Non
 
 
 @pytest.mark.parametrize("links", [1, 2, 3])
-def test_variation_is_the_jacobian_of_the_acceleration(links: int) -> None:
+def test_variation_is_the_jacobian_of_the_balance(links: int) -> None:
+    """Central differences of r - M a at fixed a; at the acceleration itself r - M a is zero."""
     graph, rng = robot_graph(rod_chain(links), PULL), np.random.default_rng(links)
-    q, v, u = (rng.uniform(-1, 1, links) for _ in range(3))
+    q, v, u, a = (rng.uniform(-1, 1, links) for _ in range(4))
     theta = rng.uniform(1, 2, links)
-    variation = evaluate(graph, "variation", q, v, u, theta)
-    value, jacobian = variation[:links], variation[links:].reshape(2 * links, links).T
-    np.testing.assert_allclose(value, evaluate(graph, "acceleration", q, v, u, theta))
-    h, state = 1e-5, np.concatenate([q, v])
+
+    def residual(state: Array, pull: Array) -> Array:
+        flat = evaluate(graph, "balance", state[:links], state[links:], u, theta)
+        return flat[links**2 :] - flat[: links**2].reshape(links, links).T @ pull
+
+    state, h = np.concatenate([q, v]), 1e-5
+    own = evaluate(graph, "acceleration", q, v, u, theta)
+    np.testing.assert_allclose(residual(state, own), 0, atol=1e-9)
+    jacobian = evaluate(graph, "variation", q, v, a, u, theta).reshape(2 * links, links).T
     for j, unit in enumerate(np.eye(2 * links)):
-        ahead, behind = (state + sign * h * unit for sign in (1, -1))
-        difference = evaluate(graph, "acceleration", ahead[:links], ahead[links:], u, theta)
-        difference = difference - evaluate(
-            graph, "acceleration", behind[:links], behind[links:], u, theta
-        )
+        difference = residual(state + h * unit, a) - residual(state - h * unit, a)
         np.testing.assert_allclose(jacobian[:, j], difference / (2 * h), rtol=1e-5, atol=1e-5)
 
 

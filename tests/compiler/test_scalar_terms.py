@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from compiler.balls import working_precision
-from compiler.real_terms import RealScript
+from compiler.real_terms import RealScript, between
 from compiler.scalar_terms import ScalarTerms
 from grammar_lang import ir
 from solvers.smt import solve_script
@@ -22,7 +22,7 @@ def verdict(arm, scalar, lower, upper):
         terms = ScalarTerms(arm.model(), script)
         terms.define({scalar[0]})
         bounds = Fraction(lower), Fraction(upper)
-        script.assertion(script.between(bounds, terms.term(scalar[0])))
+        script.assertion(*between(bounds, terms.term(scalar[0])))
     return solve_script("(set-logic QF_NRA)\n" + "\n".join(script.lines) + "\n(check-sat)\n")
 
 

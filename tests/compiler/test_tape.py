@@ -17,7 +17,7 @@ from tests.oracles.exact_chain import DIGITS, Multiprecision, contains, exact
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder, constants_of, rod_chain
 
-NAMES = ("mass_matrix", "bias", "acceleration", "variation", "effectors", "body_points")
+NAMES = ("mass_matrix", "bias", "acceleration", "balance", "variation", "effectors", "body_points")
 
 
 def as_function(expression: ca.SX, *symbols: ca.SX) -> ca.Function:

@@ -6,14 +6,26 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.reachability_smt import PoseQuestion
+from compiler.normalise import normalise
+from compiler.reachability_smt import PoseQuestion, refutation_script
 from grammar_lang import ir
+from solvers.smt import solve_script
+from solvers.verdict import Fails, Holds
 from tests.oracles.arms import ArmBuilder, number
 from tests.oracles.planes import box_rows
 
 START = (("0.8", "1.2"), ("1.0", "1.4"))
 TARGET = (("3.5", "4.2"), ("3.8", "4.5"))
 BENCH = ((0, 5), (0, 5))
+EVERYWHERE = ((-99, 99),) * 3
+
+SAT, UNSAT = Holds(None), Fails(None)
+
+
+def decide(arm, asked=None):
+    """Whether the poses exist, by the script of the normal form of a robot (or its builder)."""
+    model = normalise(arm.model() if isinstance(arm, ArmBuilder) else arm)
+    return solve_script(refutation_script(model, asked or question()))
 
 
 def question(start=START, target=TARGET, bounds=BENCH, **effectors):

@@ -198,9 +198,6 @@ def test_two_links_reach_a_height_at_rest(norm2: bool) -> None:
     check_motion(problem, outcome)
 
 
-@pytest.mark.xfail(
-    reason="the trust region collapses: an infeasible iterate sets the merit to be beaten"
-)
 def test_free_lengths_are_used() -> None:
     """One link: the torque falls with the length, so the shortest that reaches is best."""
     steps = 8

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise, product
 
+import cvxpy as cp
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -105,6 +106,43 @@ def test_planes_in_space_come_from_the_facets() -> None:
     normals, support = separating_planes(swept, cube)
     np.testing.assert_allclose(normals[0], [0, 0, 1], atol=1e-12)
     assert support[0] == pytest.approx(1.0)
+
+
+def space_distance(a: Array, b: Array) -> float:
+    """Between two hulls by a quadratic program over convex combinations."""
+    share_a, share_b = cp.Variable(len(a), nonneg=True), cp.Variable(len(b), nonneg=True)
+    ones = [cp.sum(share_a) == 1, cp.sum(share_b) == 1]
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(share_a @ a - share_b @ b)), ones)
+    return float(np.sqrt(max(0.0, problem.solve(solver=cp.CLARABEL))))
+
+
+@pytest.mark.parametrize("width", [1, 2, 4])
+def test_planes_in_space_separate_exactly_what_is_apart(width: int) -> None:
+    rng = np.random.default_rng(20 + width)
+    apart, hits = 0, 0
+    for number in range(60):
+        corners = np.array(list(product([0.0, 1.0], repeat=3)))
+        obstacle = convex_set(corners if number % 2 else rng.uniform(0, 1, (7, 3)))
+        points = rng.uniform(-0.2, 1.2, 3) + (width > 1) * rng.uniform(-1, 1, (width, 3))
+        exact = space_distance(points, obstacle.vertices)
+        normals, support = separating_planes(points[None], obstacle)
+        gap = float(np.min(points @ normals[0]) - support[0])
+        assert gap <= exact + 1e-4
+        if exact > 1e-3:
+            assert gap > 0
+            apart += 1
+        elif exact < 1e-5:
+            assert gap <= 1e-3
+            hits += 1
+    assert min(apart, hits) > 2
+
+
+def test_a_bar_past_an_edge_of_a_box_in_space() -> None:
+    """No facet separates them: only the plane along both edges does."""
+    cube = convex_set(np.array(list(product([0.0, 1.0], repeat=3))))
+    bar = np.array([[[1.6, 0.5, 0.6], [0.6, 0.5, 1.6]]])
+    normals, support = separating_planes(bar, cube)
+    assert np.min(bar[0] @ normals[0]) - support[0] == pytest.approx(0.2 / np.sqrt(2))
 
 
 OBSTACLE = convex_set(np.array([[1.7, 2.0], [3.0, 2.0], [3.0, 3.0], [1.7, 3.0]]))

@@ -1,0 +1,316 @@
+"""Measure srgc: whole processes, and the stages that the time goes to.
+
+Times are medians.  Pairs are measured in turn (a, b, a, b, ...) and the ratio is the median of the
+ratios of the pairs, so that a machine that is busy for a while troubles both alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+from typing import Any
+from unittest import mock
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))  # the reference formulations are among the tests' oracles
+SPEC = ROOT / "specs" / "planar_arm.srg"
+SRGC = [sys.executable, "-c", "from srgc.cli import main; main()"]
+ARM = ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
+SIDE = 20
+
+
+@dataclass(frozen=True)
+class Process:
+    """One run of a process: seconds, seconds, MiB."""
+
+    wall: float
+    cpu: float
+    peak: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of the report."""
+
+    what: str
+    runs: int
+    wall: float
+    cpu: float | None = None
+    peak: float | None = None
+    note: str = ""
+
+    def __str__(self) -> str:
+        cpu = "" if self.cpu is None else f"{self.cpu:.3f}"
+        peak = "" if self.peak is None else f"{self.peak:.0f}"
+        return f"{self.what:<44}{self.runs:>5}{self.wall:>11.4f}{cpu:>10}{peak:>8}  {self.note}"
+
+
+HEAD = f"{'what':<44}{'runs':>5}{'wall s':>11}{'cpu s':>10}{'MiB':>8}"
+
+
+def process(command: list[str], expected: int = 0) -> Process:
+    """Run a process to its end; its children count as they were waited for."""
+    started = time.perf_counter()
+    child = subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    _, status, usage = os.wait4(child.pid, 0)
+    wall = time.perf_counter() - started
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode != expected:
+        raise SystemExit(f"{' '.join(command[2:])}: exit status {child.returncode}")
+    # ru_maxrss counts kilobytes on Linux, bytes on macOS.
+    unit = 2**20 if sys.platform == "darwin" else 2**10
+    return Process(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / unit)
+
+
+def summary(what: str, runs: list[Process], note: str = "") -> Line:
+    """The medians of some runs; the peak is the largest."""
+    wall, cpu = median(r.wall for r in runs), median(r.cpu for r in runs)
+    return Line(what, len(runs), wall, cpu, max(r.peak for r in runs), note)
+
+
+def seconds(action: Callable[[], object]) -> float:
+    """The wall time of a call."""
+    started = time.perf_counter()
+    action()
+    return time.perf_counter() - started
+
+
+def paired(
+    names: tuple[str, str], actions: tuple[Callable[[], object], Callable[[], object]], runs: int
+) -> list[Line]:
+    """Two calls in turn, with the ratio of the second to the first; one round to warm up."""
+    for action in actions:
+        action()
+    pairs = [(seconds(actions[0]), seconds(actions[1])) for _ in range(runs)]
+    ratio = median(b / a for a, b in pairs)
+    first, second = (median(pair[i] for pair in pairs) for i in (0, 1))
+    return [
+        Line(names[0], runs, first),
+        Line(names[1], runs, second, note=f"{ratio:.1f} times the line above"),
+    ]
+
+
+# --- whole processes -----------------------------------------------------------------------------
+
+
+def measure_check(runs: int) -> list[Line]:
+    """``check`` against the import of its parser, which no checker in Python could undercut."""
+    lark, check = [], []
+    for _ in range(runs):
+        lark.append(process([sys.executable, "-c", "import lark"]))
+        check.append(process([*SRGC, "check", str(SPEC)]))
+    ratio = median(b.wall / a.wall for a, b in zip(lark, check, strict=True))
+    return [
+        summary("python -c 'import lark'", lark),
+        summary("srgc check", check, f"{ratio:.1f} times the line above"),
+    ]
+
+
+def measure_synth(runs: int, folder: Path) -> list[Line]:
+    """The case study from file to certificate, anew each time."""
+    found = []
+    for _ in range(runs):
+        shutil.rmtree(folder, ignore_errors=True)
+        found.append(process([*SRGC, "synth", str(SPEC), "-o", str(folder)]))
+    return [summary("srgc synth", found)]
+
+
+def measure_verify(runs: int, folder: Path) -> list[Line]:
+    """The check of a result folder."""
+    found = [process([*SRGC, "verify", str(folder)]) for _ in range(runs)]
+    return [summary("srgc verify", found)]
+
+
+# --- stages --------------------------------------------------------------------------------------
+
+
+def measure_convex_step(runs: int) -> list[Line]:
+    """The first convex step of the case study, sparse matrices against cvxpy; both from scratch."""
+    import numpy as np
+
+    from compiler.abstraction import abstract
+    from compiler.derivation import derivations_of
+    from compiler.dynamics import robot_graph
+    from compiler.family import family_of
+    from compiler.float_reading import FloatReading
+    from solvers.control import linearised
+    from solvers.convex_step import StepResult, Weights, convex_step
+    from solvers.path_following import Follower
+    from solvers.planner import path_planner
+    from solvers.verdict import Holds
+    from srgc.session import program_of
+    from tests.oracles.convex_step_cvxpy import solve_reference
+
+    program = program_of(SPEC)
+    task = next(iter(program.tasks.values()))
+    family = family_of(program, task)
+    model = family.robot(next(iter(derivations_of(family.language, ARM))))
+    place = program.workspaces[task.workspace]
+    cells = abstract(place)
+    path = path_planner(cells, task).next_path()
+    if not isinstance(path, Holds):
+        raise SystemExit("the case study has no path")
+    reading = FloatReading(robot_graph(model, task.gravity))
+    follower = Follower(reading, place, task, cells, 0, path.witness.cells, 2e-3, 0)
+    problem = follower.problem(follower.waypoints()[1])
+    about = linearised(problem, follower.seeds(np.array([3.0, 2.5]))[0])
+    if about is None:
+        raise SystemExit("the case study cannot be linearised")
+    arguments = (*about, problem.limits, problem.groups, 0.5, None, Weights())
+
+    def ours() -> None:
+        if not isinstance(convex_step(*arguments), StepResult):
+            raise SystemExit("the convex step has no optimum")
+
+    names = ("one convex step", "the same in cvxpy, with Clarabel")
+    return paired(names, (ours, lambda: solve_reference(*arguments)), runs)
+
+
+def measure_proof(runs: int, folder: Path) -> list[Line]:
+    """The validated tube of a result, alone and with all conditions checked on it."""
+    from compiler.abstraction import abstract
+    from compiler.balls import working_precision
+    from compiler.family import family_of
+    from solvers.certificate import FoundClaim, from_text
+    from solvers.enclosure import TubeSegment, tube
+    from solvers.trajectory_proof import Motion, prove_motion, scene_of
+    from solvers.tube_checks import Status
+    from srgc.session import program_of
+
+    claim = from_text((folder / "certificate.json").read_text(encoding="utf-8"))
+    if not isinstance(claim, FoundClaim):
+        raise SystemExit(f"{folder}: no robot was found")
+    program = program_of(folder / "spec" / claim.spec)
+    task = program.tasks[claim.task]
+    family = family_of(program, task)
+    model = family.robot(family.replay(claim.derivation))
+    scene = scene_of(program, task, model, abstract(program.workspaces[task.workspace]))
+    motion = Motion(
+        tuple(Fraction(p.value) for p in claim.parameters),
+        tuple(map(Fraction, claim.start)),
+        tuple(tuple(map(Fraction, row)) for row in claim.inputs),
+        claim.effector,
+        claim.path,
+    )
+    # The arguments are those of the proof itself, so that both integrate the same motion.
+    asked: list[tuple[Any, ...]] = []
+
+    def recorded(*arguments: Any) -> Iterator[TubeSegment]:
+        asked.append(arguments)
+        return tube(*arguments)
+
+    with mock.patch("solvers.trajectory_proof.tube", recorded):
+        findings = prove_motion(scene, motion)
+    if not findings or any(finding.status is not Status.HOLDS for finding in findings):
+        raise SystemExit(f"{folder}: the motion is not proved")
+    arguments = asked[-1]
+    accuracy = arguments[-1]
+    # A first accuracy that decides nothing would be paid for by the proof alone.
+    attempts = f"{len(asked)} accuracies tried, order {accuracy.order}"
+
+    def tube_alone() -> None:
+        with working_precision(accuracy.bits):
+            covered = sum(1 for _ in tube(*arguments))
+        if covered < task.steps:
+            raise SystemExit("the tube ends too early")
+
+    names = ("validated integration", "the whole proof of the motion")
+    alone, whole = paired(names, (tube_alone, lambda: prove_motion(scene, motion)), runs)
+    return [replace(alone, note=attempts), whole]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Squares, each adjacent to those it shares a side with."""
+
+    side: int
+
+    @property
+    def neighbours(self) -> tuple[tuple[int, ...], ...]:
+        """Per cell its neighbours, ascending."""
+        n = self.side
+        steps = ((-1, 0), (0, -1), (0, 1), (1, 0))
+        return tuple(
+            tuple((r + dr) * n + c + dc for dr, dc in steps if 0 <= r + dr < n and 0 <= c + dc < n)
+            for r in range(n)
+            for c in range(n)
+        )
+
+
+def measure_planning(runs: int) -> list[Line]:
+    """The first path from corner to corner of an empty grid, against z3."""
+    import z3
+
+    from solvers.planner import Planner
+    from solvers.verdict import Holds
+
+    grid, last = Grid(SIDE), SIDE * SIDE - 1
+    steps = 2 * SIDE - 2
+
+    def ours() -> None:
+        verdict = Planner(grid, [0], [last], [], steps).next_path()
+        if not isinstance(verdict, Holds) or verdict.witness.changes != steps:
+            raise SystemExit("the planner has no shortest path")
+
+    def one_hot() -> None:
+        solver = z3.Solver()
+        at = [[z3.Bool(f"{i},{c}") for c in range(last + 1)] for i in range(steps + 1)]
+        solver.add(at[0][0], at[steps][last])
+        for row, after in pairwise(at):
+            solver.add(z3.AtMost(*row, 1))
+            for cell, beside in enumerate(grid.neighbours):
+                solver.add(z3.Implies(row[cell], z3.Or([after[other] for other in beside])))
+        if solver.check() != z3.sat:
+            raise SystemExit("z3 has no path")
+
+    names = (f"first path, {SIDE} x {SIDE} cells", "the same in z3, one Boolean per (cell, step)")
+    return paired(names, (ours, one_hot), runs)
+
+
+def main() -> None:
+    """Measure and print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=5, help="of everything but synth")
+    parser.add_argument("--synth-runs", type=int, default=1)
+    parser.add_argument("--result", type=Path, help="measure on this result folder, without synth")
+    options = parser.parse_args()
+    if options.runs < 1 or options.synth_runs < 1:
+        parser.error("at least one run")
+    page = resource.getpagesize()
+    memory = os.sysconf("SC_PHYS_PAGES") * page / 2**30
+    print(f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, ", end="")
+    print(f"{os.cpu_count()} cores, {memory:.0f} GiB, load {os.getloadavg()[0]:.1f}")
+    print(HEAD, flush=True)
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = options.result or Path(scratch) / "arm"
+        stages: list[Callable[[], list[Line]]] = [lambda: measure_check(options.runs)]
+        if options.result is None:
+            stages.append(lambda: measure_synth(options.synth_runs, folder))
+        stages += [
+            lambda: measure_verify(options.runs, folder.resolve()),
+            lambda: measure_convex_step(options.runs),
+            lambda: measure_proof(options.runs, folder),
+            lambda: measure_planning(options.runs),
+        ]
+        for stage in stages:
+            for line in stage():
+                print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solvers.certificate import (
+    CertificateError,
+    FoundClaim,
+    ImpossibleClaim,
+    ParameterClaim,
+    StructureClaim,
+    decimal,
+    exact,
+    exact_decimal,
+    from_text,
+    spec_digest,
+    spec_files,
+    to_text,
+)
+from tests.oracles import result_files
+
+FOUND = FoundClaim(
+    "Do", "größe.srg", "ab" * 32, ("B", "eps", "L"), ("link", "base"),
+    (ParameterClaim(2, "length", "1.5"),), 0, 2, "1/8", ("0.1", "0"), (("1.25",), ("-3",)),
+    (("S", "free.1", "T"),), "3", "7",
+)  # fmt: skip
+IMPOSSIBLE = ImpossibleClaim(
+    "Do", "a.srg", "cd" * 32, 4,
+    (
+        StructureClaim(("B",), ("base",), "proofs/0000.smt2", None),
+        StructureClaim(("B", "eps", "B"), ("x", "base"), "proofs/0000.smt2", 0),
+    ),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("claim", [FOUND, IMPOSSIBLE])
+def test_written_and_read(claim):
+    assert from_text(to_text(claim)) == claim
+    content = json.loads(to_text(claim))
+    assert content["digest"] == result_files.digest(content)
+    assert content["format"] == 1
+
+
+@pytest.mark.parametrize("claim", [FOUND, IMPOSSIBLE])
+def test_any_field_altered_added_or_removed(claim):
+    content = json.loads(to_text(claim))
+    for key in content:
+        for other in (None, 3, "x", [], {}, True, [[]], [{}], [None], -1, 1.5):
+            changed = content | {key: other}
+            if changed == content:
+                continue
+            with pytest.raises(CertificateError, match="altered"):
+                from_text(json.dumps(changed))
+            if key == "digest":
+                continue
+            changed["digest"] = result_files.digest(changed)
+            try:
+                read = from_text(json.dumps(changed))
+            except CertificateError as error:
+                assert str(error).startswith("the certificate is ")
+            else:
+                assert read != claim
+        less = {name: value for name, value in content.items() if name != key}
+        less["digest"] = result_files.digest(less)
+        if key != "digest":
+            with pytest.raises(CertificateError):
+                from_text(json.dumps(less))
+    more = content | {"extra": 1}
+    more["digest"] = result_files.digest(more)
+    with pytest.raises(CertificateError, match="`extra` is unknown"):
+        from_text(json.dumps(more))
+
+
+def test_a_repeated_key_is_refused():
+    text = to_text(FOUND)
+    with pytest.raises(CertificateError, match="repeated"):
+        from_text(text.replace('"steps": 2,', '"steps": 3, "steps": 2,'))
+
+
+@given(st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+                    lambda inner: st.lists(inner, max_size=3)
+                    | st.dictionaries(st.text(max_size=4), inner, max_size=3), max_leaves=8))  # fmt: skip
+def test_any_other_json_is_refused(value):
+    with pytest.raises(CertificateError):
+        from_text(json.dumps(value))
+
+
+@given(st.text(max_size=60))
+def test_any_text_is_refused(text):
+    with pytest.raises(CertificateError):
+        from_text(text)
+
+
+@given(st.floats(-1e299, 1e299))
+def test_a_double_as_a_decimal(value):
+    text = decimal(value)
+    assert float(text) == value
+    assert "e" not in text
+    assert exact(text) == Fraction(text)
+
+
+@given(st.integers(), st.integers(0, 40), st.integers(0, 40))
+def test_exact_decimals(numerator, twos, fives):
+    value = Fraction(numerator, 2**twos * 5**fives)
+    assert Fraction(exact_decimal(value)) == value
+
+
+def test_a_third_is_no_decimal():
+    with pytest.raises(ValueError, match="1/3"):
+        exact_decimal(Fraction(1, 3))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "nan", "inf", "1e5", "1E999999999", "1_0", "\u0661", " 1", "1 ", "+1", ".5", "5.", "1/0",
+     "--1", "0x1", "1/2/3", "1/-2", "1.5/2", "1" + "0" * 300, "9" * 5000, "0." + "1" * 5000],
+)  # fmt: skip
+def test_numbers_that_are_none(text):
+    with pytest.raises(CertificateError, match="malformed"):
+        exact(text)
+
+
+@pytest.mark.parametrize(("text", "value"), [("10/81", (10, 81)), ("-0.250", (-1, 4)), ("7", (7,))])
+def test_numbers(text, value):
+    assert exact(text) == Fraction(*value)
+
+
+def test_the_digest_of_a_spec(tmp_path):
+    files = {"b.srg": b"1", "a/c.srg": b"22"}
+    for name, content in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    assert spec_files(tmp_path) == files
+    assert spec_digest(files) == result_files.spec_digest(files)
+    # The border between name and content, and between files, is part of it.
+    assert spec_digest({"ab": b"c"}) != spec_digest({"a": b"bc"})
+    assert spec_digest({"a": b"", "b": b""}) != spec_digest({"a": b"b"})

@@ -1,0 +1,179 @@
+from __future__ import annotations
+
+import pytest
+
+from solvers.verifier import Outcome, verify_directory
+from tests.oracles import result_files
+from tests.oracles.result_files import alter, alter_spec, read
+from tests.oracles.small_specs import BEYOND_REACH, SLIDER, replaced
+
+
+def test_impossible_up_to_the_bound(made):
+    place = made("beyond_reach")
+    assert (place / "status").read_text() == "3"
+    design = read(place / "out", "design.json")
+    assert design["verdict"] == "impossible"
+    assert "at most 4 modules" in design["reason"]
+    assert design["word"] is None
+    # B JO and one or two of JO, L, EN, with an EN among them.
+    words = [" ".join(s["word"]) for s in design["structures_tried"]]
+    assert words == [
+        "B eps JO eps EN",
+        "B eps JO eps JO eps EN",
+        "B eps JO eps L eps EN",
+        "B eps JO eps EN eps JO",
+        "B eps JO eps EN eps L",
+        "B eps JO eps EN eps EN",
+    ]
+    assert all(s["verdict"] == "refuted" for s in design["structures_tried"])
+    names = sorted(p.name for p in (place / "out").iterdir())
+    assert names == ["certificate.json", "design.json", "log.json", "proofs", "spec"]
+    certificate = read(place / "out")
+    assert (certificate["kind"], certificate["modules"]) == ("impossible", 4)
+
+
+def test_valid_assuming_z3_or_with_trust(srgc_run, made):
+    folder = made("beyond_reach") / "out"
+    status, out = srgc_run("verify", folder)
+    assert status == 4
+    assert out.startswith("valid, assuming z3: impossible")
+    status, out = srgc_run("verify", folder, "--trust", "z3")
+    assert status == 0
+    assert out.startswith("valid: impossible, level z3")
+
+
+@pytest.fixture
+def srgc_run(capsys):
+    from srgc.cli import run
+
+    def call(*arguments):
+        status = run([str(argument) for argument in arguments])
+        return status, capsys.readouterr().out
+
+    return call
+
+
+def structure(number, **changes):
+    return lambda content: content["structures"][number].update(changes)
+
+
+FALSE = {
+    "a structure left out": (lambda c: c["structures"].pop(2), "structure 2 is not"),
+    "the last left out": (lambda c: c["structures"].pop(), "structure 5 is missing"),
+    "one too many": (lambda c: c["structures"].append(c["structures"][0]), "does not have"),
+    "another word": (structure(1, word=["B"]), "structure 1 is not"),
+    "another derivation": (structure(1, derivation=["tool", "base"]), "structure 1 is not"),
+    "another bound": (lambda c: c.update(modules=5), "bound on modules"),
+    "no bound": (lambda c: c.update(modules=None), "bound on modules"),
+    "no evidence": (structure(0, evidence=None), "no evidence"),
+    "evidence of another": (structure(2, evidence="proofs/0000.smt2"), "is not the script"),
+    "evidence elsewhere": (structure(0, evidence="../../etc/passwd"), "is missing"),
+    "evidence nowhere": (structure(0, evidence="proofs/9.smt2"), "is missing"),
+    "a different robot as the same": (structure(2, same_robot_as=0), "is not the same robot"),
+    "the same as itself": (structure(2, same_robot_as=2), "is not the same robot"),
+    "the same as a later one": (structure(1, same_robot_as=3), "is not the same robot"),
+    "the same as none": (structure(1, same_robot_as=-1), "is not the same robot"),
+}
+
+
+@pytest.mark.parametrize("name", FALSE)
+def test_a_false_claim(result, name):
+    change, reason = FALSE[name]
+    folder = result("beyond_reach")
+    alter(folder, change, sign=False)
+    assert "altered" in str(verify_directory(folder).reason)
+    alter(folder, lambda _content: None, sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert reason in str(report.reason)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text + "\n",
+        lambda text: text.replace("(check-sat)", "(assert false)\n(check-sat)"),
+        lambda text: "(check-sat)",
+        lambda text: None,
+    ],
+)
+def test_an_altered_or_missing_script(result, change):
+    folder = result("beyond_reach")
+    path = folder / "proofs" / "0000.smt2"
+    text = change(path.read_text(encoding="utf-8"))
+    if text is None:
+        path.unlink()
+    else:
+        path.write_text(text, encoding="utf-8")
+    for trust in (None, "z3"):
+        report = verify_directory(folder, trust=trust)
+        assert report.outcome is Outcome.REFUTED
+        assert "proofs/0000.smt2" in str(report.reason)
+
+
+def test_another_spec_needs_other_scripts(result):
+    folder = result("beyond_reach")
+    alter_spec(folder, "[1.6, 1.9] m;", "[0.5, 0.8] m;", sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert "is not the script" in str(report.reason)
+
+
+def test_more_modules_are_more_structures(result):
+    folder = result("beyond_reach")
+    alter_spec(folder, "modules <= 4;", "modules <= 5;", sign=True)
+    alter(folder, lambda c: c.update(modules=5), sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert "structure 6 is missing" in str(report.reason)
+
+
+def test_without_a_bound_an_infinite_family_is_refused(result):
+    folder = result("beyond_reach")
+    alter_spec(folder, "  modules <= 4;\n", "", sign=True)
+    alter(folder, lambda c: c.update(modules=None), sign=True)
+    assert "infinite" in str(verify_directory(folder).reason)
+
+
+def test_a_grammar_that_derives_itself_is_refused(result):
+    folder = result("beyond_reach")
+    alter_spec(folder, "  base:  N -> B;", "  base:  N -> B; again: N -> N;", sign=False)
+    alter_spec(folder, "  base  {", "  again { this.frame = N.frame; } base  {", sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert "derives itself" in str(report.reason)
+
+
+def test_a_design_that_says_something_else(result):
+    folder = result("beyond_reach")
+    design = read(folder, "design.json")
+    for change in (
+        {"verdict": "found"},
+        {"word": ["B"]},
+        {"structures_tried": design["structures_tried"][:-1]},
+        {"structures_tried": [s | {"verdict": "found"} for s in design["structures_tried"]]},
+        {"structures_tried": None},
+    ):
+        result_files.write(folder, design | change, "design.json")
+        report = verify_directory(folder)
+        assert report.outcome is Outcome.REFUTED
+        assert f"differ in `{next(iter(change))}`" in str(report.reason)
+
+
+@pytest.mark.parametrize("accept", ["matches B eps EN", "matches B eps EN eps EN | B eps EN"])
+def test_a_finite_family_needs_no_bound(srgc_run, tmp_path, accept):
+    path = tmp_path / "finite.srg"
+    path.write_text(replaced(SLIDER, "matches B eps P eps M eps EN", accept), encoding="utf-8")
+    status, _ = srgc_run("synth", path, "-o", tmp_path / "out")
+    assert status == 3
+    assert read(tmp_path / "out")["modules"] is None
+    assert srgc_run("verify", tmp_path / "out")[0] == 4
+    assert srgc_run("verify", tmp_path / "out", "--trust", "z3")[0] == 0
+
+
+def test_the_scripts_do_not_depend_on_the_bound(made):
+    """A found robot's earlier structures have the same scripts as an impossible claim's."""
+    assert "modules <= 4" in BEYOND_REACH
+    scripts = sorted((made("beyond_reach") / "out" / "proofs").iterdir())
+    assert len(scripts) == 4
+    assert all(script.read_text().startswith(";") for script in scripts)

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.oracles import result_files
+from tests.oracles.small_specs import SLIDER
+
+
+@pytest.mark.parametrize("spec", ["turner", "slider"])
+def test_a_result_is_valid_with_margins(srgc, made, spec):
+    ran = srgc("verify", made(spec) / "out")
+    assert (ran.status, ran.err) == (0, "")
+    lines = ran.out.splitlines()
+    assert lines[0] == "valid: found, level validated"
+    assert all(line.startswith("  holds ") and " margin " in line for line in lines[1:])
+    for name in ("effort (N", "target T", "start S", "bounds", "cell path", "range of joint 1"):
+        assert any(f"  {name}" in line for line in lines)
+
+
+def test_the_spec_it_is_about(srgc, result, made, spec):
+    folder = result("turner")
+    assert srgc("verify", folder, "--spec", made("turner") / "turner.srg").status == 0
+    other = spec(SLIDER)
+    ran = srgc("verify", folder, "--spec", other)
+    assert ran.status == 1
+    assert ran.out.startswith(f"refuted: the certificate is not about {other}")
+
+
+def test_usage(srgc, result, tmp_path):
+    for arguments in ((tmp_path / "none",), (result("slider"), "--spec", tmp_path / "none.srg")):
+        ran = srgc("verify", *arguments)
+        assert (ran.status, ran.out) == (2, "")
+        assert ran.err.count("\n") == 1
+    ran = srgc("verify", result("turner") / "design.json")
+    assert ran.status == 2
+
+
+def test_nothing_to_verify(srgc, tmp_path, result):
+    ran = srgc("verify", tmp_path)
+    assert ran.status == 4
+    assert "nothing to verify" in ran.out
+    folder = result("turner")
+    (folder / "certificate.json").unlink()
+    (folder / "certificate.json").mkdir()
+    assert srgc("verify", folder).status == 4
+
+
+def test_a_false_claim_is_refuted_with_its_reason(srgc, result):
+    folder = result("turner")
+    result_files.alter(folder, lambda c: c["inputs"][4].__setitem__(0, "10.5"), sign=True)
+    ran = srgc("verify", folder)
+    assert ran.status == 1
+    assert ran.out.startswith("refuted: effort (N*m): violated at 0.8 s\n")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"{}",
+        b"[]",
+        b"null",
+        b"3",
+        b'"text"',
+        b"\xff\xfe\x00\x01",
+        b"\x7fELF" + bytes(range(256)),
+        b"{" * 100_000,
+        b"[" * 100_000 + b"]" * 100_000,
+        b'{"digest": ' + b"9" * 5000 + b"}",
+        b'{"digest": "", "x": "\\ud800"}',
+        b'{"digest": NaN}',
+        b'{"digest": "", "digest": ""}',
+        b"\xef\xbb\xbf{}",
+    ],
+)
+def test_garbage_is_refused_in_one_line(srgc, result, content):
+    folder = result("slider")
+    (folder / "certificate.json").write_bytes(content)
+    ran = srgc("verify", folder)
+    assert (ran.status, ran.err) == (1, "")
+    assert ran.out.startswith("refuted: the certificate ")
+    assert ran.out.count("\n") == 1
+
+
+def test_a_certificate_cut_anywhere_is_refused(srgc, result):
+    folder = result("slider")
+    content = (folder / "certificate.json").read_bytes()
+    for length in range(0, len(content.rstrip()), 97):
+        (folder / "certificate.json").write_bytes(content[:length])
+        assert srgc("verify", folder).status == 1
+
+
+def test_layout_is_no_content(srgc, result):
+    folder = result("slider")
+    content = result_files.read(folder)
+    shuffled = dict(sorted(content.items(), reverse=True))
+    (folder / "certificate.json").write_text(json.dumps(shuffled, indent=7), encoding="utf-8")
+    assert srgc("verify", folder).status == 0

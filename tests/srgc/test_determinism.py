@@ -1,0 +1,34 @@
+"""Same input, same seed: same bytes, whatever the hash seed and the number of processes."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.conftest import srgc_process
+
+
+def check(made, tmp_path, spec, hash_seed, jobs):
+    place = made(spec)
+    (tmp_path / f"{spec}.srg").write_bytes((place / f"{spec}.srg").read_bytes())
+    arguments = ["synth", f"{spec}.srg", "-o", "out", "--jobs", jobs]
+    with srgc_process(arguments, tmp_path, PYTHONHASHSEED=hash_seed) as process:
+        _, err = process.communicate(timeout=900)
+    assert process.returncode == int((place / "status").read_text()), err
+    for name in ("design.json", "certificate.json"):
+        assert (tmp_path / "out" / name).read_bytes() == (place / "out" / name).read_bytes()
+
+
+@pytest.mark.parametrize(("hash_seed", "jobs"), [("1", "1"), ("2", "2")])
+def test_a_small_spec(made, tmp_path, hash_seed, jobs):
+    check(made, tmp_path, "turner", hash_seed, jobs)
+
+
+@pytest.mark.parametrize("hash_seed", ["1", "2"])
+def test_an_impossible_one(made, tmp_path, hash_seed):
+    check(made, tmp_path, "beyond_reach", hash_seed, "1")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("hash_seed", "jobs"), [("1", "1"), ("2", "2")])
+def test_the_case_study(made, tmp_path, hash_seed, jobs):
+    check(made, tmp_path, "planar_arm", hash_seed, jobs)

@@ -1,0 +1,159 @@
+"""Kills and interrupts: a result file is whole or absent, and the next run goes on."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import time
+
+import pytest
+
+from grammar_lang.load import load
+from solvers.certificate import spec_digest
+from solvers.verifier import Outcome, verify_directory
+from srgc import result_folder, synthesis_run
+from srgc.result_folder import Identity, open_folder
+from srgc.synthesis_run import SynthesisOptions, run_synthesis
+from tests.conftest import srgc_process
+
+RESULTS = ("design.json", "certificate.json", "trajectory.csv", "figures/workspace.svg")
+
+
+class Killed(BaseException):
+    """Ends a run where a kill would: nothing of ours catches it."""
+
+
+def whole_or_absent(folder):
+    """No half-written result is left."""
+    for name in ("design.json", "certificate.json"):
+        if (folder / name).exists():
+            assert isinstance(json.loads((folder / name).read_bytes()), dict)
+    report = verify_directory(folder)
+    if (folder / "certificate.json").exists():
+        assert report.outcome is Outcome.VALID, report.reason
+    else:
+        assert report.outcome is Outcome.UNDECIDED
+
+
+def same_results(folder, other):
+    for name in RESULTS:
+        assert (folder / name).read_bytes() == (other / name).read_bytes(), name
+    assert sorted(p.name for p in folder.iterdir()) == sorted(p.name for p in other.iterdir())
+    proofs = sorted(p.name for p in (folder / "proofs").iterdir())
+    assert proofs == sorted(p.name for p in (other / "proofs").iterdir())
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_kills_at_random_moments(made, tmp_path, seed):
+    chance = random.Random(seed)
+    place = made("turner")
+    folder = tmp_path / "out"
+    (tmp_path / "turner.srg").write_bytes((place / "turner.srg").read_bytes())
+    arguments = ["synth", "turner.srg", "-o", "out"]
+    for _ in range(3):
+        with srgc_process(arguments, tmp_path) as process:
+            time.sleep(chance.uniform(0.5, 3.0))
+            process.kill()
+            process.communicate()
+        if folder.exists():
+            whole_or_absent(folder)
+    with srgc_process(arguments, tmp_path) as process:
+        _, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    same_results(folder, place / "out")
+    whole_or_absent(folder)
+
+
+def test_a_kill_at_every_write(made, tmp_path, monkeypatch):
+    """Every write is cut once, before it, in its middle and just before the file is moved."""
+    path = tmp_path / "turner.srg"
+    path.write_bytes((made("turner") / "turner.srg").read_bytes())
+    program = load(path).program
+    task = program.tasks["Turn"]
+    complete = tmp_path / "complete"
+    # The search itself is made once: what matters here is how its outcome is written.
+    results = []
+    search = synthesis_run.synthesise
+
+    def remembered(*arguments):
+        if not results:
+            results.append(search(*arguments))
+        return results[0]
+
+    monkeypatch.setattr(synthesis_run, "synthesise", remembered)
+    monkeypatch.setattr(synthesis_run, "workspace_figure", lambda *_: "<svg/>", raising=False)
+
+    def options(folder):
+        return SynthesisOptions(folder, 0, 1, None, force=False, quiet=True)
+
+    calls = []
+    sync = os.fsync
+
+    def counted(descriptor):
+        calls.append(descriptor)
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", counted)
+    run_synthesis(path, program, task, options(complete))
+    writes = len(calls)
+    assert writes >= 8
+    for number in range(writes):
+        folder = tmp_path / f"cut-{number}"
+        left = [number]
+
+        def cut(descriptor, left=left):
+            if left[0] == 0:
+                os.ftruncate(descriptor, os.fstat(descriptor).st_size // 2)
+                raise Killed
+            left[0] -= 1
+
+        monkeypatch.setattr(result_folder.os, "fsync", cut)
+        with pytest.raises(Killed):
+            run_synthesis(path, program, task, options(folder))
+        whole_or_absent(folder)
+        monkeypatch.setattr(result_folder.os, "fsync", sync)
+        run_synthesis(path, program, task, options(folder))
+        same_results(folder, complete)
+
+
+def identity_of(path):
+    return Identity(spec_digest({path.name: path.read_bytes()}), "Turn", 0, "1")
+
+
+def test_a_journal_cut_in_its_last_line(tmp_path):
+    path = tmp_path / "a.srg"
+    path.write_text("// a")
+    folder = open_folder(tmp_path / "out", identity_of(path), force=False)
+    folder.record("a", 1.5)
+    folder.record("b|ä", -0.1)
+    folder.record("c", float("-inf"))
+    journal = tmp_path / "out" / result_folder.JOURNAL
+    content = journal.read_bytes()
+    for length in range(content.index(b"\n") + 1, len(content) + 1):
+        journal.write_bytes(content[:length])
+        again = open_folder(tmp_path / "out", identity_of(path), force=False)
+        assert again.values.items() <= folder.values.items()
+        # A step recorded after the cut is found again, and the cut line is not joined to it.
+        again.record("d", 2.25)
+        third = open_folder(tmp_path / "out", identity_of(path), force=False)
+        assert third.values == again.values
+    journal.write_bytes(content)
+    whole = open_folder(tmp_path / "out", identity_of(path), force=False)
+    assert whole.values == folder.values
+
+
+def test_an_interrupt_is_one_line(made, tmp_path):
+    (tmp_path / "turner.srg").write_bytes((made("turner") / "turner.srg").read_bytes())
+    with srgc_process(["synth", "turner.srg", "-o", "out"], tmp_path) as process:
+        assert process.stderr is not None
+        while b"robustness" not in process.stderr.readline():
+            assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (130, b"")
+    assert b"Traceback" not in err
+    said = [line for line in err.splitlines() if line and not line.startswith(b"[")]
+    assert said == [b"interrupted"]
+    whole_or_absent(tmp_path / "out")

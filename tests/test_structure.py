@@ -1,0 +1,128 @@
+"""The house: layers, sizes, style, types, and what a command may load."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ["grammar_lang", "compiler", "solvers", "srgc"]
+SOLVERS = {"pysat", "z3", "cvxpy", "clarabel", "sklearn", "pysmt", "scipy", "mosek", "cvc5"}
+SEARCHERS = {
+    "solvers." + name
+    for name in (
+        "synthesis", "planner", "control", "convex_step", "conic", "sat", "smt", "surrogate",
+        "acquisition", "parameter_search", "configuration_search", "structure_refutation",
+        "pose_search", "inverse_kinematics", "path_following", "counterexample", "evaluation",
+        "position_rows",
+    )
+}  # fmt: skip
+HEAVY = SOLVERS | {"casadi", "matplotlib"}
+
+
+def tool(name, *arguments):
+    return subprocess.run(
+        [Path(sys.executable).parent / name, *arguments],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+def loaded_after(program):
+    """The modules that a fresh interpreter has loaded after running a program."""
+    ending = "\nimport json, sys\nprint(json.dumps(sorted(sys.modules)), file=sys.stderr)"
+    finished = subprocess.run(
+        [sys.executable, "-c", program + ending],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    return set(json.loads(finished.stderr.splitlines()[-1]))
+
+
+def test_the_layers():
+    finished = tool("lint-imports", "--no-cache")
+    assert finished.returncode == 0, finished.stdout
+    assert "0 broken" in finished.stdout
+
+
+def test_ruff():
+    finished = tool("ruff", "check", ".")
+    assert finished.returncode == 0, finished.stdout
+    finished = tool("ruff", "format", "--check", ".")
+    assert finished.returncode == 0, finished.stdout
+
+
+def test_types():
+    finished = tool("mypy")
+    assert finished.returncode == 0, finished.stdout
+
+
+def test_no_file_is_over_four_hundred_lines():
+    lengths = {
+        str(path.relative_to(ROOT)): len(path.read_text(encoding="utf-8").splitlines())
+        for package in PACKAGES
+        for path in (ROOT / package).rglob("*.py")
+    }
+    assert len(lengths) > 90
+    assert {name: length for name, length in lengths.items() if length > 400} == {}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_file_is_named_for_nothing(package):
+    names = {path.stem for path in (ROOT / package).rglob("*.py")}
+    assert not names & {"utils", "util", "helpers", "helper", "common", "base", "misc"}
+
+
+@pytest.mark.parametrize("spec", ["slider", "beyond_reach"])
+def test_the_verifier_loads_no_searcher(made, spec):
+    assert {path.stem for path in (ROOT / "solvers").glob("*.py")} >= {
+        name.removeprefix("solvers.") for name in SEARCHERS
+    }
+    folder = made(spec) / "out"
+    loaded = loaded_after(
+        "from pathlib import Path\n"
+        "from solvers.verifier import verify_directory\n"
+        f"report = verify_directory(Path({str(folder)!r}), trust='z3')\n"
+        "assert report.outcome.value == 'valid', report"
+    )
+    assert not {name.partition(".")[0] for name in loaded} & SOLVERS
+    assert not loaded & SEARCHERS
+
+
+def test_the_verify_command_loads_no_searcher(made):
+    loaded = loaded_after(
+        f"from srgc.cli import run\nassert run(['verify', {str(made('slider') / 'out')!r}]) == 0"
+    )
+    assert not {name.partition(".")[0] for name in loaded} & (SOLVERS | {"matplotlib"})
+    assert not loaded & SEARCHERS
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["check"], ["words"], ["accepts"], ["graph", "--of", "sra"], ["graph", "--of", "workspace"]],
+    ids=" ".join,
+)
+def test_light_commands_load_nothing_heavy(arguments):
+    loaded = loaded_after(
+        f"from srgc.cli import run\nrun([*{arguments!r}, 'specs/planar_arm.srg'])"
+    )
+    assert not {name.partition(".")[0] for name in loaded} & HEAVY
+    assert not {name for name in loaded if name.startswith("solvers.")} - {"solvers.verdict"}
+
+
+def test_the_public_surface_is_small():
+    names = subprocess.run(
+        [sys.executable, "-c", "import srgc; print(*(n for n in dir(srgc) if n[0] != '_'))"],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    ).stdout.split()  # fmt: skip
+    assert len(names) <= 12
+
+
+def test_every_module_says_what_it_is():
+    for package in PACKAGES:
+        for path in (ROOT / package).rglob("*.py"):
+            assert path.read_text(encoding="utf-8").lstrip().startswith(('"""', 'r"""')), path
