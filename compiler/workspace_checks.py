@@ -1,6 +1,6 @@
 """Geometric checks of workspaces and of the tasks in them, all exact.
 
-Source: design of the language, "Geometry": sets are closed, `bounds` binds every effector, and a
+The rules are those of the language reference, "Geometry": sets are closed, `bounds` binds every effector, and a
 region the task starts in or reaches must leave room outside what it avoids.
 """
 

@@ -21,8 +21,10 @@ ROUNDS = 6
 BATCH = 2
 BASINS = 2
 SHIFTS = (4, -4, 1, -1)
-TIMING_ROUNDS = 2
-RETIMING = Effort(6, 1e-4, 1e-8)
+LONGEST_RUN = 6
+GAIN = 1e-4
+RETIMING = Effort(10, 1e-4, 1e-8)
+RETIMING_RADIUS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,24 +111,28 @@ def _polished(
 def _timed(
     follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...], conduct: Conduct
 ) -> tuple[ControlOutcome, tuple[int, ...]]:
-    """Move entry steps, one at a time, as long as the robustness grows."""
-    space = parameter_space(follower.model)
-    for _ in range(TIMING_ROUNDS):
-        before = outcome.robustness
-        for cell in range(1, len(entries)):
-            for shift in SHIFTS:
-                conduct.check_time()
-                moved = _moved(entries, cell, shift, follower.task.steps)
-                if moved is None:
-                    continue
-                box = None if space.is_point else space.free_box(outcome.trajectory.theta)
-                trial = follower.solve(outcome.trajectory, moved, box, RETIMING, 0.25)
-                if trial.feasible and trial.robustness > outcome.robustness + 1e-6:
-                    outcome, entries = trial, moved
-                    conduct.reporter.robustness(outcome.robustness)
-        if outcome.robustness - before < 1e-4 * (1 + abs(before)):
-            break
+    """Move entry steps, one at a time and on in the same direction, while the robustness grows."""
+    moves = [(cell, shift) for shift in SHIFTS for cell in range(1, len(entries))]
+    for cell, shift in moves:
+        for _ in range(LONGEST_RUN):
+            conduct.check_time()
+            moved = _moved(entries, cell, shift, follower.task.steps)
+            trial = None if moved is None else _retimed(follower, outcome, moved)
+            if moved is None or trial is None or trial.robustness <= outcome.robustness + GAIN:
+                break
+            outcome, entries = trial, moved
+            conduct.reporter.robustness(outcome.robustness)
     return outcome, entries
+
+
+def _retimed(
+    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]
+) -> ControlOutcome | None:
+    """The outcome with other entry steps, where that is feasible."""
+    space = parameter_space(follower.model)
+    box = None if space.is_point else space.free_box(outcome.trajectory.theta)
+    trial = follower.solve(outcome.trajectory, entries, box, RETIMING, RETIMING_RADIUS)
+    return trial if trial.feasible else None
 
 
 def _moved(entries: tuple[int, ...], cell: int, shift: int, steps: int) -> tuple[int, ...] | None:

@@ -7,6 +7,7 @@ of values is rounded to one of them.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 import numpy as np
 from scipy.stats.qmc import Sobol
@@ -14,8 +15,9 @@ from scipy.stats.qmc import Sobol
 from compiler.float_reading import Array
 from compiler.robot import RobotModel
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.constants import rational, to_float
 from solvers.acquisition import Acquisition, gp_acb
+from solvers.certificate import exact_decimal
 from solvers.surrogate import posterior
 
 CANDIDATES_LOG2 = 9
@@ -117,3 +119,27 @@ class BayesianSearch:
         """Record the robustness at a point of the unit cube."""
         self.points.append(point)
         self.values.append(value)
+
+
+def exact_value(domain: ir.Interval | ir.Choices, value: float) -> Fraction:
+    """The rational of a domain nearest to a double that a search has left beside it by rounding.
+
+    Ends and choices that are not rational leave the double as it is.
+    """
+    nearest = Fraction(repr(float(value)))
+    if isinstance(domain, ir.Choices):
+        choices = [choice for text in domain.values if (choice := rational(text)) is not None]
+        return min(choices, key=lambda choice: abs(choice - nearest), default=nearest)
+    lower, upper = rational(domain.lower), rational(domain.upper)
+    if lower is not None:
+        nearest = max(nearest, lower)
+    return nearest if upper is None else min(nearest, upper)
+
+
+def exact_text(domain: ir.Interval | ir.Choices, value: float) -> str:
+    """That rational as a finite decimal where it is one, else as a quotient."""
+    nearest = exact_value(domain, value)
+    try:
+        return exact_decimal(nearest)
+    except ValueError:
+        return str(nearest)

@@ -13,15 +13,24 @@ from compiler.polytope import Polytope, polytope_of
 from compiler.robot import RobotModel, RodBody
 from grammar_lang import ir
 from grammar_lang.constants import to_float
-from solvers.control import FULL, ControlOutcome, ControlProblem, Effort, synthesise_control
+from solvers.control import FULL, WORST, ControlOutcome, ControlProblem, Effort, synthesise_control
 from solvers.convex_step import InputGroup, MotionLimits, Trajectory
 from solvers.inverse_kinematics import branches
 from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation
 
 SUBSTEPS = 2
+MOST_SUBSTEPS = 32
+INTEGRATION_SHARE = 0.2
+"""The part of the margins that the error of the discretisation may use up."""
 FAR = Fraction(1000)
 LIMIT_MARGIN = 1e-3
 """Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
+LEAST_MARGIN = 2e-3
+"""The position margin in metres that a search begins with."""
+OVERSHOOT = 4.0
+"""A wider position margin widens that distance so much faster: motions overshoot within steps."""
+NARROW = 0.1
+"""But at most at this part of a range's width."""
 RATE_MARGIN = 0.5
 """A final rest is asked for at this fraction of its bound."""
 
@@ -42,6 +51,7 @@ class Follower:
     margin: float
     seed: int
     branch_count: int = 4
+    substeps: int = SUBSTEPS
 
     @property
     def model(self) -> RobotModel:
@@ -54,6 +64,11 @@ class Follower:
         start = self.task.start
         named = start.effector if isinstance(start, ir.StartIn) else None
         return self.effector if named is None else named - 1
+
+    @property
+    def limit_margin(self) -> float:
+        """The distance kept from joint and rate limits, in rad or m (/s)."""
+        return LIMIT_MARGIN + OVERSHOOT * max(0.0, self.margin - LEAST_MARGIN)
 
     # --- timing ---------------------------------------------------------------------------------
 
@@ -141,17 +156,19 @@ class Follower:
     def problem(self, entries: tuple[int, ...]) -> ControlProblem:
         """The control problem for given entry steps."""
         task = self.task
-        limits = motion_limits(self.model, task)
+        limits = motion_limits(self.model, task, self.limit_margin)
         groups = input_groups(self.model, task)
         plan = self.plan(entries)
-        return ControlProblem(self.reading, float(task.step), SUBSTEPS, limits, groups, plan.rows)
+        return ControlProblem(
+            self.reading, float(task.step), self.substeps, limits, groups, plan.rows
+        )
 
     # --- seeds and solutions --------------------------------------------------------------------
 
     def seeds(self, theta: Array) -> list[Trajectory]:
         """One seed trajectory per branch of the inverse kinematics at the start."""
         place, _ = self.waypoints()
-        limits = motion_limits(self.model, self.task)
+        limits = motion_limits(self.model, self.task, self.limit_margin)
         box = (limits.lower, limits.upper)
         if limits.start_values is not None:
             first = limits.start_values[None, :]
@@ -181,11 +198,36 @@ class Follower:
         if entries is None:
             entries = self.waypoints()[1]
         problem = self.problem(entries)
-        return synthesise_control(problem, start, box, effort, radius)
+        # Trial motions may diverge; what is not finite counts as infeasible.
+        with np.errstate(all="ignore"):
+            outcome = synthesise_control(problem, start, box, effort, radius)
+        if np.isfinite(outcome.robustness):
+            return outcome
+        worst = -WORST * problem.scale
+        return replace(outcome, feasible=False, robustness=worst, trajectory=start)
 
     def with_margin(self, margin: float) -> Follower:
         """The same task with another margin."""
         return replace(self, margin=margin)
+
+    def refined(self, trajectory: Trajectory) -> Follower:
+        """The same task with as many substeps as a motion needs to be integrated accurately.
+
+        Doubling them once more moves no point and no coordinate by more than a share of its margin.
+        """
+        reading, n, dt = self.reading, self.reading.n, float(self.task.step)
+        substeps, theta, u = self.substeps, trajectory.theta, trajectory.u
+        share = INTEGRATION_SHARE * np.array([self.margin, self.limit_margin])
+        with np.errstate(all="ignore"):
+            x = reading.simulate(trajectory.x[0], u, theta, dt, substeps)
+            while substeps < MOST_SUBSTEPS:
+                finer = reading.simulate(trajectory.x[0], u, theta, dt, 2 * substeps)
+                points = (reading.points(states[:, :n], theta).value for states in (x, finer))
+                gaps = np.array([_largest_gap(*points), _largest_gap(x, finer)])
+                if bool(np.all(gaps <= share)):
+                    break
+                substeps, x = 2 * substeps, finer
+        return replace(self, substeps=substeps)
 
     def cell_names(self, trajectory: Trajectory, entries: tuple[int, ...]) -> list[list[str]]:
         """The cell of every effector at every sample."""
@@ -205,6 +247,10 @@ class Follower:
             located = [self.abstraction.locate(point) for point in positions[:, effector]]
             names.append(["free" if i is None else cells[i].name for i in located])
         return names
+
+
+def _largest_gap(before: Array, after: Array) -> float:
+    return float(np.max(np.abs(after - before), initial=0.0))
 
 
 def _centre(polytope: Polytope) -> Array:
@@ -238,14 +284,18 @@ def parameter_bounds(model: RobotModel) -> list[tuple[float, float]]:
     return bounds
 
 
-def motion_limits(model: RobotModel, task: ir.Task) -> MotionLimits:
-    """Joint limits, rate limits, start and final rates of a robot in a task, in floats."""
-    slack = LIMIT_MARGIN
+def motion_limits(model: RobotModel, task: ir.Task, slack: float = LIMIT_MARGIN) -> MotionLimits:
+    """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
+
+    Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width.
+    """
 
     def ends(interval: ir.Interval | None) -> tuple[float, float]:
         if interval is None:
             return -np.inf, np.inf
-        return to_float(interval.lower) + slack, to_float(interval.upper) - slack
+        low, high = to_float(interval.lower), to_float(interval.upper)
+        inset = min(slack, NARROW * (high - low))
+        return low + inset, high - inset
 
     ranges = np.array([ends(dof.range) for dof in model.dofs]).reshape(-1, 2)
     rates = np.array([ends(dof.rate) for dof in model.dofs]).reshape(-1, 2)

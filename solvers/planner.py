@@ -104,6 +104,11 @@ class Planner:
         """The blocked prefixes, in the order they were blocked."""
         return tuple(self._blocked)
 
+    @property
+    def complete(self) -> bool:
+        """Whether the bound on region changes excludes no path."""
+        return self._unrolling.complete
+
     def next_path(self) -> PathVerdict:
         """The next path, never one given before; or the proof that none is left.
 

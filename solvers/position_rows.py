@@ -8,6 +8,7 @@ both samples, so that the chord cannot cut a corner; it is chosen afresh about e
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -22,7 +23,7 @@ ASTRAY = 0.02
 """Distance in metres from which a reference counts as having left its cell."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ConvexSet:
     """A polytope in floats: unit normals (m, d), offsets (m,), vertices (w, d)."""
 
@@ -30,6 +31,7 @@ class ConvexSet:
     offsets: Array
     vertices: Array
 
+    @cached_property
     def edge_directions(self) -> Array:
         """Unit directions (e, 3) of the edges in space, parallel ones once.
 
@@ -164,7 +166,7 @@ def _planar(edge: Array) -> Array:
 def _spatial(edge: Array, swept: Array, obstacle: ConvexSet) -> Array:
     """Normals (k, c, 3): edge times edge, and the planes through three of the points."""
     k, width, _ = swept.shape
-    crossed = np.cross(edge[:, :, None, :], obstacle.edge_directions()[None, None])
+    crossed = np.cross(edge[:, :, None, :], obstacle.edge_directions[None, None])
     parts = [crossed.reshape(k, -1, 3)]
     for i, j, m in combinations(range(width), 3):
         parts.append(np.cross(swept[:, j] - swept[:, i], swept[:, m] - swept[:, i])[:, None, :])

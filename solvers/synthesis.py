@@ -24,34 +24,29 @@ from compiler.normalise import robot_key
 from compiler.robot import RobotModel
 from grammar_lang import ir
 from solvers.certificate import ParameterClaim, decimal
+from solvers.conclusion import (
+    MOTION_SEARCHES,
+    StructureRecord,
+    StructureVerdict,
+    conclude,
+    module_bound,
+    robot_limit,
+)
 from solvers.configuration_search import Configuration, search_configuration
 from solvers.counterexample import infeasible_prefix
-from solvers.path_following import Follower, motion_limits, parameter_bounds
+from solvers.parameter_search import exact_text
+from solvers.path_following import LEAST_MARGIN, Follower, motion_limits, parameter_bounds
 from solvers.planner import Planner, path_planner
 from solvers.progress import Conduct, OutOfTimeError
+from solvers.standing_robot import standing_configurations
 from solvers.structure_refutation import Refutation, refute_structure
 from solvers.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.tube_checks import Status
 from solvers.verdict import Holds, Unknown
 
-DEFAULT_MODULES = 12
 PATHS_PER_STRUCTURE = 6
-MARGINS = (2e-3, 5e-3, 1.5e-2, 4e-2)
+MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2)
 SINGULAR = 1e-12
-
-StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "same"]
-
-
-@dataclass(frozen=True, slots=True)
-class StructureRecord:
-    """What became of one structure; ``script`` is its refutation in SMT-LIB 2."""
-
-    word: tuple[str, ...]
-    derivation: tuple[str, ...]
-    verdict: StructureVerdict
-    reason: str
-    script: str | None = None
-    same_robot_as: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,14 +88,18 @@ class _Run:
     counts: dict[str, int] = field(
         default_factory=lambda: {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
     )
+    searched: int = 0
+    stopped: str | None = None
 
     # --- structures -----------------------------------------------------------------------------
 
     def structures(self) -> Design | None:
         """Try structures in order; the first proved design ends the search."""
         seen: dict[str, int] = {}
-        bound = DEFAULT_MODULES if self.task.modules is None else self.task.modules
+        bound, robots = module_bound(self.task), robot_limit(self.family, self.task)
         for number, derivation in enumerate(structures(self.family.language, bound)):
+            if self.at_limit(len(seen), robots):
+                return None
             self.conduct.check_time()
             self.conduct.reporter.structure(number, derivation.word)
             self.counts["structures"] += 1
@@ -119,6 +118,20 @@ class _Run:
             if design is not None:
                 return design
         return None
+
+    def at_limit(self, tried: int, robots: int | None) -> bool:
+        """Whether a limit ends the search; both are counts, so that verdicts repeat."""
+        if self.searched >= MOTION_SEARCHES:
+            self.stopped = (
+                f"the search ended at its limit of {MOTION_SEARCHES} robots that no motion was "
+                "found for: narrow `accept`, or weaken the task"
+            )
+        elif robots is not None and tried >= robots:
+            self.stopped = (
+                f"the search ended at its limit of {robots} different robots: say `modules <= n` "
+                "in the task to try all up to a bound"
+            )
+        return self.stopped is not None
 
     def record(
         self,
@@ -145,9 +158,13 @@ class _Run:
             verdict, reason = blocked
             self.record(derivation, verdict, reason)
             return None
-        reason = "no path was found"
+        self.searched += 1
+        reason = "it has no effector that the task asks for"
         for effector in self.effectors(model, answer):
-            design, reason = self.paths(derivation, reading, effector, number)
+            if model.dofs:
+                design, reason = self.paths(derivation, reading, effector, number)
+            else:
+                design, reason = self.standing(derivation, reading, effector)
             if design is not None:
                 self.record(derivation, "found", "proved")
                 return design
@@ -158,18 +175,24 @@ class _Run:
         self, model: RobotModel, reading: FloatReading
     ) -> tuple[StructureVerdict, str] | None:
         """Why a robot that was not refuted cannot be driven, or None."""
-        if not model.dofs:
-            return "unresolved", "the robot has no degree of freedom that moves anything"
         start = self.task.start
         if isinstance(start, ir.StartAt) and len(start.values) != len(model.dofs):
-            return "unresolved", f"the start pose has {len(start.values)} values"
+            return "unresolved", (
+                f"the start pose has {len(start.values)} values, the robot "
+                f"{len(model.dofs)} degrees of freedom"
+            )
+        if not model.dofs:
+            return None
         rng = np.random.default_rng(0)
         bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
         for _ in range(4):
             theta = rng.uniform(bounds[:, 0], bounds[:, 1])
             q = rng.uniform(-1, 1, size=(4, len(model.dofs)))
-            eigenvalues = np.linalg.eigvalsh(reading.mass_matrix(q, theta))
-            if float(eigenvalues.min()) <= SINGULAR * max(1.0, float(eigenvalues.max())):
+            mass = reading.mass_matrix(q, theta)
+            if not np.isfinite(mass).all():
+                return "inadmissible", "the mass matrix is not finite"
+            eigenvalues = np.linalg.eigvalsh(mass)
+            if float(eigenvalues.min()) <= SINGULAR * float(eigenvalues.max()):
                 return "inadmissible", "the mass matrix is not positive definite"
         return None
 
@@ -180,6 +203,22 @@ class _Run:
             return [named - 1] if named <= len(model.effectors) else []
         order = list(range(len(model.effectors)))
         return sorted(order, key=lambda e: (e != answer.effector, e))
+
+    def standing(
+        self, derivation: Derivation, reading: FloatReading, effector: int
+    ) -> tuple[Design | None, str]:
+        """A robot that cannot move does the task where it stands, or not at all."""
+        workspace = self.program.workspaces[self.task.workspace]
+        seed = self.conduct.seed
+        found = standing_configurations(
+            reading, workspace, self.task, self.abstraction, effector, seed
+        )
+        for cell, configuration in found:
+            follower = self.follower(reading, effector, (cell,))
+            design = self.certified(derivation, follower, configuration)
+            if design is not None:
+                return design, "proved"
+        return None, "the robot cannot move, and no place to stand was found for it"
 
     # --- paths ----------------------------------------------------------------------------------
 
@@ -214,6 +253,11 @@ class _Run:
         return None, f"{PATHS_PER_STRUCTURE} paths tried, best robustness {best:.4g}"
 
     def exhausted(self, planner: Planner, best: float) -> str:
+        if not planner.blocked and not planner.complete:
+            return (
+                "no path of cells leads from the start to the target with a sample in each; "
+                f"the task has {self.task.steps + 1} samples"
+            )
         if not planner.blocked:
             return "no path of cells leads from the start to the target"
         return (
@@ -230,7 +274,29 @@ class _Run:
         label: str,
     ) -> tuple[Design | None, float, int]:
         """A proved design for a path; else the best robustness and the prefix to block."""
-        follower = Follower(
+        follower = self.follower(reading, effector, cells)
+        found = search_configuration(follower, label, self.conduct)
+        self.counts["evaluations"] += found.evaluations
+        if not found.outcome.feasible:
+            prefix = infeasible_prefix(follower, found.outcome, found.entries)
+            return None, found.outcome.robustness, prefix
+        for margin in MARGINS:
+            wider = follower.with_margin(margin).refined(found.outcome.trajectory)
+            if (wider.margin, wider.substeps) != (follower.margin, follower.substeps):
+                follower = wider
+                outcome = follower.solve(found.outcome.trajectory, found.entries)
+                found = Configuration(outcome, found.entries, found.evaluations)
+            if not found.outcome.feasible:
+                break
+            design = self.certified(derivation, follower, found)
+            if design is not None:
+                return design, found.outcome.robustness, 0
+            self.conduct.reporter.note("the proof did not go through; trying a wider margin")
+        return None, found.outcome.robustness, 0
+
+    def follower(self, reading: FloatReading, effector: int, cells: tuple[int, ...]) -> Follower:
+        """The follower of a path at the first margin."""
+        return Follower(
             reading,
             self.program.workspaces[self.task.workspace],
             self.task,
@@ -240,23 +306,6 @@ class _Run:
             MARGINS[0],
             self.conduct.seed,
         )
-        found = search_configuration(follower, label, self.conduct)
-        self.counts["evaluations"] += found.evaluations
-        if not found.outcome.feasible:
-            prefix = infeasible_prefix(follower, found.outcome, found.entries)
-            return None, found.outcome.robustness, prefix
-        for margin in MARGINS:
-            if margin > MARGINS[0]:
-                wider = follower.with_margin(margin)
-                outcome = wider.solve(found.outcome.trajectory, found.entries)
-                found = Configuration(outcome, found.entries, found.evaluations)
-            if not found.outcome.feasible:
-                break
-            design = self.certified(derivation, follower, found)
-            if design is not None:
-                return design, found.outcome.robustness, 0
-            self.conduct.reporter.note("the proof did not go through; trying a wider margin")
-        return None, found.outcome.robustness, 0
 
     def certified(
         self, derivation: Derivation, follower: Follower, found: Configuration
@@ -267,7 +316,7 @@ class _Run:
             derivation,
             model,
             tuple(
-                ParameterClaim(p.symbol, p.name, decimal(value))
+                ParameterClaim(p.symbol, p.name, exact_text(p.domain, value))
                 for p, value in zip(model.parameters, trajectory.theta, strict=True)
             ),
             follower.effector,
@@ -325,7 +374,7 @@ def synthesise(program: ir.Program, task: ir.Task, conduct: Conduct) -> Synthesi
         return _result(run, "unknown", "the time limit was reached", None)
     if design is not None:
         return _result(run, "found", None, design)
-    verdict, reason = _without_design(run)
+    verdict, reason = conclude(run.records, family, task, run.stopped)
     return _result(run, verdict, reason, None)
 
 
@@ -336,31 +385,3 @@ def _result(
     design: Design | None,
 ) -> Synthesis:
     return Synthesis(verdict, reason, design, tuple(run.records), run.abstraction, run.counts)
-
-
-def _without_design(run: _Run) -> tuple[Literal["impossible", "unknown"], str]:
-    """Impossible if every structure was refuted and the list of them is complete."""
-    tried = len(run.records)
-    open_ones = [r for r in run.records if r.verdict in ("unresolved", "inadmissible")]
-    if open_ones:
-        first = open_ones[0]
-        return "unknown", (
-            f"{len(open_ones)} of {tried} structures are neither built nor refuted; "
-            f"the first is {' '.join(first.word)}: {first.reason}"
-        )
-    modules = run.task.modules
-    if modules is not None:
-        return "impossible", f"all {tried} structures of at most {modules} modules are refuted"
-    within = run.family.language.is_finite() and complete_within(run.family, DEFAULT_MODULES)
-    if within:
-        return "impossible", f"all {tried} structures of the family are refuted"
-    return "unknown", (
-        f"all {tried} structures of at most {DEFAULT_MODULES} modules, the default search bound, "
-        "are refuted; say `modules <= n` in the task to ask about a bound"
-    )
-
-
-def complete_within(family: RobotFamily, modules: int) -> bool:
-    """Whether no accepted word of a finite language has more modules than that."""
-    words = family.language
-    return sum(words.count_words()) == sum(words.count_words(max_modules=modules))

@@ -1,1 +1,57 @@
-"""The public face of srgc."""
+"""Compile modular-robot grammars to robots that are proved to do their task.
+
+The public face; everything else may change between versions.  Heavy libraries are loaded by the
+function that needs them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from grammar_lang.ir import Program
+    from solvers.synthesis import Synthesis
+    from solvers.verifier import Report
+
+__all__ = ["load", "synthesise", "verify"]
+
+
+def load(path: str | Path) -> Program:
+    """The checked program of a ``.srg`` file.
+
+    Raises:
+        srgc.session.SpecErrors: the file has errors; ``checked.diagnostics`` holds them.
+        srgc.session.UsageFault: the file cannot be read.
+    """
+    from srgc.session import program_of
+
+    return program_of(Path(path))
+
+
+def synthesise(
+    program: Program, task: str | None = None, *, seed: int = 0, jobs: int = 1
+) -> Synthesis:
+    """Search a task of a program for a proved robot, or for a proof that there is none.
+
+    Nothing is written; ``srgc synth`` writes a result folder that can be verified.
+
+    Raises:
+        srgc.session.UsageFault: there is no such task, or several and none is named.
+    """
+    from solvers import synthesis
+    from solvers.progress import Conduct
+    from srgc.session import chosen
+
+    return synthesis.synthesise(
+        program, chosen(program.tasks, task, "task"), Conduct(seed=seed, jobs=jobs)
+    )
+
+
+def verify(
+    folder: str | Path, *, spec: str | Path | None = None, trust: str | None = None
+) -> Report:
+    """Check a result folder independently of the search (see ``solvers.verifier``)."""
+    from solvers.verifier import verify_directory
+
+    return verify_directory(Path(folder), None if spec is None else Path(spec), trust)

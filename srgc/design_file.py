@@ -19,7 +19,8 @@ from solvers.certificate import (
     exact_decimal,
     to_text,
 )
-from solvers.synthesis import Design, StructureRecord, Synthesis
+from solvers.conclusion import StructureRecord
+from solvers.synthesis import Design, Synthesis
 
 
 def proof_name(index: int) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -13,6 +15,7 @@ from matplotlib.figure import Figure
 from compiler.dynamics import robot_graph
 from compiler.float_reading import Array, FloatReading
 from compiler.polytope import polytope_of
+from compiler.robot import WORLD
 from grammar_lang import ir
 from solvers.synthesis import Design, Synthesis
 
@@ -56,20 +59,22 @@ def workspace_figure(
         axes = figure.add_subplot()
         _draw_cells(axes, result, design)
         _draw_regions(axes, workspace)
+        _draw_skeleton(axes, _skeletons(design, task))
         _draw_ghosts(axes, points, design, reading)
         tips = points[:, design.effector]
         axes.plot(*tips.T, color=INK, lw=2.0, label="effector", zorder=6)
         axes.plot(*tips[0], "o", color=INK, ms=5, zorder=7)
         axes.plot(*tips[-1], "*", color=INK, ms=11, zorder=7)
         _frame(axes, workspace)
-        axes.set_title(f"{task.name}: {_caption(design)}", fontsize=10, loc="left")
+        seen = ", seen along z" if workspace.dimension == 3 else ""
+        axes.set_title(f"{task.name}: {_caption(design)}{seen}", fontsize=10, loc="left")
         axes.legend(loc="upper left", fontsize=8, framealpha=0.85)
         return _svg(figure)
 
 
 def _caption(design: Design) -> str:
     lengths = ", ".join(
-        f"{p.name} {float(claim.value):.3g} {p.unit}".strip()
+        f"{p.name} {float(Fraction(claim.value)):.3g} {p.unit}".strip()
         for p, claim in zip(design.model.parameters, design.parameters, strict=True)
     )
     return lengths or "no parameters"
@@ -143,13 +148,40 @@ def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
         )
 
 
+def _skeletons(design: Design, task: ir.Task) -> list[Array]:
+    """Per effector and body the origins of its frames from the base on, each (k + 1, f, 2)."""
+    model, trajectory = design.model, design.configuration.outcome.trajectory
+    # The same robot with every frame as an effector: its points are the origins.
+    jointed = replace(model, effectors=tuple(range(len(model.frames))))
+    reading = FloatReading(robot_graph(jointed, task.gravity))
+    q = trajectory.x[:, : len(model.dofs)]
+    origins = reading.points(q, trajectory.theta).value[..., :2]
+    ends = dict.fromkeys([*model.effectors, *(body.frame for body in model.bodies)])
+    return [origins[:, [WORLD, *model.chain(frame)]] for frame in ends]
+
+
+def _ghost_samples(count: int) -> list[tuple[int, float]]:
+    """Equally spaced samples with their opacity, the last one strong."""
+    samples = np.unique(np.linspace(0, count - 1, GHOSTS).round().astype(int))
+    last = len(samples) - 1
+    return [
+        (int(sample), 1.0 if number == last else 0.15 + 0.35 * number / len(samples))
+        for number, sample in enumerate(samples)
+    ]
+
+
+def _draw_skeleton(axes: Axes, chains: list[Array]) -> None:
+    """Thin lines from the base through all joints, for robots whose bodies are no rods."""
+    for chain in chains:
+        for sample, alpha in _ghost_samples(len(chain)):
+            axes.plot(*chain[sample].T, color=ARM, alpha=alpha, lw=0.7, zorder=3)
+
+
 def _draw_ghosts(axes: Axes, points: Array, design: Design, reading: FloatReading) -> None:
     """Poses of the robot at equally spaced samples, the last one strong."""
     effectors = len(design.model.effectors)
-    samples = np.unique(np.linspace(0, len(points) - 1, GHOSTS).round().astype(int))
-    for number, sample in enumerate(samples):
-        last = number == len(samples) - 1
-        alpha = 1.0 if last else 0.15 + 0.35 * number / len(samples)
+    for sample, alpha in _ghost_samples(len(points)):
+        last = sample == len(points) - 1
         for hull in reading.graph.hulls:
             body = points[sample, [effectors + i for i in hull]]
             axes.plot(
@@ -184,6 +216,9 @@ def input_figure(design: Design, task: ir.Task) -> str:
             axes.set_ylim(-1.15 * bound, 1.15 * bound)
             _magnified(axes, time, design, effort, unit)
             axes.legend(loc="upper right", fontsize=8, framealpha=0.85, ncols=4)
+        if not kinds:
+            panels[0].set_title("the robot has no inputs", fontsize=10, loc="left")
+            panels[0].set_xlim(time[0], time[-1])
         panels[-1].set_xlabel("time (s)")
         return _svg(figure)
 

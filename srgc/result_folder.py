@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -99,15 +100,19 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     else:
         for name in (*OWN_FILES, *OWN_FOLDERS):
             folder.discard(name)
-    if not (path / JOURNAL).exists():
-        header = {
-            "spec_sha256": identity.spec_sha256,
-            "task": identity.task,
-            "seed": identity.seed,
-            "version": identity.version,
-        }
-        folder.write(JOURNAL, json.dumps(header) + "\n")
+    folder.write(JOURNAL, _journal_text(identity, folder.values))
     return folder
+
+
+def _journal_text(identity: Identity, values: Mapping[str, float]) -> str:
+    """A whole journal, so that a line cut by a kill is gone before the next one is appended."""
+    header = {
+        "spec_sha256": identity.spec_sha256,
+        "task": identity.task,
+        "seed": identity.seed,
+        "version": identity.version,
+    }
+    return "".join(f"{json.dumps(line)}\n" for line in (header, *values.items()))
 
 
 def _beside(name: str) -> str:
@@ -148,8 +153,8 @@ def _journal_values(path: Path) -> dict[str, float]:
     """The steps of a journal; a last line cut by a kill is ignored."""
     values: dict[str, float] = {}
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()[1:]
-    except (OSError, UnicodeDecodeError):
+        lines = path.read_bytes().split(b"\n")[1:]
+    except OSError:
         return values
     for line in lines:
         try:

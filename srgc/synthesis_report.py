@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from solvers.synthesis import Synthesis
 
 
@@ -12,7 +14,7 @@ def synthesis_text(result: Synthesis, folder: str) -> str:
     if design is not None:
         lines.append(f"robot:   {' '.join(design.derivation.word)}")
         for p, claim in zip(design.model.parameters, design.parameters, strict=True):
-            value = f"{float(claim.value):.4f} {p.unit}".rstrip()
+            value = f"{float(Fraction(claim.value)):.4f} {p.unit}".rstrip()
             lines.append(f"         {p.module}.{p.name} = {value} (symbol {p.symbol})")
         outcome = design.configuration.outcome
         lines.append(

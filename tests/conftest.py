@@ -44,7 +44,7 @@ def srgc_process(
 def _make(spec: str, folder: Path) -> None:
     """``folder/out`` with the result, and beside it the spec, the exit status and the output."""
     (folder / f"{spec}.srg").write_bytes(SPECS[spec])
-    process = srgc_process(["synth", f"{spec}.srg", "-o", "out"], folder)
+    process = srgc_process(["synth", f"{spec}.srg", "-o", "out"], folder, PYTHONHASHSEED="1")
     out, err = process.communicate()
     (folder / "stdout").write_bytes(out)
     (folder / "stderr").write_bytes(err)

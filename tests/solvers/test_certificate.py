@@ -45,6 +45,14 @@ def test_written_and_read(claim):
     assert content["format"] == 1
 
 
+def _read(text):
+    """What is read; None where it is refused."""
+    try:
+        return from_text(text)
+    except CertificateError:
+        return None
+
+
 @pytest.mark.parametrize("claim", [FOUND, IMPOSSIBLE])
 def test_any_field_altered_added_or_removed(claim):
     content = json.loads(to_text(claim))
@@ -58,12 +66,7 @@ def test_any_field_altered_added_or_removed(claim):
             if key == "digest":
                 continue
             changed["digest"] = result_files.digest(changed)
-            try:
-                read = from_text(json.dumps(changed))
-            except CertificateError as error:
-                assert str(error).startswith("the certificate is ")
-            else:
-                assert read != claim
+            assert _read(json.dumps(changed)) != claim
         less = {name: value for name, value in content.items() if name != key}
         less["digest"] = result_files.digest(less)
         if key != "digest":
@@ -81,9 +84,16 @@ def test_a_repeated_key_is_refused():
         from_text(text.replace('"steps": 2,', '"steps": 3, "steps": 2,'))
 
 
-@given(st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
-                    lambda inner: st.lists(inner, max_size=3)
-                    | st.dictionaries(st.text(max_size=4), inner, max_size=3), max_leaves=8))  # fmt: skip
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+
+
+@given(JSON)
 def test_any_other_json_is_refused(value):
     with pytest.raises(CertificateError):
         from_text(json.dumps(value))

@@ -265,14 +265,12 @@ def test_a_robot_that_becomes_singular_has_no_tube_beyond() -> None:
 
 def test_an_escape_in_finite_time_has_no_tube_beyond() -> None:
     """q'' = 2 q^3, q(0) = q'(0) = 1: q = 1 / (1 - t), gone at t = 1."""
-    q, v, u, theta, k = (
-        ca.SX.sym(n, m) for n, m in (("q", 1), ("v", 1), ("u", 1), ("t", 0), ("k", 0))
-    )
+    q, v, a, u = (ca.SX.sym(name) for name in "qvau")
     slope = 2 * q * q * q
-    jacobian = ca.vertcat(slope, ca.vec(ca.densify(ca.jacobian(slope, ca.vertcat(q, v)))))
+    jacobian = ca.vec(ca.densify(ca.jacobian(slope - a, ca.vertcat(q, v))))
     field = VectorField(
-        tape(ca.Function("a", [q, v, u, theta, k], [slope])),
-        tape(ca.Function("b", [q, v, u, theta, k], [jacobian])),
+        tape(ca.Function("balance", [q, v, u], [ca.vertcat(1, slope)])),
+        tape(ca.Function("variation", [q, v, a, u], [jacobian])),
         1,
         (),
     )

@@ -2,9 +2,13 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
+from compiler.abstraction import abstract
+from grammar_lang.load import load
 from solvers.verifier import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.result_files import alter, alter_spec, read, write
@@ -112,14 +116,14 @@ FALSE = {
     "another robot of the family": (
         both(
             put("derivation", ["tool", "link", "joint", "link", "joint", "base"]),
-            put("word", "B eps JO eps L eps JO eps L eps EN".split()),
+            put("word", ["B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN"]),
         ),
         "not 10 rows of 2",
     ),
     "a robot without a joint that moves": (
         both(
             put("derivation", ["tool", "joint", "base"]),
-            put("word", "B eps JO eps EN".split()),
+            put("word", ["B", "eps", "JO", "eps", "EN"]),
             put("parameters", []),
             put("start", []),
             put("inputs", [[]] * 10),
@@ -137,7 +141,9 @@ FALSE = {
     "a length by much": (put("parameters", 0, "value", "1.9"), "violated"),
     "a length that is no number": (put("parameters", 0, "value", "nan"), "no exact number"),
     "a length without end": (put("parameters", 0, "value", "1e999999999"), "no exact number"),
-    "a parameter of another name": (put("parameters", 0, "name", "width"), "not those of the robot"),
+    "a parameter of another name": (
+        put("parameters", 0, "name", "width"), "not those of the robot",
+    ),
     "a parameter of another module": (put("parameters", 0, "symbol", 2), "not those of the robot"),
     "a parameter too few": (put("parameters", []), "not those of the robot"),
     "a parameter too many": (put("parameters", lambda p: p + p), "not those of the robot"),
@@ -190,7 +196,7 @@ def test_a_false_claim_with_a_fitting_digest(result, name):
 
 def efforts(content):
     """Peak and robustness stated again, exactly."""
-    peak = max((abs(Fraction(text)) for (text,) in content["inputs"]))
+    peak = max(abs(Fraction(text)) for (text,) in content["inputs"])
     content["effort_peak"], content["robustness"] = decimal(peak), decimal(10 - peak)
 
 
@@ -260,6 +266,49 @@ def test_the_spec_changed(result, name):
     assert "design.json" not in report.reason
 
 
+def one_link_tips(content, per_step):
+    """The tip of one uniform link of 1 kg/m, whose acceleration is constant within a step."""
+    length = float(content["parameters"][0]["value"])
+    inertia, dt = length**3 / 3, float(Fraction(content["step"]))
+    q, rate, tips = float(content["start"][0]), 0.0, []
+    for (text,) in content["inputs"]:
+        pull = float(text) / inertia
+        for i in range(per_step):
+            t = dt * i / per_step
+            angle = q + rate * t + pull * t * t / 2
+            tips.append((length * math.cos(angle), length * math.sin(angle)))
+        q, rate = q + rate * dt + pull * dt * dt / 2, rate + pull * dt
+    return [*tips, (length * math.cos(q), length * math.sin(q))]
+
+
+def test_an_obstacle_that_is_passed_between_two_samples(result):
+    folder = result("turner")
+    (folder / "design.json").unlink()
+    content = read(folder)
+    tips = one_link_tips(content, 2)
+    samples = tips[::2]
+    gaps = [math.dist(a, b) for a, b in pairwise(samples)]
+    fastest = gaps.index(max(gaps))
+    x, y = (round(value, 3) for value in tips[2 * fastest + 1])
+    box = f"[{x - 0.01:.3f}, {x + 0.01:.3f}] x [{y - 0.01:.3f}, {y + 0.01:.3f}] m;"
+    assert all(max(abs(a - x), abs(b - y)) > 0.02 for a, b in samples)
+    alter_spec(folder, "box [1.4, 2.5] x [1.4, 2.5] m;", f"box {box}", sign=True)
+    program = load(folder / "spec" / "turner.srg").program
+    cells = abstract(program.workspaces["Table"])
+    located = [cells.locate(np.array(point)) for point in samples]
+    path = [cells.cells[index].name for index in located if index is not None]
+    assert len(path) == 11
+    assert "O" not in path
+    alter(folder, put("path", [path]), sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert report.reason is not None
+    assert report.reason.startswith("clearance of effector to O: violated at ")
+    (failed,) = (f for f in report.findings if f.name == "clearance of effector to O")
+    assert fastest * 0.2 < failed.time < (fastest + 1) * 0.2
+    assert failed.margin < 0
+
+
 def test_a_comment_more_is_another_spec_and_a_true_claim(result):
     folder = result("turner")
     alter_spec(folder, "edge eps;", "edge eps; // as in the paper", sign=True)
@@ -319,27 +368,20 @@ def test_a_design_that_is_none(result, content):
 
 
 def test_the_margins_are_those_of_an_independent_calculation(made):
-    """One link: the tip is at length * (cos q, sin q), q of constant acceleration per step."""
     folder = made("turner") / "out"
     content, report = read(folder), verify_directory(folder)
+    tips = one_link_tips(content, 100)
     length = float(content["parameters"][0]["value"])
-    inertia, q, rate = length**3 / 3, float(content["start"][0]), 0.0
-    angles = []
-    for (text,) in content["inputs"]:
-        pull = float(text) / inertia
-        angles += [q + rate * t + pull * t * t / 2 for t in (0.002 * i for i in range(101))]
-        q, rate = q + rate * 0.2 + pull * 0.02, rate + pull * 0.2
-    tips = [(length * math.cos(a), length * math.sin(a)) for a in angles]
     gap = min(math.hypot(max(1.4 - x, 0), max(1.4 - y, 0)) for x, y in tips)
     (x0, y0), (x1, y1) = tips[0], tips[-1]
     margins = {f.name: f.margin for f in report.findings}
     expected = {
         "start S": min(x0 - 1.2, 1.9 - x0, y0 + 0.3, 0.3 - y0),
         "target T": min(x1 + 0.3, 0.3 - x1, y1 - 1.2, 1.9 - y1),
-        "range of joint 1": min(math.pi - abs(a) for a in angles),
+        "range of joint 1": min(math.pi - abs(math.atan2(y, x)) for x, y in tips),
         "bounds": min(min(x + 1, 3 - x, y + 1, 3 - y) for x, y in tips),
         "effort (N*m)": 10 - max(abs(float(text)) for (text,) in content["inputs"]),
-        "mass matrix positive definite": inertia,
+        "mass matrix positive definite": length**3 / 3,
     }
     for name, value in expected.items():
         # A margin is a lower bound, at most a fiftieth below the true one.

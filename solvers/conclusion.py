@@ -1,0 +1,88 @@
+"""What became of each structure, and what follows for the family when none of them was proved.
+
+Section 6 of the design: ``impossible`` only if every structure up to an explicit bound, or of a
+finite language, was refuted; everything else is ``unknown``, with what was tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from compiler.family import RobotFamily
+from grammar_lang import ir
+
+DEFAULT_MODULES = 12
+MOTION_SEARCHES = 10
+"""Robots that are searched for a motion in vain before the synthesis gives up."""
+DEFAULT_ROBOTS = 1000
+"""Robots that are tried where neither the task nor the language bounds their number."""
+
+StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "same"]
+
+
+@dataclass(frozen=True, slots=True)
+class StructureRecord:
+    """What became of one structure; ``script`` is its refutation in SMT-LIB 2."""
+
+    word: tuple[str, ...]
+    derivation: tuple[str, ...]
+    verdict: StructureVerdict
+    reason: str
+    script: str | None = None
+    same_robot_as: int | None = None
+
+
+def module_bound(task: ir.Task) -> int:
+    """The number of modules up to which structures are tried."""
+    return DEFAULT_MODULES if task.modules is None else task.modules
+
+
+def robot_limit(family: RobotFamily, task: ir.Task) -> int | None:
+    """How many different robots are tried; None where the task or the language bounds them."""
+    if task.modules is not None or _complete_within(family, DEFAULT_MODULES):
+        return None
+    return DEFAULT_ROBOTS
+
+
+def conclude(
+    records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, stopped: str | None
+) -> tuple[Literal["impossible", "unknown"], str]:
+    """The verdict without a design; ``stopped`` is the limit that ended the search, if one did."""
+    tried = len(records)
+    open_ones = [r for r in records if r.verdict in ("unresolved", "inadmissible")]
+    parts = []
+    if open_ones:
+        first = open_ones[0]
+        parts.append(
+            f"{len(open_ones)} of {tried} structures are neither built nor refuted; "
+            f"the first is {' '.join(first.word)}: {first.reason}"
+        )
+    if stopped is not None:
+        parts.append(stopped)
+    if parts:
+        return "unknown", "; ".join(parts)
+    return _all_refuted(tried, family, task)
+
+
+def _all_refuted(
+    tried: int, family: RobotFamily, task: ir.Task
+) -> tuple[Literal["impossible", "unknown"], str]:
+    """Every structure that was tried is refuted: the verdict depends on what bounds them."""
+    if task.modules is not None:
+        return "impossible", f"all {tried} structures of at most {task.modules} modules are refuted"
+    if _complete_within(family, DEFAULT_MODULES):
+        return "impossible", f"all {tried} structures of the family are refuted"
+    return "unknown", (
+        f"all {tried} structures of at most {DEFAULT_MODULES} modules, the default search bound, "
+        "are refuted; say `modules <= n` in the task to ask about a bound"
+    )
+
+
+def _complete_within(family: RobotFamily, modules: int) -> bool:
+    """Whether the language is finite and no accepted word has more modules than that."""
+    words = family.language
+    if not words.is_finite():
+        return False
+    return sum(words.count_words()) == sum(words.count_words(max_modules=modules))

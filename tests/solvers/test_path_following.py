@@ -1,0 +1,100 @@
+"""Limits and substeps of a follower, against arithmetic and a precise integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import solvers.path_following
+from compiler.abstraction import abstract
+from compiler.dynamics import robot_graph
+from compiler.family import family_of
+from compiler.float_reading import FloatReading
+from grammar_lang.load import load
+from solvers.control import ControlOutcome
+from solvers.convex_step import Trajectory
+from solvers.path_following import LIMIT_MARGIN, Follower, motion_limits
+from tests.oracles.small_specs import TURNER
+
+WORD = ("tool", "link", "joint", "base")
+
+
+def follower(tmp_path, *changes):
+    text = TURNER
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    path = tmp_path / "spec.srg"
+    path.write_text(text, encoding="utf-8")
+    program = load(path).program
+    (task,) = program.tasks.values()
+    workspace = program.workspaces[task.workspace]
+    family = family_of(program, task)
+    model = family.robot(family.replay(WORD))
+    reading = FloatReading(robot_graph(model, task.gravity))
+    cells = abstract(workspace)
+    return Follower(reading, workspace, task, cells, 0, (cells.index("S"),), 2e-3, 0)
+
+
+def test_limits_are_kept_at_a_distance_that_grows_with_the_margin(tmp_path):
+    plain = follower(tmp_path)
+    least = motion_limits(plain.model, plain.task, plain.limit_margin)
+    assert least.upper[0] == pytest.approx(np.pi - LIMIT_MARGIN)
+    wide = plain.with_margin(4e-2)
+    wider = motion_limits(plain.model, plain.task, wide.limit_margin)
+    assert np.pi - 0.3 < wider.upper[0] < least.upper[0]
+    assert wider.lower[0] == pytest.approx(-wider.upper[0])
+
+
+def test_a_narrow_range_is_never_turned_inside_out(tmp_path):
+    narrow = follower(tmp_path, ("[-180, 180] deg", "[0.3, 0.301]"))
+    limits = motion_limits(narrow.model, narrow.task, 0.5)
+    assert 0.3 < limits.lower[0] < limits.upper[0] < 0.301
+    fixed = follower(tmp_path, ("[-180, 180] deg", "[0.3, 0.3]"))
+    limits = motion_limits(fixed.model, fixed.task, 0.5)
+    assert limits.lower[0] == limits.upper[0] == pytest.approx(0.3)
+
+
+def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):
+    """A rod hanging in strong gravity, held over coarse steps, against DOP853."""
+    swing = follower(
+        tmp_path,
+        ("  horizon 10 steps of 0.2 s", "  gravity (0, -40) m/s^2;\n  horizon 10 steps of 0.5 s"),
+    )
+    theta, k = np.array([1.2]), 10
+    u = np.linspace(-3, 3, k)[:, None]
+    still = Trajectory(np.zeros((k + 1, 2)), u, theta)
+    fine = swing.refined(still)
+    assert fine.substeps > swing.substeps
+    inertia, pull = 1.2**3 / 3, 1.2 * 40 * 0.6
+    state = np.zeros(2)
+    for row in u:
+        torque = row[0]
+        answer = solve_ivp(
+            lambda _t, x, torque=torque: [x[1], (torque - pull * np.cos(x[0])) / inertia],
+            (0, 0.5), state, method="DOP853", rtol=1e-11, atol=1e-12,
+        )  # fmt: skip
+        state = answer.y[:, -1]
+    ends = [
+        swing.reading.simulate(np.zeros(2), u, theta, 0.5, substeps)[-1]
+        for substeps in (swing.substeps, fine.substeps)
+    ]
+    coarse_error, fine_error = (np.abs(end - state).max() for end in ends)
+    assert fine_error < 1e-3 < coarse_error
+
+
+def test_a_gentle_motion_keeps_its_substeps(tmp_path):
+    plain = follower(tmp_path)
+    still = Trajectory(np.zeros((11, 2)), np.full((10, 1), 0.1), np.array([1.5]))
+    assert plain.refined(still).substeps == plain.substeps
+
+
+def test_an_outcome_that_is_no_number_counts_as_the_worst(tmp_path, monkeypatch):
+    plain = follower(tmp_path)
+    seed = Trajectory(np.zeros((11, 2)), np.zeros((10, 1)), np.array([1.5]))
+    broken = ControlOutcome(seed, True, np.nan, 0.0, np.zeros(10), 0.0, 1, "diverged")
+    monkeypatch.setattr(solvers.path_following, "synthesise_control", lambda *_a, **_k: broken)
+    outcome = plain.solve(seed, (0,))
+    assert not outcome.feasible
+    assert outcome.robustness == -100.0  # ten times the effort bound

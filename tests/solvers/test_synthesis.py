@@ -1,0 +1,102 @@
+"""Whole syntheses of small, odd robots: the verdict follows from geometry or from mechanics."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import solvers.conclusion
+import solvers.synthesis
+from grammar_lang.load import load
+from solvers.progress import Conduct
+from solvers.synthesis import synthesise
+from tests.oracles.small_specs import TURNER
+
+ARM = "accept contains EN and starts with B eps JO;"
+BEAM = "accept matches B eps L eps EN;"
+WEAK = ("effort <= 10 N*m", "effort <= 0.0001 N*m")
+ROD = "rod(frame: N.frame, axis: x, length: L.length, density: L.density);"
+
+
+def edited(*changes):
+    text = TURNER
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    return text
+
+
+def run(tmp_path, text):
+    path = tmp_path / "spec.srg"
+    path.write_text(text, encoding="utf-8")
+    program = load(path).program
+    (task,) = program.tasks.values()
+    return synthesise(program, task, Conduct())
+
+
+def standing(target):
+    return edited((ARM, BEAM), ("target T box [-0.3, 0.3] x [1.2, 1.9]", f"target T box {target}"))
+
+
+def test_a_robot_that_cannot_move_stands_in_start_and_target(tmp_path):
+    result = run(tmp_path, standing("[1.5, 2.5] x [-0.2, 0.2]"))
+    assert result.verdict == "found"
+    (length,) = (float(p.value) for p in result.design.parameters)
+    assert 1.5 < length < 1.9  # the tip is at (length, 0)
+    assert result.design.inputs == ((),) * 10
+    assert len(result.design.path[0]) == 11
+
+
+def test_a_robot_that_cannot_move_cannot_be_in_two_places(tmp_path):
+    """The regions are apart: a proof exists and is found."""
+    result = run(tmp_path, standing("[2.2, 2.5] x [-0.2, 0.2]"))
+    assert result.verdict == "impossible"
+    assert [record.verdict for record in result.records] == ["refuted"]
+
+
+def test_a_robot_without_mass_is_inadmissible_and_not_refuted(tmp_path):
+    result = run(tmp_path, edited((ARM, "accept matches B eps JO eps L eps EN;"), (ROD, "")))
+    assert result.verdict == "unknown"
+    assert [record.verdict for record in result.records] == ["inadmissible"]
+    assert "mass matrix" in result.reason
+
+
+def test_too_weak_a_robot_is_given_up_at_a_limit_that_is_named(tmp_path, monkeypatch):
+    """A quarter turn within 2 s needs 4 rad / s^2 of a rod of 1/3 kg m^2 at least."""
+    monkeypatch.setattr(solvers.synthesis, "MOTION_SEARCHES", 1)
+    monkeypatch.setattr(solvers.synthesis, "PATHS_PER_STRUCTURE", 1)
+    result = run(tmp_path, edited(WEAK))
+    assert result.verdict == "unknown"
+    assert [r.verdict for r in result.records].count("unresolved") == 1
+    assert result.records[-1].verdict == "unresolved"
+    assert "limit of 1 robots" in result.reason
+    assert "best robustness" in result.reason
+
+
+def test_an_unbounded_family_is_left_at_a_limit_that_is_named(tmp_path, monkeypatch):
+    """The target lies beyond every reach, the structures would number thousands."""
+    monkeypatch.setattr(solvers.conclusion, "DEFAULT_ROBOTS", 3)
+    far = ("target T box [-0.3, 0.3] x [1.2, 1.9]", "target T box [2.9, 3] x [2.9, 3]")
+    pole = ("accept contains EN and starts", "accept contains EN and count(L) <= 1 and starts")
+    result = run(tmp_path, edited(far, pole))
+    assert result.verdict == "unknown"
+    assert "limit of 3 different robots" in result.reason
+    assert {r.verdict for r in result.records} <= {"refuted", "same"}
+    bounded = run(tmp_path, edited(far, pole, ("  horizon", "  modules <= 5;\n  horizon")))
+    assert bounded.verdict == "impossible"
+    assert len(bounded.records) > len(result.records)
+
+
+def test_choices_are_claimed_exactly(tmp_path):
+    choices = ("param length in [1, 2] m", "param length in {4/3, 1.7, 2} m")
+    result = run(tmp_path, edited((ARM, "accept matches B eps JO eps L eps EN;"), choices))
+    assert result.verdict == "found"
+    (length,) = (Fraction(p.value) for p in result.design.parameters)
+    assert length in (Fraction(4, 3), Fraction(17, 10))
+
+
+def test_too_short_a_horizon_ends_with_a_reason(tmp_path):
+    """Start, free space and target need one sample each; the horizon has two samples."""
+    one = (ARM, "accept matches B eps JO eps L eps EN;")
+    result = run(tmp_path, edited(one, ("horizon 10 steps", "horizon 1 steps")))
+    assert result.verdict == "unknown"
+    assert "the task has 2 samples" in result.reason
