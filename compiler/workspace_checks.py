@@ -1,7 +1,7 @@
 """Geometric checks of workspaces and of the tasks in them, all exact.
 
-The rules are those of the language reference, "Geometry": sets are closed, `bounds` binds every effector, and a
-region the task starts in or reaches must leave room outside what it avoids.
+The rules are those of the language reference, "Geometry": sets are closed, `bounds` binds every
+effector, and a region the task starts in or reaches must leave room outside what it avoids.
 """
 
 from __future__ import annotations

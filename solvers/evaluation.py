@@ -6,10 +6,14 @@ the number of processes; what was evaluated before is looked up in a journal.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import os
+import signal
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread, current_thread, main_thread
 from types import TracebackType
 
 from compiler.dynamics import robot_graph
@@ -55,7 +59,33 @@ _worker_follower: list[Follower] = []
 
 
 def _start_worker(plan: Recipe) -> None:
+    Thread(target=_end_with_parent, daemon=True).start()
     _worker_follower[:] = [plan.follower()]
+
+
+def _end_with_parent() -> None:
+    """End this worker when its parent is gone, however that went."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _ready() -> None:
+    """A task that only makes a worker start."""
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Processes started in the block ignore interrupts: those are for their parent to handle."""
+    if current_thread() is not main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _evaluate_in_worker(theta: Array) -> ControlOutcome:
@@ -75,6 +105,9 @@ class Evaluator:
                 initializer=_start_worker,
                 initargs=(recipe(follower),),
             )
+            with _interrupts_ignored():
+                for _ in range(jobs):
+                    self._pool.submit(_ready)
 
     def __enter__(self) -> Evaluator:
         return self

@@ -23,6 +23,8 @@ from compiler.tape import Tape
 from solvers.enclosure import TubeSegment, VectorField
 
 MOST_SPLITS = 12
+MOST_UNBOUNDED_SPLITS = 5
+"""Slices over which nothing finite is known are given up sooner."""
 REFINEMENT = 0.02
 """A margin is refined until it is known to this fraction of itself."""
 
@@ -246,7 +248,7 @@ def check_segment(
             )
         if not again and not limits_again:
             continue
-        if depth == MOST_SPLITS:
+        if depth == MOST_SPLITS or (found is None and depth == MOST_UNBOUNDED_SPLITS):
             for item in (*again, *limits_again):
                 item.status = _worse(item.status, Status.UNDECIDED)
             continue

@@ -90,12 +90,16 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     owner = _owner(path)
     if owner is None and any(not _unfinished(item.name) for item in path.iterdir()) and not force:
         raise UsageFault(f"{path} is not empty and holds no results; --force uses it all the same")
+    ours = [name for name in OWN_FOLDERS if (path / name).exists()]
+    if owner is None and ours and force:
+        # They are somebody else's: a result must not be mixed with them, nor may they be deleted.
+        raise UsageFault(f"{path} has a `{ours[0]}` that is not ours; choose another folder")
     if owner is not None and owner != identity and not force:
         raise UsageFault(
             f"{path} holds the results of another {_difference(owner, identity)}; "
             "choose another folder, or --force to replace them"
         )
-    if owner == identity:
+    if owner is None or owner == identity:
         folder.values.update(_journal_values(path / JOURNAL))
     else:
         for name in (*OWN_FILES, *OWN_FOLDERS):

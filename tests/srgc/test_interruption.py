@@ -144,13 +144,16 @@ def test_a_journal_cut_in_its_last_line(tmp_path):
     assert whole.values == folder.values
 
 
-def test_an_interrupt_is_one_line(made, tmp_path):
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_an_interrupt_is_one_line(made, tmp_path, jobs):
+    """As from a terminal, which interrupts the workers as well."""
     (tmp_path / "turner.srg").write_bytes((made("turner") / "turner.srg").read_bytes())
-    with srgc_process(["synth", "turner.srg", "-o", "out"], tmp_path) as process:
+    arguments = ["synth", "turner.srg", "-o", "out", "--jobs", jobs]
+    with srgc_process(arguments, tmp_path) as process:
         assert process.stderr is not None
         while b"robustness" not in process.stderr.readline():
             assert process.poll() is None
-        process.send_signal(signal.SIGINT)
+        os.killpg(process.pid, signal.SIGINT)
         out, err = process.communicate(timeout=60)
     assert (process.returncode, out) == (130, b"")
     assert b"Traceback" not in err

@@ -39,7 +39,7 @@ WRONG = {
         None, "outside",
     ),
     "empty interval": (lambda text: text.replace("[0.5, 5]", "[5, 0.5]"), "[5, 0.5] m", "empty"),
-    "a later issue's construct": (
+    "a construct not yet supported": (
         lambda text: text.replace("reach T;", "satisfy eventually T;"), None, "",
     ),
 }  # fmt: skip
