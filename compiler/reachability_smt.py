@@ -78,6 +78,8 @@ class PoseQuestion:
 
     ``start`` is None where the task gives the start pose by its coordinates.  A None
     ``start_effector`` is the effector that reaches; a None ``reach_effector`` is any effector.
+    ``start_values`` counts the coordinates of a given start pose: a robot with another number of
+    degrees of freedom is no candidate.
     """
 
     start: tuple[ir.HalfSpace, ...] | None
@@ -85,6 +87,7 @@ class PoseQuestion:
     bounds: tuple[ir.HalfSpace, ...]
     start_effector: int | None = None
     reach_effector: int | None = None
+    start_values: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +117,7 @@ def pose_question(workspace: ir.Workspace, task: ir.Task) -> PoseQuestion:
         rows(workspace.bounds),
         None if start is None else index(start.effector),
         index(task.reach.effector),
+        len(task.start.values) if isinstance(task.start, ir.StartAt) else None,
     )
 
 
@@ -122,6 +126,8 @@ def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[in
 
     Where only the start names its effector, any effector may reach.
     """
+    if question.start_values not in (None, len(model.dofs)):
+        return []
     count, start, reach = len(model.effectors), question.start_effector, question.reach_effector
     reaching = range(count) if reach is None else [reach]
     pairs = [(e if start is None or question.start is None else start, e) for e in reaching]
@@ -156,7 +162,9 @@ def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
         with working_precision(PRECISION):
             _Encoding(model, question, script).write(pairs)
     else:
-        script.comment("The structure has no such effector.")
+        script.comment(
+            "No effector of the structure is a candidate, or the start pose is of another robot."
+        )
         script.assertion(FALSE)
     script.lines.append("(check-sat)")
     return "\n".join(script.lines) + "\n"

@@ -140,7 +140,8 @@ def separating_planes(swept: Array, obstacle: ConvexSet) -> tuple[Array, Array]:
 
     Candidates are the obstacle's facets; in the plane also the lines through two of the points, in
     space the planes through three of them and those along one edge of either.  The sets are
-    disjoint iff one of these separates them (separating axis theorem).  Returns unit normals
+    disjoint iff one of these separates them (separating axis theorem); the lines from corners to
+    points make the best gap the distance where two corners are nearest.  Returns unit normals
     (k, d) pointing away from the obstacle and the obstacle's support (k,) in those directions.
     """
     k, width, d = swept.shape
@@ -150,7 +151,10 @@ def separating_planes(swept: Array, obstacle: ConvexSet) -> tuple[Array, Array]:
     across = _planar(edge) if d == 2 else _spatial(edge, swept, obstacle)
     length = np.linalg.norm(across, axis=2, keepdims=True)
     across = np.where(length > 1e-9, across / np.maximum(length, 1e-12), obstacle.normals[0])
-    normals = np.concatenate([facets, across, -across], axis=1)
+    away = (swept[:, :, None, :] - obstacle.vertices[None, None]).reshape(k, -1, d)
+    reach = np.linalg.norm(away, axis=2, keepdims=True)
+    away = np.where(reach > 1e-9, away / np.maximum(reach, 1e-12), obstacle.normals[0])
+    normals = np.concatenate([facets, across, -across, away], axis=1)
     support = np.max(normals @ obstacle.vertices.T, axis=2)
     nearest = np.min(np.einsum("kcd,kwd->kcw", normals, swept), axis=2)
     best = np.argmax(nearest - support, axis=1)

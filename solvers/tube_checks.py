@@ -121,12 +121,19 @@ class Apart(Constraint):
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
         """The distance along the best separating direction, less what is asked."""
+        best = self._best(over, [*self.rows, *self._corners(over)])
+        planar = bool(self.rows) and len(self.rows[0].normal) == 2
+        if planar or not best[0] > 0:
+            best = max(best, self._best(over, self._along_bodies(over)), key=_lower)
+        return best
+
+    def _best(self, over: Slice, candidates: Sequence[Row]) -> tuple[arb, arb]:
+        """The largest lower bound over the candidates, and its value at the middle."""
         best, middle = arb("-inf"), arb("-inf")
-        for item in self._candidates(over):
-            values = [over.form(item.normal, point) for point in self.points]
-            lower = arb("inf")
-            centre = arb("inf")
-            for value, at in values:
+        for item in candidates:
+            lower, centre = arb("inf"), arb("inf")
+            for point in self.points:
+                value, at = over.form(item.normal, point)
                 lower, centre = lower.min(value), centre.min(at)
             worth = ((lower - item.offset) / item.length - self.distance).lower()
             if bool(worth > best) or not best.is_finite():
@@ -141,25 +148,68 @@ class Apart(Constraint):
             for point in self.points
         )
 
-    def _candidates(self, over: Slice) -> list[Row]:
-        """The facets, and in the plane the lines along the segments between the points."""
-        found = list(self.rows)
-        if len(self.points) < 2 or not self.vertices or len(self.vertices[0]) != 2:
-            return found
+    def _along_bodies(self, over: Slice) -> list[Row]:
+        """Directions across the segments between the points.
+
+        In the plane a segment misses a convex polygon iff a facet or the segment's own line
+        separates them; in space the planes along the segment and an edge of the obstacle, which
+        are among those along the segment and two corners, are needed too.
+        """
+        if len(self.points) < 2 or not self.vertices:
+            return []
+        normals: list[tuple[arb, ...]] = []
         for i, j in combinations(self.points, 2):
-            (x0, y0), (x1, y1) = (
-                tuple(axis[0].mid() for axis in over.points[point]) for point in (i, j)
-            )
-            for sign in (1, -1):
-                normal = (sign * (y0 - y1), sign * (x1 - x0))
-                length = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt()
-                if not length > 0:
-                    continue
-                support = arb("-inf")
-                for vertex in self.vertices:
-                    support = support.max(normal[0] * vertex[0] + normal[1] * vertex[1])
-                found.append(Row(normal, support, length))
+            along = [
+                q[0].mid() - p[0].mid() for p, q in zip(over.points[i], over.points[j], strict=True)
+            ]
+            if len(along) == 2:
+                normals.append((-along[1], along[0]))
+                continue
+            for v, w in combinations(self.vertices, 2):
+                x, y, z = ((b - a).mid() for a, b in zip(v, w, strict=True))
+                normals.append(
+                    (
+                        along[1] * z - along[2] * y,
+                        along[2] * x - along[0] * z,
+                        along[0] * y - along[1] * x,
+                    )
+                )
+        both = [item for n in normals for item in (n, tuple(-a for a in n))]
+        rows = (self._supported(normal) for normal in both)
+        return [row for row in rows if row is not None]
+
+    def _corners(self, over: Slice) -> list[Row]:
+        """The lines from the obstacle's corners to the points, where a distance is asked for.
+
+        Between two corners no other direction shows the distance; without one, none is needed.
+        """
+        found: list[Row] = []
+        if not self.distance > 0:
+            return found
+        for point in self.points:
+            middle = [axis[0].mid() for axis in over.points[point]]
+            for vertex in self.vertices:
+                normal = tuple(x - v.mid() for x, v in zip(middle, vertex, strict=True))
+                row = self._supported(normal)
+                if row is not None:
+                    found.append(row)
         return found
+
+    def _supported(self, normal: tuple[arb, ...]) -> Row | None:
+        """The half-space of the obstacle in a direction; None for no direction."""
+        length = sum((a * a for a in normal), arb(0)).sqrt()
+        if not length > 0:
+            return None
+        support = arb("-inf")
+        for vertex in self.vertices:
+            value = sum((a * x for a, x in zip(normal, vertex, strict=True)), arb(0))
+            support = support.max(value)
+        return Row(normal, support, length)
+
+
+def _lower(bound: tuple[arb, arb]) -> float:
+    value = float(bound[0])
+    return value if value == value else float("-inf")
 
 
 @dataclass(frozen=True, slots=True)

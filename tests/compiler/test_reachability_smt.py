@@ -235,7 +235,8 @@ def test_effectors_that_move_alike_are_encoded_once():
 def test_no_effector_is_false_in_so_many_words():
     arm = ArmBuilder().revolute().link(1).model()
     script = refutation_script(arm, question())
-    assert "; The structure has no such effector.\n(assert false)" in script
+    assert "; No effector of the structure is a candidate" in script
+    assert "(assert false)" in script
     assert solve_script(script) == UNSAT
 
 
@@ -386,3 +387,10 @@ def test_a_parameter_of_one_value_is_a_constant():
     arm = ArmBuilder().revolute()
     arm.link(arm.parameter("1.6", "1.6")).effector()
     assert "theta" not in refutation_script(arm.model(), question())
+
+
+def test_a_start_pose_of_another_number_of_joints_is_no_candidate():
+    """`start at (...)` names one value per degree of freedom; others are no candidates."""
+    asked = question(start=None)
+    for values, answer in ((2, SAT), (3, UNSAT)):
+        assert decide(planar_arm(2), replace(asked, start_values=values)) == answer

@@ -1,0 +1,89 @@
+"""Separation over a slice of time, against distances worked out by hand."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import product
+
+import pytest
+from flint import arb
+
+from compiler.balls import ball, working_precision
+from solvers.tube_checks import Apart, Inside, Row, Slice, row
+
+
+def rows_of_box(low: list[int], high: list[int]) -> tuple[Row, ...]:
+    found = []
+    for axis in range(len(low)):
+        for sign, bound in ((-1, -low[axis]), (1, high[axis])):
+            normal = [Fraction(0)] * len(low)
+            normal[axis] = Fraction(sign)
+            found.append(row(normal, Fraction(bound)))
+    return tuple(found)
+
+
+def corners(low: list[int], high: list[int]) -> tuple[tuple[arb, ...], ...]:
+    pairs = list(zip(low, high, strict=True))
+    return tuple(tuple(arb(x) for x in point) for point in product(*pairs))
+
+
+def still(*points: tuple[str, ...]) -> Slice:
+    """Points at rest over one second."""
+    exact = (tuple((ball(Fraction(x)), arb(0), arb(0)) for x in point) for point in points)
+    return Slice(arb(0), arb("0.5"), tuple(exact))
+
+
+def apart(points: int, dimension: int, distance: str = "0") -> Apart:
+    low, high = [0] * dimension, [1] * dimension
+    return Apart(
+        "obstacle",
+        points=tuple(range(points)),
+        rows=rows_of_box(low, high),
+        vertices=corners(low, high),
+        distance=ball(Fraction(distance)),
+    )
+
+
+def margin(constraint: Apart | Inside, over: Slice) -> float:
+    with working_precision(80):
+        return float(constraint.bound(over)[0])
+
+
+def test_the_distance_to_a_corner_counts() -> None:
+    """(1.3, 1.4) is 0.5 from the corner (1, 1), but only 0.4 beyond a facet."""
+    assert margin(apart(1, 2, "0.45"), still(("1.3", "1.4"))) == pytest.approx(0.05)
+    assert margin(apart(1, 2, "0.55"), still(("1.3", "1.4"))) == pytest.approx(-0.05)
+
+
+def test_a_segment_past_a_corner() -> None:
+    """From (2, 0.5) to (0.5, 2): x + y = 2.5, at 0.5 / sqrt(2) from (1, 1); no facet separates."""
+    assert margin(apart(2, 2), still(("2", "0.5"), ("0.5", "2"))) == pytest.approx(0.5 / 2**0.5)
+
+
+def test_a_segment_past_an_edge_in_space() -> None:
+    """The same line, rising from z = 0.2 to 0.8: only edge times segment separates the sets."""
+    over = still(("2", "0.5", "0.2"), ("0.5", "2", "0.8"))
+    assert margin(apart(2, 3), over) > 0.3
+
+
+def test_a_segment_through_an_obstacle_is_never_apart() -> None:
+    assert margin(apart(2, 2), still(("-1", "0.5"), ("2", "0.6"))) < 0
+    assert margin(apart(2, 3), still(("-1", "0.5", "0.5"), ("2", "0.6", "0.4"))) < 0
+
+
+def test_a_point_inside_is_a_violation_and_one_outside_is_none() -> None:
+    with working_precision(80):
+        assert apart(1, 2).violated(still(("0.5", "0.5")))
+        assert not apart(1, 2).violated(still(("1.5", "0.5")))
+        inside = Inside("bounds", points=(0,), rows=rows_of_box([0, 0], [1, 1]))
+        assert inside.violated(still(("1.5", "0.5")))
+        assert not inside.violated(still(("0.5", "0.5")))
+
+
+def test_a_moving_point_is_enclosed_to_second_order() -> None:
+    """p = 1.2 + s + s^2 on |s| <= 1/2 has its least value 0.95 at s = -1/2: it enters the box."""
+    moving = ((ball(Fraction("1.2")), arb(1), arb(1)), (ball(Fraction("0.5")), arb(0), arb(0)))
+    over = Slice(arb(0), arb("0.5"), (moving,))
+    assert margin(apart(1, 2), over) <= -0.05
+    slower = ((ball(Fraction("1.8")), arb(1), arb(1)), (ball(Fraction("0.5")), arb(0), arb(0)))
+    assert 0 < margin(apart(1, 2), Slice(arb(0), arb("0.5"), (slower,))) <= 0.55
