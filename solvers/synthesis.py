@@ -175,12 +175,6 @@ class _Run:
         self, model: RobotModel, reading: FloatReading
     ) -> tuple[StructureVerdict, str] | None:
         """Why a robot that was not refuted cannot be driven, or None."""
-        start = self.task.start
-        if isinstance(start, ir.StartAt) and len(start.values) != len(model.dofs):
-            return "unresolved", (
-                f"the start pose has {len(start.values)} values, the robot "
-                f"{len(model.dofs)} degrees of freedom"
-            )
         if not model.dofs:
             return None
         rng = np.random.default_rng(0)

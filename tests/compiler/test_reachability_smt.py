@@ -379,8 +379,10 @@ def test_a_task_asks_about_its_regions():
     )  # fmt: skip
     asked = pose_question(bench(), task)
     assert asked == question(start_effector=1)
-    fixed = replace(task, start=ir.StartAt(()), reach=ir.Reach("T", 1, at_rest=False))
-    assert pose_question(bench(), fixed) == question(start=None, reach_effector=0)
+    pose = ir.StartAt((ir.Num(Fraction(1)), ir.Pi()))
+    fixed = replace(task, start=pose, reach=ir.Reach("T", 1, at_rest=False))
+    wanted = question(start=None, reach_effector=0, start_values=2)
+    assert pose_question(bench(), fixed) == wanted
 
 
 def test_a_parameter_of_one_value_is_a_constant():
