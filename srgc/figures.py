@@ -65,9 +65,10 @@ def workspace_figure(
         axes.plot(*tips.T, color=INK, lw=2.0, label="effector", zorder=6)
         axes.plot(*tips[0], "o", color=INK, ms=5, zorder=7)
         axes.plot(*tips[-1], "*", color=INK, ms=11, zorder=7)
-        _frame(axes, workspace)
+        _frame(axes, workspace, points.reshape(-1, 2))
         seen = ", seen along z" if workspace.dimension == 3 else ""
-        axes.set_title(f"{task.name}: {_caption(design)}{seen}", fontsize=10, loc="left")
+        word = " ".join(design.derivation.word)
+        axes.set_title(f"{task.name}: {word}\n{_caption(design)}{seen}", fontsize=9, loc="left")
         axes.legend(loc="upper left", fontsize=8, framealpha=0.85)
         return _svg(figure)
 
@@ -77,16 +78,20 @@ def _caption(design: Design) -> str:
         f"{p.name} {float(Fraction(claim.value)):.3g} {p.unit}".strip()
         for p, claim in zip(design.model.parameters, design.parameters, strict=True)
     )
-    return lengths or "no parameters"
+    margin = f"robustness {design.configuration.outcome.robustness:.4g}"
+    return f"{lengths}; {margin}" if lengths else margin
 
 
-def _frame(axes: Axes, workspace: ir.Workspace) -> None:
-    box = polytope_of(workspace.bounds.shape, workspace.dimension).box
-    (x0, y0), (x1, y1) = box[0][:2], box[1][:2]
-    pad = 0.02 * max(x1 - x0, y1 - y0)
+def _frame(axes: Axes, workspace: ir.Workspace, points: Array) -> None:
+    """The bounds as a rectangle, and a view that holds them and the whole motion."""
+    box = polytope_of(workspace.bounds.shape, workspace.dimension).box[:, :2]
+    (x0, y0), (x1, y1) = box
     axes.plot([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0], color=INK, lw=0.8, zorder=1)
-    axes.set_xlim(x0 - pad, x1 + pad)
-    axes.set_ylim(y0 - pad, y1 + pad)
+    seen = np.concatenate([box, points])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    pad = 0.02 * float(np.max(high - low))
+    axes.set_xlim(low[0] - pad, high[0] + pad)
+    axes.set_ylim(low[1] - pad, high[1] + pad)
     axes.set_aspect("equal")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
@@ -143,8 +148,9 @@ def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
         corners = _outline(np.array([[float(x) for x in v] for v in polytope.vertices]))
         colour = COLOURS[region.kind]
         axes.fill(*corners.T, facecolor=colour, alpha=0.35, edgecolor=colour, lw=1.2, zorder=2)
+        top = max(corners.tolist(), key=lambda corner: (corner[1] - corner[0], corner[1]))
         axes.annotate(
-            region.name, corners.mean(axis=0), ha="center", va="center", color=INK, zorder=8
+            region.name, top, (0, 3), textcoords="offset points", color=INK, weight="bold", zorder=8
         )
 
 
@@ -215,7 +221,9 @@ def input_figure(design: Design, task: ir.Task) -> str:
             axes.set_xlim(time[0], time[-1])
             axes.set_ylim(-1.15 * bound, 1.15 * bound)
             _magnified(axes, time, design, effort, unit)
-            axes.legend(loc="upper right", fontsize=8, framealpha=0.85, ncols=4)
+            axes.legend(
+                loc="lower right", bbox_to_anchor=(1, 1), fontsize=8, frameon=False, ncols=4
+            )
         if not kinds:
             panels[0].set_title("the robot has no inputs", fontsize=10, loc="left")
             panels[0].set_xlim(time[0], time[-1])
