@@ -6,7 +6,7 @@ steps at which cells are entered are then moved as long as that helps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from solvers.parameter_search import BayesianSearch, parameter_space
 from solvers.path_following import Follower
 from solvers.progress import Conduct
 
-ROUNDS = 6
+ROUNDS = 4
 BATCH = 2
 BASINS = 2
 SHIFTS = (4, -4, 1, -1)
@@ -25,15 +25,18 @@ LONGEST_RUN = 6
 GAIN = 1e-4
 RETIMING = Effort(10, 1e-4, 1e-8)
 RETIMING_RADIUS = 0.1
+RELEASES = (0.3, 0.3)
+"""Trust regions of the attempts with the cells released."""
 
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """The best outcome for a path, with its entry steps and the number of evaluations made."""
+    """The best outcome for a path: its entry steps, the evaluations made, and its cells."""
 
     outcome: ControlOutcome
     entries: tuple[int, ...]
     evaluations: int
+    cells: tuple[int, ...]
 
 
 def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Configuration:
@@ -59,10 +62,17 @@ def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Co
             for outcome in evaluator.batch(thetas):
                 conduct.check_time()
                 best.append(_polished(follower, outcome, entries, conduct))
-    top = max(best, key=lambda outcome: outcome.robustness)
+    ranked = sorted(best, key=lambda outcome: -outcome.robustness)
+    top = ranked[0]
+    for outcome in ranked[:1] if top.feasible else ranked:
+        freed = _freed(follower, outcome, conduct)
+        if freed is not None:
+            top, entries, cells = freed
+            follower = replace(follower, cells=cells)
+            break
     if top.feasible:
         top, entries = _timed(follower, top, entries, conduct)
-    return Configuration(top, entries, evaluations)
+    return Configuration(top, entries, evaluations, follower.cells)
 
 
 def _explore(search: BayesianSearch, evaluator: Evaluator, label: str, conduct: Conduct) -> None:
@@ -106,6 +116,34 @@ def _polished(
     better = max(outcome, polished, key=lambda item: item.robustness)
     conduct.reporter.robustness(better.robustness)
     return better
+
+
+def _freed(
+    follower: Follower, outcome: ControlOutcome, conduct: Conduct
+) -> tuple[ControlOutcome, tuple[int, ...], tuple[int, ...]] | None:
+    """The outcome with free timing: release the cells, optimise, and read the path off.
+
+    The half-planes keep the motion on its side of every obstacle, so it visits the path's cells or
+    others next to them.  None where that is no path, or no better.
+    """
+    space = parameter_space(follower.model)
+    best: tuple[ControlOutcome, tuple[int, ...], tuple[int, ...]] | None = None
+    for radius in RELEASES:
+        conduct.check_time()
+        start = outcome if best is None else best[0]
+        box = None if space.is_point else space.free_box(start.trajectory.theta)
+        free = follower.released(start.trajectory, box, FULL, radius)
+        visited = follower.visited(free.trajectory) if free.feasible else None
+        if visited is None or free.robustness <= start.robustness + GAIN:
+            break
+        cells, entries = visited
+        other = replace(follower, cells=cells)
+        trial = other.solve(free.trajectory, entries, box, FULL, RETIMING_RADIUS)
+        if not trial.feasible or trial.robustness <= start.robustness + GAIN:
+            break
+        best = trial, entries, cells
+        conduct.reporter.robustness(trial.robustness)
+    return best
 
 
 def _timed(

@@ -70,6 +70,12 @@ class Follower:
         """The distance kept from joint and rate limits, in rad or m (/s)."""
         return LIMIT_MARGIN + OVERSHOOT * max(0.0, self.margin - LEAST_MARGIN)
 
+    @property
+    def starts_in_its_cell(self) -> bool:
+        """Whether the task asks where the reaching effector starts."""
+        own = self.start_effector == self.effector
+        return own and isinstance(self.task.start, ir.StartIn)
+
     # --- timing ---------------------------------------------------------------------------------
 
     def polyline(self) -> Array:
@@ -105,17 +111,21 @@ class Follower:
 
     # --- constraints ----------------------------------------------------------------------------
 
-    def plan(self, entries: tuple[int, ...]) -> PositionPlan:
-        """All half-planes for given entry steps."""
+    def plan(self, entries: tuple[int, ...] | None) -> PositionPlan:
+        """All half-planes for given entry steps; without, only the two ends bind to cells."""
         k = self.task.steps
         dwells = []
         bounds = _convex(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
-        ends = [*(entry - 1 for entry in entries[1:]), k]
-        for cell, first, last in zip(self.cells, entries, ends, strict=True):
+        stays = [(self.cells[0], 0, 0)] if self.starts_in_its_cell else []
+        stays.append((self.cells[-1], k, k))
+        if entries is not None:
+            ends = [*(entry - 1 for entry in entries[1:]), k]
+            stays = list(zip(self.cells, entries, ends, strict=True))
+        for cell, first, last in stays:
             region = _convex(self.abstraction.cells[cell].polytope)
             dwells.append(Dwell(self.effector, first, last, region))
         count = len(self.model.effectors)
-        inside = [e for e in range(count) if e != self.effector]
+        inside = [e for e in range(count) if entries is None or e != self.effector]
         if self.task.bounds_body:
             inside += [count + i for hull in self.reading.graph.hulls for i in hull]
         dwells += [Dwell(point, 0, k, bounds) for point in inside]
@@ -124,7 +134,12 @@ class Follower:
             dwells.append(Dwell(self.start_effector, 0, 0, region))
         anchors = self.waypoints()[0]
         return PositionPlan(
-            k, tuple(dwells), tuple(self._separations()), self.margin, self.effector, anchors
+            k,
+            tuple(dwells),
+            tuple(self._separations()),
+            self.margin,
+            None if entries is None else self.effector,
+            anchors,
         )
 
     def _region(self, name: str) -> Polytope:
@@ -153,8 +168,8 @@ class Follower:
         radii = [b.radius for b in self.model.bodies if isinstance(b, RodBody)]
         return max(abs(values[r]) for r in radii if r is not None)
 
-    def problem(self, entries: tuple[int, ...]) -> ControlProblem:
-        """The control problem for given entry steps."""
+    def problem(self, entries: tuple[int, ...] | None) -> ControlProblem:
+        """The control problem for given entry steps, or with all cells but the ends released."""
         task = self.task
         limits = motion_limits(self.model, task, self.limit_margin)
         groups = input_groups(self.model, task)
@@ -197,7 +212,22 @@ class Follower:
         """Control synthesis from a seed; with ``box`` the parameters are unknowns too."""
         if entries is None:
             entries = self.waypoints()[1]
-        problem = self.problem(entries)
+        return self._solve(self.problem(entries), start, box, effort, radius)
+
+    def released(
+        self, start: Trajectory, box: tuple[Array, Array] | None, effort: Effort, radius: float
+    ) -> ControlOutcome:
+        """The same with the cells between the two ends released; obstacles bind as before."""
+        return self._solve(self.problem(None), start, box, effort, radius)
+
+    def _solve(
+        self,
+        problem: ControlProblem,
+        start: Trajectory,
+        box: tuple[Array, Array] | None,
+        effort: Effort,
+        radius: float,
+    ) -> ControlOutcome:
         # Trial motions may diverge; what is not finite counts as infeasible.
         with np.errstate(all="ignore"):
             outcome = synthesise_control(problem, start, box, effort, radius)
@@ -228,6 +258,30 @@ class Follower:
                     break
                 substeps, x = 2 * substeps, finer
         return replace(self, substeps=substeps)
+
+    def visited(self, trajectory: Trajectory) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
+        """The cells a trajectory visits and when it enters them, if that is a path of the task."""
+        positions = self.reading.points(trajectory.x[:, : self.reading.n], trajectory.theta).value
+        avoided = {
+            name
+            for avoid in self.task.avoid
+            if avoid.subject == "effector"
+            for name in avoid.regions
+        }
+        cells: list[int] = []
+        entries: list[int] = []
+        for sample, point in enumerate(positions[:, self.effector]):
+            cell = self.abstraction.locate(point)
+            if cell is None or self.abstraction.cells[cell].propositions & avoided:
+                return None
+            if not cells or cells[-1] != cell:
+                if cells and cell not in self.abstraction.neighbours[cells[-1]]:
+                    return None
+                cells.append(cell)
+                entries.append(sample)
+        starts = cells[0] == self.cells[0] or not self.starts_in_its_cell
+        ends = cells[-1] == self.cells[-1]
+        return (tuple(cells), tuple(entries)) if starts and ends else None
 
     def cell_names(self, trajectory: Trajectory, entries: tuple[int, ...]) -> list[list[str]]:
         """The cell of every effector at every sample."""

@@ -78,4 +78,4 @@ def _motionless(reading: FloatReading, task: ir.Task, theta: Array) -> Configura
         iterations=0,
         status="motionless",
     )
-    return Configuration(outcome, (0,), 1)
+    return Configuration(outcome, (0,), 1, ())

@@ -8,7 +8,7 @@ every structure up to an explicit bound is refuted by a script that a solver ans
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Literal
 
@@ -274,12 +274,13 @@ class _Run:
         if not found.outcome.feasible:
             prefix = infeasible_prefix(follower, found.outcome, found.entries)
             return None, found.outcome.robustness, prefix
+        follower = replace(follower, cells=found.cells)
         for margin in MARGINS:
             wider = follower.with_margin(margin).refined(found.outcome.trajectory)
             if (wider.margin, wider.substeps) != (follower.margin, follower.substeps):
                 follower = wider
                 outcome = follower.solve(found.outcome.trajectory, found.entries)
-                found = Configuration(outcome, found.entries, found.evaluations)
+                found = replace(found, outcome=outcome)
             if not found.outcome.feasible:
                 break
             design = self.certified(derivation, follower, found)
