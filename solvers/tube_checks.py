@@ -145,8 +145,25 @@ class Apart(Constraint):
         """Whether the condition certainly fails at the middle of the slice."""
         return any(
             all(bool(over.form(item.normal, point)[1] < item.offset) for item in self.rows)
+            or self._too_near([axis[0] for axis in over.points[point]])
             for point in self.points
         )
+
+    def _too_near(self, p: Sequence[arb]) -> bool:
+        """Whether some point of the obstacle is certainly nearer to p than the distance asked.
+
+        The corners, and the feet on the facets that certainly lie in the obstacle, are tried.
+        """
+        feet = list(self.vertices)
+        for item in self.rows:
+            over = _product(item.normal, p) - item.offset
+            share = over / (item.length * item.length)
+            foot = tuple(x - share * a for x, a in zip(p, item.normal, strict=True))
+            others = (other for other in self.rows if other is not item)
+            if all(bool(_product(o.normal, foot) <= o.offset) for o in others):
+                feet.append(foot)
+        squares = (_product(gap, gap) for gap in (_minus(p, foot) for foot in feet))
+        return any(bool(square < self.distance * self.distance) for square in squares)
 
     def _along_bodies(self, over: Slice) -> list[Row]:
         """Directions across the segments between the points.
@@ -205,6 +222,14 @@ class Apart(Constraint):
             value = sum((a * x for a, x in zip(normal, vertex, strict=True)), arb(0))
             support = support.max(value)
         return Row(normal, support, length)
+
+
+def _product(left: Sequence[arb], right: Sequence[arb]) -> arb:
+    return sum((a * b for a, b in zip(left, right, strict=True)), arb(0))
+
+
+def _minus(left: Sequence[arb], right: Sequence[arb]) -> list[arb]:
+    return [a - b for a, b in zip(left, right, strict=True)]
 
 
 def _lower(bound: tuple[arb, arb]) -> float:

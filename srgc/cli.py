@@ -7,6 +7,7 @@ error, 130 interrupted.  Heavy libraries are imported in the command that needs 
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 from pathlib import Path
@@ -35,6 +36,15 @@ FILE = click.argument("file", type=click.Path(path_type=Path))
 @click.version_option(package_name="srgc")
 def cli() -> None:
     """Compile modular-robot grammars to robots that are proved to do their task."""
+
+
+def _finite(
+    _context: click.Context, parameter: click.Parameter, value: float | None
+) -> float | None:
+    """Refuse nan, which every comparison lets through."""
+    if value is not None and math.isnan(value):
+        raise click.BadParameter("a number of seconds is due", param=parameter)
+    return value
 
 
 def _show(checked: Checked, *, stderr: bool) -> None:
@@ -170,7 +180,12 @@ def plan(file: Path, task: str | None) -> int:
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Default: out/TASK.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True)
-@click.option("--time-limit", type=click.FloatRange(0, min_open=True), help="Seconds.")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(0, sys.float_info.max, min_open=True),
+    callback=_finite,
+    help="Seconds.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
 @click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
 def synth(

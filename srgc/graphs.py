@@ -7,8 +7,9 @@ import subprocess
 from pathlib import Path
 
 from compiler.abstraction import abstract
+from compiler.acceptance import accept_dfa
 from compiler.automaton import sra
-from compiler.language import language
+from compiler.language import Language, language, restrict
 from compiler.views import dfa_dot, grammar_dot, sra_dot, words_dot
 from compiler.workspace_dot import workspace_dot
 from grammar_lang import ir
@@ -16,6 +17,7 @@ from srgc.session import UsageFault, chosen
 
 DRAWN = (".svg", ".png")
 DRAWING_SECONDS = 120
+MOST_WORDS = 5000
 
 
 def dot_text(
@@ -32,12 +34,25 @@ def dot_text(
     family = chosen(program.grammars, grammar, "grammar")
     words = language(family, program.terminals, program.modules)
     if what == "words":
+        _refuse_too_many(words, depth)
         return words_dot(words, depth)
     if what == "dfa":
         return dfa_dot(words.accept)
     if what == "grammar":
         return grammar_dot(words.srg)
     return sra_dot(sra(words.srg, words.accept))
+
+
+def _refuse_too_many(words: Language, depth: int) -> None:
+    """A picture of thousands of words helps nobody and takes long to write."""
+    every = restrict(words.srg, accept_dfa(ir.AllOf(()), words.srg.terminals))
+    for modules in range(1, depth + 1):
+        if not every.is_finite(max_modules=modules):
+            return
+        if sum(every.count_words(max_modules=modules)) > MOST_WORDS:
+            raise UsageFault(
+                f"more than {MOST_WORDS} words to draw: choose a --depth below {modules}"
+            )
 
 
 def write_graph(text: str, output: Path) -> None:

@@ -87,3 +87,14 @@ def test_a_moving_point_is_enclosed_to_second_order() -> None:
     assert margin(apart(1, 2), over) <= -0.05
     slower = ((ball(Fraction("1.8")), arb(1), arb(1)), (ball(Fraction("0.5")), arb(0), arb(0)))
     assert 0 < margin(apart(1, 2), Slice(arb(0), arb("0.5"), (slower,))) <= 0.55
+
+
+@pytest.mark.parametrize(
+    ("point", "distance"),
+    [(("1.3", "1.4"), "0.51"), (("1.3", "0.5"), "0.31"), (("0.2", "-0.1"), "0.11")],
+)
+def test_too_near_is_a_violation(point: tuple[str, str], distance: str) -> None:
+    """Distances 0.5 (a corner), 0.3 and 0.1 (a facet): asked for more, they are refused."""
+    with working_precision(80):
+        assert apart(1, 2, distance).violated(still(point))
+        assert not apart(1, 2, str(Fraction(distance) - Fraction("0.02"))).violated(still(point))

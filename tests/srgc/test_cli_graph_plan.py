@@ -113,3 +113,10 @@ def test_a_task_has_to_be_chosen(srgc, spec):
     assert srgc("plan", path, "--task", "Again").status == 0
     none = spec(SLIDER[: SLIDER.index("task Slide")], "none.srg")
     assert srgc("plan", none).status == 2
+
+
+def test_too_many_words_to_draw_are_refused(srgc, arm_file):
+    """At most n modules: 1 + 3 + ... + 3 ** (n - 1) words, above 5,000 from n = 9 on."""
+    ran = srgc("graph", arm_file, "--of", "words", "--depth", "400")
+    assert ran.status == 2
+    assert "choose a --depth below 9" in ran.err

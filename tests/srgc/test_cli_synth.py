@@ -208,3 +208,9 @@ def test_a_cyclic_grammar_is_refused(srgc, spec, tmp_path):
     assert not (tmp_path / "out").exists()
     word = ["B", "eps", "P", "eps", "M", "eps", "EN"]
     assert srgc("accepts", path, "--trace", "--", *word).status == 0
+
+
+def test_a_time_limit_is_a_number(srgc, arm_file):
+    ran = srgc("synth", arm_file, "--time-limit", "nan")
+    assert ran.status == 2
+    assert "seconds" in ran.err
