@@ -145,10 +145,9 @@ def test_a_journal_cut_in_its_last_line(tmp_path):
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
-def test_an_interrupt_is_one_line(made, tmp_path, jobs):
-    """As from a terminal, which interrupts the workers as well."""
-    (tmp_path / "turner.srg").write_bytes((made("turner") / "turner.srg").read_bytes())
-    arguments = ["synth", "turner.srg", "-o", "out", "--jobs", jobs]
+def test_an_interrupt_is_one_line(arm_file, tmp_path, jobs):
+    """As from a terminal, which interrupts the workers as well; the run is a long one."""
+    arguments = ["synth", arm_file, "-o", "out", "--jobs", jobs]
     with srgc_process(arguments, tmp_path) as process:
         assert process.stderr is not None
         while b"robustness" not in process.stderr.readline():
