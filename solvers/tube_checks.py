@@ -196,13 +196,11 @@ class Apart(Constraint):
         return [row for row in rows if row is not None]
 
     def _corners(self, over: Slice) -> list[Row]:
-        """The lines from the obstacle's corners to the points, where a distance is asked for.
+        """The lines from the obstacle's corners to the points.
 
-        Between two corners no other direction shows the distance; without one, none is needed.
+        Where two corners are nearest, no other direction shows the distance.
         """
         found: list[Row] = []
-        if not self.distance > 0:
-            return found
         for point in self.points:
             middle = [axis[0].mid() for axis in over.points[point]]
             for vertex in self.vertices:

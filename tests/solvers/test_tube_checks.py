@@ -98,3 +98,7 @@ def test_too_near_is_a_violation(point: tuple[str, str], distance: str) -> None:
     with working_precision(80):
         assert apart(1, 2, distance).violated(still(point))
         assert not apart(1, 2, str(Fraction(distance) - Fraction("0.02"))).violated(still(point))
+
+
+def test_the_margin_is_the_distance_without_one_asked_for_too() -> None:
+    assert margin(apart(1, 2), still(("1.3", "1.4"))) == pytest.approx(0.5)
