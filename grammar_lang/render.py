@@ -22,8 +22,6 @@ def _excerpt(source: Source, span: Span, paint: str, *, colour: bool) -> list[st
     """The source line and the carets under it; tabs are kept so that they align."""
     line, column = source.position(span.start)
     text = source.line(line)
-    if not text.strip():
-        return []
     shown = "".join(
         c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text
     )
