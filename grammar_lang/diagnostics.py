@@ -11,10 +11,11 @@ from grammar_lang.source import Span
 
 
 class Severity(Enum):
-    """An error stops the compilation, a warning does not."""
+    """An error stops the compilation; a warning does not, and a note is no fault at all."""
 
     ERROR = "error"
     WARNING = "warning"
+    NOTE = "note"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,17 @@ class Sink:
     ) -> None:
         """Record a warning."""
         self.found.append(Diagnostic(code, Severity.WARNING, message, span, hint, tuple(notes)))
+
+    def note(
+        self,
+        code: Code,
+        message: str,
+        span: Span,
+        hint: str | None = None,
+        notes: Iterable[tuple[Span, str]] = (),
+    ) -> None:
+        """Record something worth knowing that is no fault."""
+        self.found.append(Diagnostic(code, Severity.NOTE, message, span, hint, tuple(notes)))
 
     @property
     def has_errors(self) -> bool:

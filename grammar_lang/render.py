@@ -10,7 +10,11 @@ from grammar_lang.source import Source, Span
 
 _RESET = "\033[0m"
 _BOLD = "\033[1m"
-_COLOUR = {Severity.ERROR: "\033[1;31m", Severity.WARNING: "\033[1;33m"}
+_COLOUR = {
+    Severity.ERROR: "\033[1;31m",
+    Severity.WARNING: "\033[1;33m",
+    Severity.NOTE: "\033[1;36m",
+}
 _FAINT = "\033[36m"
 
 
