@@ -113,10 +113,10 @@ def pose_question(workspace: ir.Workspace, task: ir.Task) -> PoseQuestion:
     start = task.start if isinstance(task.start, ir.StartIn) else None
     return PoseQuestion(
         None if start is None else rows(workspace.region(start.region)),
-        rows(workspace.region(task.reach.region)),
+        rows(workspace.region(task.goal.region)),
         rows(workspace.bounds),
         None if start is None else index(start.effector),
-        index(task.reach.effector),
+        index(task.goal.effector),
         len(task.start.values) if isinstance(task.start, ir.StartAt) else None,
     )
 

@@ -57,6 +57,6 @@ def path_problem(
     ]
     return PathProblem(
         start=start,
-        target=abstraction.within([task.reach.region]),
+        target=abstraction.within([task.goal.region]),
         forbidden=abstraction.within(avoided),
     )

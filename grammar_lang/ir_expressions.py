@@ -39,7 +39,42 @@ class ParameterOf:
 
 @dataclass(frozen=True, slots=True)
 class DofOf:
-    """The coordinate of a degree of freedom; stands alone in a ``rot`` or ``move``."""
+    """The coordinate of a degree of freedom.
+
+    In frames it stands alone in a ``rot`` or ``move``; a module's own dynamics may read it too.
+    """
+
+    occurrence: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class RateOf:
+    """The rate of a degree of freedom; only in a module's own dynamics."""
+
+    occurrence: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class EffortOf:
+    """The free input ``u`` of a degree of freedom; only in a module's own dynamics."""
+
+    occurrence: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class StateOf:
+    """A state of the module's own; only in its dynamics."""
+
+    occurrence: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class InputOf:
+    """A declared input of the module; only in its dynamics."""
 
     occurrence: int
     name: str
@@ -120,6 +155,10 @@ Expr: TypeAlias = (
     | Pi
     | ParameterOf
     | DofOf
+    | RateOf
+    | EffortOf
+    | StateOf
+    | InputOf
     | AttributeOf
     | Unary
     | Binary

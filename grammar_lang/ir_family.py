@@ -51,14 +51,54 @@ class Dof:
 
 
 @dataclass(frozen=True, slots=True)
+class State:
+    """A state of a module's own and its derivative; ``unit`` is its SI unit as text.
+
+    Without an ``initial`` value (closed, SI) it starts at zero.
+    """
+
+    name: str
+    unit: str
+    initial: Expr | None
+    derivative: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A declared input with its bounds; ``unit`` is its SI unit as text."""
+
+    name: str
+    domain: Interval
+    unit: str
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Torque:
+    """The generalised force on a degree of freedom, instead of its free input alone."""
+
+    dof: str
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Module:
-    """A robot module (an element of Sigma).  Its constants are inlined where they are used."""
+    """A robot module (an element of Sigma).  Its constants are inlined where they are used.
+
+    ``states``, ``inputs`` and ``torques`` are its own dynamics (Definition 5); the module itself
+    is the occurrence ``THIS`` there.
+    """
 
     name: str
     role: Role
     parameters: tuple[Parameter, ...]
     dofs: tuple[Dof, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    states: tuple[State, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    torques: tuple[Torque, ...] = ()
 
 
 SymbolKind: TypeAlias = Literal["module", "edge", "nonterminal"]

@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias
 
 from grammar_lang.ir_expressions import NOWHERE, Expr
 from grammar_lang.ir_family import DofKind
+from grammar_lang.ir_formulas import Formula
 from grammar_lang.source import Span
 
 
@@ -48,6 +49,19 @@ class Region:
 
 
 @dataclass(frozen=True, slots=True)
+class ObstacleMap:
+    """A file of obstacles: a map_server image with its YAML, or polygons as GeoJSON.
+
+    ``path`` is relative to the folder of the file on the command line, ``text`` what it holds.
+    """
+
+    path: str
+    kind: Literal["map_server", "geojson"]
+    text: str = field(repr=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Workspace:
     """Bounds and regions in the plane (dimension 2) or in space (3), regions as declared."""
 
@@ -56,6 +70,7 @@ class Workspace:
     bounds: Region
     regions: tuple[Region, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    maps: tuple[ObstacleMap, ...] = ()
 
     def region(self, name: str) -> Region:
         """The region of that name; KeyError if there is none."""
@@ -114,14 +129,71 @@ class Effort:
 
 
 @dataclass(frozen=True, slots=True)
+class AvoidSelf:
+    """Bodies that no module joins stay apart by more than ``margin`` metres."""
+
+    margin: Fraction
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """A parameter of the existing robot that keeps its value (closed, SI).
+
+    ``symbol`` is the position of its module in the word.
+    """
+
+    symbol: int
+    name: str
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The existing robot that is to be reconfigured (Example 2)."""
+
+    word: tuple[str, ...]
+    fixed: tuple[Fixed, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Satisfy:
+    """A formula that the motion has to satisfy at time 0."""
+
+    formula: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Robust:
+    """Disturbances that the motion has to bear, each a radius about the planned value, in SI.
+
+    ``angle`` (rad) and ``length`` (m) of the initial coordinates, ``angular_rate`` (rad/s) and
+    ``speed`` (m/s) of the initial rates; ``effort`` is a fraction of each input.
+    """
+
+    angle: Fraction = Fraction(0)
+    length: Fraction = Fraction(0)
+    angular_rate: Fraction = Fraction(0)
+    speed: Fraction = Fraction(0)
+    effort: Fraction = Fraction(0)
+    spans: tuple[Span, ...] = field(default=(), compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Task:
-    """A problem: a robot family, a workspace, and what is to be done in how many steps."""
+    """A problem: a robot family, a workspace, and what is to be done in how many steps.
+
+    ``reach`` is None only where ``satisfy`` holds a formula.
+    """
 
     name: str
     grammar: str
     workspace: str
     start: StartIn | StartAt
-    reach: Reach
+    reach: Reach | None
     avoid: tuple[Avoid, ...]
     effort: tuple[Effort, ...]
     steps: int
@@ -131,3 +203,14 @@ class Task:
     modules: int | None
     bounds_body: bool
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    avoid_self: AvoidSelf | None = None
+    origin: Origin | None = None
+    satisfy: tuple[Satisfy, ...] = ()
+    robust: Robust | None = None
+
+    @property
+    def goal(self) -> Reach:
+        """The ``reach`` clause; LookupError where the task has formulas only."""
+        if self.reach is None:
+            raise LookupError(f"task {self.name} has no reach clause")
+        return self.reach

@@ -67,4 +67,5 @@ def lower(file: t.File, source: Source, sink: Sink) -> ir.Program:
         workspaces=workspaces,
         tasks=tasks,
         sources=(source,),
+        terminal_spans=declared.terminals,
     )

@@ -111,8 +111,8 @@ class _Reader:
                 self._constant(item)
             case s.Dof() if self._fresh(item.name):
                 self._dof(item)
-            case s.Unsupported(what=what, span=span):
-                not_supported(what, span, self.sink)
+            case s.State() | s.Input() | s.Derivative() | s.Torque():
+                not_supported("a module's own dynamics", item.span, self.sink)
             case _:
                 pass
 

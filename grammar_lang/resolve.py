@@ -8,7 +8,7 @@ from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
-from grammar_lang.modules import ModuleInfo, duplicate, lower_module, not_supported
+from grammar_lang.modules import ModuleInfo, duplicate, lower_module
 from grammar_lang.source import Span
 
 
@@ -68,9 +68,9 @@ def _item(item: t.Item, declared: Declarations, sink: Sink) -> None:
                 message = f"a second `semantics` of grammar `{name.text}`"
                 notes = [(first.grammar.span, "first here")]
                 sink.error(Code.DUPLICATE_NAME, message, name.span, "merge the two", notes)
-        case s.Unsupported(what=what, span=span):
-            not_supported(what, span, sink)
-        case _:
+        case t.Include():
+            pass
+        case s.Grammar() | t.Workspace() | t.Task():
             _named(item, declared, sink)
 
 

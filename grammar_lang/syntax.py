@@ -1,165 +1,90 @@
-"""The abstract syntax of a file: one frozen dataclass per rule of ``srg.lark``.
+"""The abstract syntax of modules, grammars and semantics: one frozen dataclass per rule.
 
-Nothing is resolved here: names are text with a span, numbers are exact rationals with the text of
-their unit.  Nodes compare without their spans.
+Nothing is resolved here: names are text with a span.  Nodes compare without their spans.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from grammar_lang.source import Span
-
-NOWHERE = Span(0, 0)
-
-
-@dataclass(frozen=True, slots=True)
-class Ident:
-    """A name as written; ``this`` is the owner of a synthesized attribute."""
-
-    text: str
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-# --- expressions -------------------------------------------------------------------------------
-
-Operator: TypeAlias = Literal["+", "-", "*", "/", "^"]
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A literal with an optional unit; ``value`` is None where it is too large to represent."""
-
-    value: Fraction | None
-    unit: Ident | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Name:
-    """A plain name in an expression."""
-
-    ident: Ident
-
-    @property
-    def span(self) -> Span:
-        """Where it stands."""
-        return self.ident.span
-
-
-@dataclass(frozen=True, slots=True)
-class AxisName:
-    """``x``, ``y`` or ``z``: an axis, or a coordinate of the workspace."""
-
-    axis: Literal["x", "y", "z"]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Member:
-    """``owner.name``."""
-
-    owner: Ident
-    name: Ident
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class WorldName:
-    """The fixed frame."""
-
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Argument:
-    """``expr`` or ``name: expr``."""
-
-    name: Ident | None
-    value: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Call:
-    """``function(arguments)``."""
-
-    function: Ident
-    arguments: tuple[Argument, ...]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Tuple:
-    """``(a, b, …)``; the unit applies to the bare numbers."""
-
-    items: tuple[Expr, ...]
-    unit: Ident | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Scaled:
-    """``(expr) unit``."""
-
-    operand: Expr
-    unit: Ident
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Negate:
-    """``-expr``."""
-
-    operand: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Binary:
-    """``left operator right``."""
-
-    operator: Operator
-    left: Expr
-    right: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-Expr: TypeAlias = (
-    Number | Name | AxisName | Member | WorldName | Call | Tuple | Scaled | Negate | Binary
+from grammar_lang.syntax_expressions import (
+    NOWHERE,
+    Argument,
+    AxisName,
+    Binary,
+    Call,
+    Choices,
+    Expr,
+    Ident,
+    Interval,
+    Member,
+    Name,
+    Negate,
+    Number,
+    Operator,
+    Scaled,
+    Tuple,
+    WorldName,
 )
 
-
-@dataclass(frozen=True, slots=True)
-class Interval:
-    """``[lower, upper] unit``."""
-
-    lower: Expr
-    upper: Expr
-    unit: Ident | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Choices:
-    """``{v1, v2, …} unit``."""
-
-    values: tuple[Expr, ...]
-    unit: Ident | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
+__all__ = [
+    "NOWHERE",
+    "Accept",
+    "And",
+    "Argument",
+    "AxisName",
+    "Binary",
+    "Block",
+    "Call",
+    "Choices",
+    "Comparison",
+    "Condition",
+    "Const",
+    "Count",
+    "Derivative",
+    "Dof",
+    "Edges",
+    "Emission",
+    "Expr",
+    "Factor",
+    "Grammar",
+    "GrammarItem",
+    "Ident",
+    "Input",
+    "Interval",
+    "Matches",
+    "Member",
+    "Module",
+    "ModuleItem",
+    "Name",
+    "Negate",
+    "Not",
+    "Number",
+    "Occurrence",
+    "Operator",
+    "Or",
+    "Param",
+    "Production",
+    "Regex",
+    "RegexChoice",
+    "RegexEmpty",
+    "RegexRepeat",
+    "RegexSequence",
+    "RegexSymbol",
+    "Role",
+    "Rule",
+    "Scaled",
+    "Semantics",
+    "StartSymbol",
+    "State",
+    "Torque",
+    "Tuple",
+    "WorldName",
+]
 
 # --- modules -----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Unsupported:
-    """A construct of the language that this version recognises and refuses."""
-
-    what: str
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +125,44 @@ class Dof:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-ModuleItem: TypeAlias = Role | Param | Const | Dof | Unsupported
+@dataclass(frozen=True, slots=True)
+class State:
+    """``state NAME unit = initial;``."""
+
+    name: Ident
+    unit: Ident | None
+    initial: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """``input NAME in [lo, hi] unit;``."""
+
+    name: Ident
+    domain: Interval
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Derivative:
+    """``der(NAME) = expr;``."""
+
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Torque:
+    """``torque(NAME) = expr;``."""
+
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+ModuleItem: TypeAlias = Role | Param | Const | Dof | State | Input | Derivative | Torque
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,8 +19,8 @@ from grammar_lang.syntax import (
     Interval,
     Module,
     Semantics,
-    Unsupported,
 )
+from grammar_lang.syntax_formulas import Formula
 
 # --- workspaces --------------------------------------------------------------------------------
 
@@ -91,11 +91,19 @@ class Region:
 
 
 @dataclass(frozen=True, slots=True)
+class ObstaclesFrom:
+    """``obstacles from "path";``."""
+
+    path: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Workspace:
     """``workspace NAME { … }``."""
 
     name: Ident
-    items: tuple[Dimension | Region | Unsupported, ...]
+    items: tuple[Dimension | Region | ObstaclesFrom, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -206,6 +214,49 @@ class BoundsBody:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
+@dataclass(frozen=True, slots=True)
+class Fixing:
+    """``OCCURRENCE.NAME = expr`` after ``fixed``."""
+
+    occurrence: Ident
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class From:
+    """``from SYMBOLS fixed L1.length = 2 m, …;``."""
+
+    word: tuple[Ident, ...]
+    fixed: tuple[Fixing, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Satisfy:
+    """``satisfy FORMULA;``."""
+
+    formula: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class RobustStart:
+    """``robust start 1 mm 0.1 deg;``."""
+
+    values: tuple[Expr, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class RobustEffort:
+    """``robust effort 0.5 %;``; the value counts hundredths."""
+
+    percent: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
 TaskItem: TypeAlias = (
     Robot
     | TaskWorkspace
@@ -219,7 +270,10 @@ TaskItem: TypeAlias = (
     | Gravity
     | Modules
     | BoundsBody
-    | Unsupported
+    | From
+    | Satisfy
+    | RobustStart
+    | RobustEffort
 )
 
 
@@ -232,11 +286,26 @@ class Task:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Unsupported
+@dataclass(frozen=True, slots=True)
+class Include:
+    """``include "path";``."""
+
+    path: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Include
 
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """The items of a file in the order written."""
+    """The items of a file in the order written, and what could not be read.
+
+    ``broken`` are the spans of items with a syntax error; statements that could be read are in
+    ``items`` all the same.  ``skipped`` are the words that stand in what was left out: whoever
+    misses a name that is one of them says nothing.
+    """
 
     items: tuple[Item, ...]
+    broken: tuple[Span, ...] = ()
+    skipped: frozenset[str] = frozenset()

@@ -160,7 +160,7 @@ class _Reader:
 
     def reach(self) -> ir.Reach | None:
         wanted = not any(
-            isinstance(i, s.Unsupported) and i.what == "`satisfy`" for i in self.task.items
+            isinstance(i, t.Satisfy) for i in self.task.items
         )
         item = self.one(t.Reach, "reach", "add `reach R;`" if wanted else None)
         if item is None:
@@ -324,8 +324,8 @@ def lower_task(
 ) -> ir.Task | None:
     """The task; None where a required clause is missing or wrong, which is reported."""
     for item in task.items:
-        if isinstance(item, s.Unsupported):
-            not_supported(item.what, item.span, sink)
+        if isinstance(item, t.From | t.Satisfy | t.RobustStart | t.RobustEffort):
+            not_supported("this", item.span, sink)
     reader = _Reader(task, sink, None, None)
     robot = reader.one(t.Robot, "robot", "add `robot G;` with the name of a grammar")
     place = reader.one(t.TaskWorkspace, "workspace", "add `workspace W;`")

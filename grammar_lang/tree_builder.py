@@ -10,6 +10,7 @@ from lark import Token, Transformer_NonRecursive, Tree
 from lark.tree import Meta
 
 from grammar_lang import syntax as s
+from grammar_lang import syntax_formulas as f
 from grammar_lang import syntax_tasks as t
 from grammar_lang.source import Span
 
@@ -55,10 +56,6 @@ def _call(c: Children, span: Span) -> object:
 
 def _symbol_word(where: Any) -> Builder:
     return lambda c, _: s.Factor(where, tuple(c))
-
-
-def _unsupported(what: str) -> Builder:
-    return lambda _, span: s.Unsupported(what, span)
 
 
 def _start_in(c: Children, span: Span) -> object:
@@ -108,12 +105,12 @@ _MODULES: dict[str, Builder] = {
     "dof": lambda c, span: s.Dof(_ident(c[0]), c[1], c[2], c[3], c[4], span),
     "dof_kind": lambda c, _: str(c[0]),
     "axis": lambda c, _: "".join(c),
-    "state": _unsupported("`state`"),
-    "input": _unsupported("`input`"),
-    "derivative": _unsupported("`der`"),
-    "torque": _unsupported("`torque`"),
+    "state": lambda c, span: s.State(_ident(c[0]), _optional(c[1]), c[2], span),
+    "input": lambda c, span: s.Input(_ident(c[0]), c[1], span),
+    "derivative": lambda c, span: s.Derivative(_ident(c[0]), c[1], span),
+    "torque": lambda c, span: s.Torque(_ident(c[0]), c[1], span),
     "edges": lambda c, span: s.Edges(tuple(c), span),
-    "include": _unsupported("`include`"),
+    "include": lambda c, span: t.Include(_ident(c[0]), span),
 }
 
 _GRAMMARS: dict[str, Builder] = {
@@ -153,7 +150,7 @@ _WORKSPACES: dict[str, Builder] = {
     "bounds": lambda c, span: t.Region("bounds", None, c[0], span),
     "region": lambda c, span: t.Region(c[0], _ident(c[1]), c[2], span),
     "region_kind": lambda c, _: str(c[0]),
-    "obstacles_from": _unsupported("`obstacles from`"),
+    "obstacles_from": lambda c, span: t.ObstaclesFrom(_ident(c[0]), span),
     "box": lambda c, span: t.Box(tuple(c), span),
     "polytope": lambda c, span: t.Polytope(tuple(c[:-1]), _optional(c[-1]), span),
     "inequality": lambda c, span: t.Inequality(c[0], c[1], c[2], span),
@@ -181,14 +178,35 @@ _TASKS: dict[str, Builder] = {
     "gravity": lambda c, span: t.Gravity(c[0], span),
     "modules": lambda c, span: t.Modules(c[0], c[1], span),
     "bounds_body": lambda _, span: t.BoundsBody(span),
-    "from_word": _unsupported("`from`"),
-    "satisfy": _unsupported("`satisfy`"),
-    "robust": _unsupported("`robust`"),
-    "raw": lambda _, span: span,
+    "from_word": lambda c, span: t.From(c[0], tuple(_present(c[1:])), span),
+    "word": lambda c, _: tuple(c),
+    "fixing": lambda c, span: t.Fixing(_ident(c[0]), _ident(c[1]), c[2], span),
+    "robust_start": lambda c, span: t.RobustStart(tuple(c), span),
+    "robust_effort": lambda c, span: t.RobustEffort(c[0], span),
     "item": lambda c, _: c[0],
 }
 
-_BUILDERS = _EXPRESSIONS | _MODULES | _GRAMMARS | _WORKSPACES | _TASKS
+
+def _temporal(operator: Any) -> Builder:
+    return lambda c, span: f.Unary(operator, c[-1], c[0] if len(c) > 1 else None, span)
+
+
+_FORMULAS: dict[str, Builder] = {
+    "satisfy": lambda c, span: t.Satisfy(c[0], span),
+    "implies": lambda c, span: f.Binary("implies", c[0], c[1], span),
+    "either": lambda c, span: f.Joined("or", tuple(c), span),
+    "both": lambda c, span: f.Joined("and", tuple(c), span),
+    "strong_until": lambda c, span: f.Binary("until", c[0], c[1], span),
+    "not_formula": _temporal("not"),
+    "always": _temporal("always"),
+    "eventually": _temporal("eventually"),
+    "next_step": _temporal("next"),
+    "last": lambda c, span: f.Last(c[0], c[1], span),
+    "atom": lambda c, span: f.Atom(_ident(c[0]), c[1], span),
+    "window": lambda c, span: f.Window(c[0], c[1], span),
+}
+
+_BUILDERS = _EXPRESSIONS | _MODULES | _GRAMMARS | _WORKSPACES | _TASKS | _FORMULAS
 
 
 class _Fold(Transformer_NonRecursive[Token, object]):
@@ -220,7 +238,7 @@ def build(tree: Tree[Token]) -> t.Item:
             | s.Semantics()
             | t.Workspace()
             | t.Task()
-            | s.Unsupported()
+            | t.Include()
         ) as item:
             return item
         case other:

@@ -142,8 +142,8 @@ def lower_workspace(workspace: t.Workspace, sink: Sink) -> ir.Workspace:
         match item:
             case t.Region():
                 reader.region(item)
-            case s.Unsupported(what=what, span=span):
-                not_supported(what, span, sink)
+            case t.ObstaclesFrom():
+                not_supported("`obstacles from`", item.span, sink)
             case t.Dimension():
                 pass
     if reader.bounds is None:

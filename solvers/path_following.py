@@ -358,7 +358,7 @@ def motion_limits(model: RobotModel, task: ir.Task, slack: float = LIMIT_MARGIN)
     if isinstance(start, ir.StartAt):
         values = np.array([to_float(value) for value in start.values])
     start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
-    final = RATE_MARGIN * 1e-3 if task.reach.at_rest else np.inf
+    final = RATE_MARGIN * 1e-3 if task.goal.at_rest else np.inf
     return MotionLimits(
         ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values
     )

@@ -34,7 +34,7 @@ def standing_configurations(
     model = reading.graph.model
     if model.dofs:
         raise ValueError("the robot has degrees of freedom")
-    bound: list[tuple[int, str]] = [(effector, task.reach.region)]
+    bound: list[tuple[int, str]] = [(effector, task.goal.region)]
     if isinstance(task.start, ir.StartIn):
         named = task.start.effector
         bound.append((effector if named is None else named - 1, task.start.region))

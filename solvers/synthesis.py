@@ -192,7 +192,7 @@ class _Run:
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
         """The effectors that may reach, the one of the witness poses first."""
-        named = self.task.reach.effector
+        named = self.task.goal.effector
         if named is not None:
             return [named - 1] if named <= len(model.effectors) else []
         order = list(range(len(model.effectors)))

@@ -142,10 +142,10 @@ def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding
     positions = [reading.positions(sample) for sample in samples]
     found.append(_path(scene, motion, positions))
     end = float(task.step) * task.steps
-    target = scene.polytope(scene.workspace.region(task.reach.region))
+    target = scene.polytope(scene.workspace.region(task.goal.region))
     tip = positions[-1][motion.effector]
-    found.append(_inside(f"target {task.reach.region}", target, tip, end))
-    if task.reach.at_rest:
+    found.append(_inside(f"target {task.goal.region}", target, tip, end))
+    if task.goal.at_rest:
         found.append(_rest("rest at the end", graph, samples[-1], end))
     return tuple(found)
 

@@ -207,7 +207,7 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
         raise Refused(f"the start is not {n} coordinates and {n} rates")
     if not 0 <= claim.effector < len(model.effectors):
         raise Refused(f"the robot has no effector {claim.effector + 1}")
-    wanted = task.reach.effector
+    wanted = task.goal.effector
     if wanted is not None and wanted != claim.effector + 1:
         raise Refused(f"the task names effector {wanted}, the claim {claim.effector + 1}")
     if isinstance(task.start, ir.StartIn) and (task.start.effector or 1) > len(model.effectors):

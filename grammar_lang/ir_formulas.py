@@ -1,0 +1,111 @@
+"""Formulas of the intermediate representation: linear temporal logic on the finite trace [0, T].
+
+Times are exact, in seconds.  Windows are closed and relative to the instant where the formula is
+evaluated; whatever of them lies after T is cut off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TypeAlias
+
+from grammar_lang.ir_expressions import NOWHERE
+from grammar_lang.source import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """The ``effector``-th effector (from 1, in word order) is in the region."""
+
+    region: str
+    effector: int
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    """Negation."""
+
+    operand: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class And:
+    """Conjunction of two or more."""
+
+    operands: tuple[Formula, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Or:
+    """Disjunction of two or more."""
+
+    operands: tuple[Formula, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Implies:
+    """``left`` is false or ``right`` is true."""
+
+    left: Formula
+    right: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Until:
+    """Strong: ``right`` holds at some instant from now on, ``left`` at all instants before it."""
+
+    left: Formula
+    right: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """The instants from ``lower`` to ``upper`` seconds after the present one; None: to the end."""
+
+    lower: Fraction
+    upper: Fraction | None
+
+
+@dataclass(frozen=True, slots=True)
+class Always:
+    """At every instant of the window."""
+
+    operand: Formula
+    window: Window
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Eventually:
+    """At some instant of the window."""
+
+    operand: Formula
+    window: Window
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Next:
+    """One step of the horizon later; false at the last instant."""
+
+    operand: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Last:
+    """Throughout the last ``duration`` seconds, [T - duration, T]."""
+
+    duration: Fraction
+    operand: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Formula: TypeAlias = Atom | Not | And | Or | Implies | Until | Always | Eventually | Next | Last

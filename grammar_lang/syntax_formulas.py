@@ -1,0 +1,71 @@
+"""The abstract syntax of ``satisfy``: linear temporal logic on finite traces.
+
+Continues :mod:`grammar_lang.syntax` with the part of ``srg.lark`` called formulas.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from grammar_lang.source import Span
+from grammar_lang.syntax import NOWHERE, Expr, Ident
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """``R by effector n``."""
+
+    region: Ident
+    effector: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """``[lower, upper]`` after an operator."""
+
+    lower: Expr
+    upper: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    """``not F``, ``next F``, and ``always F`` or ``eventually F`` with an optional window."""
+
+    operator: Literal["not", "next", "always", "eventually"]
+    operand: Formula
+    window: Window | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Last:
+    """``last[duration] F``."""
+
+    duration: Expr
+    operand: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Two or more formulas joined by ``and`` or by ``or``."""
+
+    operator: Literal["and", "or"]
+    operands: tuple[Formula, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """``left until right`` or ``left implies right``."""
+
+    operator: Literal["until", "implies"]
+    left: Formula
+    right: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Formula: TypeAlias = Atom | Unary | Last | Joined | Binary
