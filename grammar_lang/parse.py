@@ -1,87 +1,85 @@
-"""Text to abstract syntax: LALR(1) by lark, item by item, every item's first error reported."""
+"""Text to abstract syntax, item by item; every error that can be told from the next is reported."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cache
-from pathlib import Path
-
-from lark import Lark, TextSlice, Token, UnexpectedCharacters, UnexpectedToken
-from lark.lark import PostLex
-from lark.lexer import PatternStr
+from dataclasses import dataclass, field
 
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
-from grammar_lang.items import RawItem, cut, unclosed_comment
+from grammar_lang.items import KEYWORDS, RawItem, cut
+from grammar_lang.lalr import Parser
 from grammar_lang.source import Span
-from grammar_lang.syntax_errors import Rejection, display_names, explain
+from grammar_lang.syntax_errors import explain, stray
 from grammar_lang.syntax_tasks import File, Item
-from grammar_lang.tree_builder import build, too_deep
+from grammar_lang.tables import tables
+from grammar_lang.tokens import Tokens, tokenise, unclosed_comment
+from grammar_lang.tree_builder import BUILDERS, item_of
+
+MAX_ERRORS = 100
+"""So many syntax errors of one file are reported; who has more has another kind of file."""
 
 
-class _Words(PostLex):
-    """Lets the contextual lexer see whole words everywhere: ``planexy`` is not ``plane xy``."""
+@dataclass(slots=True)
+class _Reader:
+    tokens: Tokens
+    sink: Sink
+    found: list[Item] = field(default_factory=list[Item])
+    broken: list[Span] = field(default_factory=list[Span])
+    skipped: set[str] = field(default_factory=set[str])
+    errors: int = 0
 
-    always_accept = ("NAME",)
+    def read(self) -> File:
+        """Every item, until there are too many errors."""
+        astray = False
+        for raw in cut(self.tokens):
+            strays = self.tokens.at(raw.first) not in KEYWORDS
+            if not strays:
+                self._item(raw)
+            elif not astray:
+                stray(self.tokens, raw, self.sink)
+            if strays:
+                self._lose(raw)
+                self.errors += not astray
+            astray = strays
+            if self.errors >= MAX_ERRORS:
+                break
+        return File(tuple(self.found), tuple(self.broken), frozenset(self.skipped))
 
-    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
-        """The tokens as they are."""
-        return stream
+    def _lose(self, raw: RawItem) -> None:
+        self.broken.append(self.tokens.span(raw.first, raw.stop - 1))
+        words = (self.tokens.at(i) for i in range(raw.first, raw.stop))
+        self.skipped.update(word for word in words if word[0].isidentifier())
 
+    def _item(self, raw: RawItem) -> None:
+        def complain(here: int, expected: frozenset[str]) -> None:
+            self.errors += 1
+            if self.errors <= MAX_ERRORS:
+                explain(self.tokens, raw, here, expected, self.sink)
 
-@cache
-def _parser() -> Lark:
-    return Lark(
-        Path(__file__).with_name("srg.lark").read_text(encoding="utf-8"),
-        start="item",
-        parser="lalr",
-        lexer="contextual",
-        propagate_positions=True,
-        maybe_placeholders=True,
-        postlex=_Words(),
-    )
-
-
-@cache
-def _display_names() -> dict[str, str]:
-    terminals = _parser().terminals
-    patterns = {
-        t.name: t.pattern.value if isinstance(t.pattern, PatternStr) else None for t in terminals
-    }
-    return display_names({**patterns, "$END": None})
-
-
-def _item(text: str, raw: RawItem, sink: Sink) -> Item | None:
-    span = raw.span
-    try:
-        tree = _parser().parse(TextSlice(text, span.start, span.end))
-    except UnexpectedToken as error:
-        names = _display_names()
-        expected = frozenset(names.get(t, t) for t in error.accepts or error.expected)
-        start = error.token.start_pos
-        offset = span.end if error.token.type == "$END" or start is None else start
-        explain(text, raw, Rejection(offset, expected), sink)
-        return None
-    except UnexpectedCharacters as error:
-        explain(text, raw, Rejection(int(vars(error)["pos_in_stream"]), None), sink)
-        return None
-    deep = too_deep(tree)
-    if deep is not None:
-        sink.error(
-            Code.TOO_DEEP,
-            "this is nested too deeply",
-            Span(deep.start, deep.start + 1),
-            "split it into constants or attributes",
-        )
-        return None
-    return build(tree)
+        parser = Parser(tables(), self.tokens, BUILDERS, complain, self.skipped)
+        value, sound = parser.item(raw)
+        if value is not None:
+            self.found.append(item_of(value))
+        if not sound:
+            self.broken.append(self.tokens.span(raw.first, raw.stop - 1))
 
 
-def parse(text: str, sink: Sink) -> File:
-    """The items of ``text`` that can be read; whatever cannot is reported."""
-    comment = unclosed_comment(text)
+def parse_tokens(text: str, sink: Sink, file: int = 0) -> tuple[File, Tokens]:
+    """As :func:`parse`; also the tokens, each with the terminal that it is."""
+    tokens = tokenise(text, file)
+    comment = unclosed_comment(tokens)
     if comment is not None:
         sink.error(Code.SYNTAX, "this comment is never closed", comment, "add `*/`")
-        return File(())
-    items = [_item(text, raw, sink) for raw in cut(text)]
-    return File(tuple(item for item in items if item is not None))
+        return File((), (comment,)), tokens
+    return _Reader(tokens, sink).read(), tokens
+
+
+def parse(text: str, sink: Sink, file: int = 0) -> File:
+    """The items of ``text`` that can be read; whatever cannot is reported.
+
+    Args:
+        text: the text of a file.
+        sink: takes the errors.
+        file: the number of the file, for the spans.
+    """
+    return parse_tokens(text, sink, file)[0]

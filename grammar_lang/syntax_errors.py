@@ -3,143 +3,142 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
-from grammar_lang.items import RawItem
+from grammar_lang.items import KEYWORDS, RawItem
+from grammar_lang.lalr import TOO_DEEP
 from grammar_lang.source import Span
 from grammar_lang.spelling import nearest
+from grammar_lang.tables import RESERVED
+from grammar_lang.tokens import BAD, Tokens
 from grammar_lang.units import UNIT_NAMES
 
-RESERVED = ("and", "or", "not", "empty", "this", "world", "start", "accept", "x", "y", "z")
+MAX_SHOWN = 40
 
-_TOKEN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*|[0-9][0-9.]*|'[^'\n]*'|\"[^\"\n]*\"|->|[<>=]=|.", re.S)
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _OPERATORS = frozenset({"+", "-", "*", "/", "^"})
-_EXPRESSION = frozenset({"a number", "(", "-", "world", "this", "x", "y", "z", "a name"})
-
-
-@dataclass(frozen=True, slots=True)
-class Rejection:
-    """The parser stopped at ``offset``, where one of ``expected`` (terminals as text) may stand.
-
-    ``expected`` is None where no token could be read at all.
-    """
-
-    offset: int
-    expected: frozenset[str] | None
-
-
-def display_names(patterns: Mapping[str, str | None]) -> dict[str, str]:
-    """What each terminal is called: its text, or a description where it is a pattern (None)."""
-    described = {
-        "NAME": "a name",
-        "NUMBER": "a number",
-        "STRING": "a quoted string",
-        "UNIT": "a unit",
-        "$END": "the end",
-    }
-    return {t: described.get(t, t) if p is None else p for t, p in patterns.items()}
+_EXPRESSION = frozenset({"NUMBER", "(", "-", "world", "this", "x", "y", "z", "NAME"})
+_DESCRIBED = {
+    "NAME": "a name",
+    "NUMBER": "a number",
+    "STRING": "a quoted string",
+    "UNIT": "a unit",
+    "EXPRESSION": "an expression",
+    "$END": "the end",
+}
 
 
 def _quoted(name: str) -> str:
-    return name if " " in name else f"`{name}`"
+    return _DESCRIBED.get(name, f"`{name}`")
 
 
 def _wanted(expected: frozenset[str]) -> str:
     """``expected`` as a phrase, operators and the beginnings of an expression summed up."""
     names = set(expected)
-    if {"a number", "(", "-"} <= names:
-        names = (names - _EXPRESSION) | {"an expression"}
-    rest = names - _OPERATORS - {"a unit"}
-    names = rest or names
-    shown = [_quoted(n) for n in sorted(names)]
+    if {"NUMBER", "(", "-"} <= names:
+        names = (names - _EXPRESSION) | {"EXPRESSION"}
+    names = names - _OPERATORS - {"UNIT"} or names
+    shown = sorted(_quoted(n) for n in names)
     if len(shown) > 8:
         shown = [*shown[:8], "…"]
     return shown[0] if len(shown) == 1 else f"one of {', '.join(shown)}"
 
 
+def _shortened(text: str) -> str:
+    return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}…"
+
+
 def _keyword_hint(word: str, expected: Iterable[str]) -> str | None:
-    close = nearest(word, sorted(e for e in expected if _WORD.fullmatch(e)))
+    keywords = sorted(e for e in expected if e not in _DESCRIBED and _WORD.fullmatch(e))
+    close = nearest(word, keywords) if len(word) <= MAX_SHOWN else None
     return None if close is None else f"did you mean `{close}`?"
 
 
-def _character(text: str, offset: int, sink: Sink) -> None:
-    character = text[offset]
-    hint = None
-    if character in "'\"":
+def _character(tokens: Tokens, here: int, sink: Sink) -> None:
+    character = tokens.at(here)
+    hint = "remove it"
+    if character in {"'", '"'}:
         hint = "a quoted string ends on its own line"
     elif character.isalpha():
         hint = "names are made of the letters A to Z, digits and `_`"
     shown = f"`{character}`" if character.isprintable() else f"U+{ord(character):04X}"
-    sink.error(
-        Code.UNEXPECTED_CHARACTER,
-        f"unexpected character {shown}",
-        Span(offset, offset + 1),
-        hint or "remove it",
-    )
+    message = f"unexpected character {shown}"
+    sink.error(Code.UNEXPECTED_CHARACTER, message, tokens.span(here), hint)
 
 
-def _unfinished(item: RawItem, expected: frozenset[str], sink: Sink) -> None:
-    end = item.span.end
-    wanted = "`;`" if ";" in expected else _wanted(expected)
+def _after(tokens: Tokens, here: int) -> Span:
+    """Just after the token before."""
+    end = tokens.ends[here - 1]
+    return Span(end, end + 1, tokens.file)
+
+
+def _unfinished(tokens: Tokens, item: RawItem, expected: frozenset[str], sink: Sink) -> None:
+    at = _after(tokens, item.stop)
     if item.braces:
-        sink.error(
-            Code.SYNTAX,
-            "expected `}`: a `{` is never closed",
-            Span(end, end + 1),
-            "add the missing `}`",
-            [(item.braces[-1], "opened here")],
-        )
+        message = "expected `}`: a `{` is never closed"
+        notes = [(tokens.span(item.braces[-1]), "opened here")]
+        sink.error(Code.SYNTAX, message, at, "add the missing `}`", notes)
     else:
-        sink.error(
-            Code.SYNTAX,
-            f"expected {wanted} after this",
-            Span(end, end + 1),
-            f"add {wanted}",
-        )
+        wanted = "`;`" if ";" in expected else _wanted(expected)
+        sink.error(Code.SYNTAX, f"expected {wanted} after this", at, f"add {wanted}")
 
 
-def _is_unknown_unit(text: str, found: Span, expected: frozenset[str]) -> bool:
-    if "a unit" not in expected or not _WORD.match(text, found.start):
-        return False
-    before = text[: found.start].rstrip()[-1:]
-    return before.isdigit() or before in {")", "]", "}"}
-
-
-def _unit(text: str, found: Span, sink: Sink) -> None:
-    word = text[found.start : found.end]
+def _unknown_unit(tokens: Tokens, here: int, sink: Sink) -> None:
+    word = _shortened(tokens.at(here))
     close = nearest(word, UNIT_NAMES)
     known = f"the units are {' '.join(UNIT_NAMES)}, joined by `*`, `/` and `^`"
     hint = known if close is None else f"did you mean `{close}`? {known}"
-    sink.error(Code.UNKNOWN_UNIT, f"unknown unit `{word}`", found, hint)
+    sink.error(Code.UNKNOWN_UNIT, f"unknown unit `{word}`", tokens.span(here), hint)
 
 
-def explain(text: str, item: RawItem, rejection: Rejection, sink: Sink) -> None:
-    """Report the first thing in ``item`` that the parser does not take."""
-    if rejection.expected is None:
-        _character(text, rejection.offset, sink)
-        return
-    expected, offset = rejection.expected, rejection.offset
-    wanted = _wanted(expected)
-    if offset >= item.span.end:
-        _unfinished(item, expected, sink)
-        return
-    match = _TOKEN.match(text, offset)
-    found = Span(offset, offset + 1 if match is None else match.end())
-    word = text[found.start : found.end]
+def _is_unknown_unit(tokens: Tokens, here: int, expected: frozenset[str]) -> bool:
+    if "UNIT" not in expected or not _WORD.fullmatch(tokens.at(here)):
+        return False
+    return tokens.kinds[here - 1] in {"NUMBER", ")", "]", "}"} and not tokens.on_new_line(here)
+
+
+def _wrong(tokens: Tokens, here: int, expected: frozenset[str], sink: Sink) -> None:
+    """Report a token that does not fit."""
+    word, wanted = _shortened(tokens.at(here)), _wanted(expected)
     hint = _keyword_hint(word, expected) if _WORD.fullmatch(word) else None
-    previous = item.before(offset)
-    new_line = "\n" in text[previous.end : offset]
-    if hint is None and not new_line and _is_unknown_unit(text, found, expected):
-        _unit(text, found, sink)
+    if hint is None and _is_unknown_unit(tokens, here, expected):
+        _unknown_unit(tokens, here, sink)
+    elif ";" in expected and (tokens.on_new_line(here) or word == "}"):
+        sink.error(Code.SYNTAX, "expected `;`", _after(tokens, here), "add the `;`")
+    else:
+        if word in RESERVED and "NAME" in expected:
+            hint = f"`{word}` is reserved; choose another name"
+        hint = hint or f"write {wanted} here"
+        message = f"expected {wanted}, found `{word}`"
+        sink.error(Code.SYNTAX, message, tokens.span(here), hint)
+
+
+def explain(tokens: Tokens, item: RawItem, here: int, expected: frozenset[str], sink: Sink) -> None:
+    """Report the token ``here`` of an item, where one of ``expected`` would have to stand."""
+    if expected is TOO_DEEP:
+        at = tokens.span(min(here, item.stop - 1))
+        hint = "split it into constants or attributes"
+        sink.error(Code.TOO_DEEP, "this is nested too deeply", at, hint)
+    elif here >= item.stop:
+        _unfinished(tokens, item, expected, sink)
+    elif tokens.kinds[here] == BAD:
+        _character(tokens, here, sink)
+    else:
+        _wrong(tokens, here, expected, sink)
+
+
+def stray(tokens: Tokens, item: RawItem, sink: Sink) -> None:
+    """Report tokens outside all items."""
+    word = _shortened(tokens.at(item.first))
+    at = tokens.span(item.first)
+    if tokens.kinds[item.first] == BAD:
+        _character(tokens, item.first, sink)
         return
-    if ";" in expected and new_line:
-        sink.error(Code.SYNTAX, "expected `;`", Span(previous.end, previous.end + 1), "add the `;`")
-        return
-    if word in RESERVED and "a name" in expected:
-        hint = f"`{word}` is reserved; choose another name"
-    hint = hint or f"write {wanted} here"
-    sink.error(Code.SYNTAX, f"expected {wanted}, found `{word}`", found, hint)
+    shown = ", ".join(f"`{keyword}`" for keyword in sorted(KEYWORDS))
+    if word == "}":
+        hint = "remove it: no `{` is open here"
+    else:
+        hint = _keyword_hint(word, KEYWORDS) or f"a declaration begins with one of {shown}"
+    sink.error(Code.SYNTAX, f"expected one of {shown}, found `{word}`", at, hint)

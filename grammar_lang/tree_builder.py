@@ -1,31 +1,25 @@
-"""From the parse tree of one item to its abstract syntax, bottom-up and without recursion."""
+"""What each rule of ``srg.lark`` makes of the values of its symbols: the abstract syntax."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, TypeAlias
-
-from lark import Token, Transformer_NonRecursive, Tree
-from lark.tree import Meta
 
 from grammar_lang import syntax as s
 from grammar_lang import syntax_formulas as f
 from grammar_lang import syntax_tasks as t
+from grammar_lang.lalr import Builder, Token
 from grammar_lang.source import Span
 
 MAX_LITERAL = 300
-MAX_DEPTH = 100
 
 Children: TypeAlias = list[Any]
-Builder: TypeAlias = Callable[[Children, Span], object]
 
 
 def _ident(token: Token) -> s.Ident:
-    text = str(token)
-    if token.type == "STRING":
-        text = text[1:-1]
-    return s.Ident(text, Span(token.start_pos or 0, token.end_pos or 0))
+    text = token.text[1:-1] if token.kind == "STRING" else token.text
+    return s.Ident(text, token.span)
 
 
 def _optional(token: Token | None) -> s.Ident | None:
@@ -73,7 +67,7 @@ def _rates(c: Children, span: Span) -> object:
 
 
 _EXPRESSIONS: dict[str, Builder] = {
-    "number": lambda c, span: s.Number(_literal(c[0]), _optional(c[1]), span),
+    "number": lambda c, span: s.Number(_literal(c[0].text), _optional(c[1]), span),
     "name": lambda c, _: s.Name(_ident(c[0])),
     "member": lambda c, span: s.Member(c[0], _ident(c[1]), span),
     "owner": lambda c, _: _ident(c[0]),
@@ -93,7 +87,7 @@ _EXPRESSIONS: dict[str, Builder] = {
     "raise": _binary("^"),
     "interval": lambda c, span: s.Interval(c[0], c[1], _optional(c[2]), span),
     "choices": lambda c, span: s.Choices(tuple(c[:-1]), _optional(c[-1]), span),
-    "comparison": lambda c, _: str(c[0]),
+    "comparison": lambda c, _: c[0].text,
     "symbol": lambda c, _: _ident(c[0]),
 }
 
@@ -103,8 +97,8 @@ _MODULES: dict[str, Builder] = {
     "param": lambda c, span: s.Param(_ident(c[0]), c[1], span),
     "const": lambda c, span: s.Const(_ident(c[0]), c[1], span),
     "dof": lambda c, span: s.Dof(_ident(c[0]), c[1], c[2], c[3], c[4], span),
-    "dof_kind": lambda c, _: str(c[0]),
-    "axis": lambda c, _: "".join(c),
+    "dof_kind": lambda c, _: c[0].text,
+    "axis": lambda c, _: "".join(token.text for token in c),
     "state": lambda c, span: s.State(_ident(c[0]), _optional(c[1]), c[2], span),
     "input": lambda c, span: s.Input(_ident(c[0]), c[1], span),
     "derivative": lambda c, span: s.Derivative(_ident(c[0]), c[1], span),
@@ -132,7 +126,7 @@ _GRAMMARS: dict[str, Builder] = {
     "choice": lambda c, _: s.RegexChoice(tuple(c)),
     "sequence": lambda c, _: s.RegexSequence(tuple(c)),
     "repeat": lambda c, _: s.RegexRepeat(c[0], c[1]),
-    "mark": lambda c, _: str(c[0]),
+    "mark": lambda c, _: c[0].text,
     "regex_symbol": lambda c, _: s.RegexSymbol(c[0]),
     "regex_empty": lambda _, __: s.RegexEmpty(),
     "semantics": lambda c, span: s.Semantics(_ident(c[0]), tuple(c[1:]), span),
@@ -149,7 +143,7 @@ _WORKSPACES: dict[str, Builder] = {
     "space": lambda _, span: t.Dimension(3, span),
     "bounds": lambda c, span: t.Region("bounds", None, c[0], span),
     "region": lambda c, span: t.Region(c[0], _ident(c[1]), c[2], span),
-    "region_kind": lambda c, _: str(c[0]),
+    "region_kind": lambda c, _: c[0].text,
     "obstacles_from": lambda c, span: t.ObstaclesFrom(_ident(c[0]), span),
     "box": lambda c, span: t.Box(tuple(c), span),
     "polytope": lambda c, span: t.Polytope(tuple(c[:-1]), _optional(c[-1]), span),
@@ -169,7 +163,7 @@ _TASKS: dict[str, Builder] = {
     "at_rest": lambda _, span: span,
     "rates": _rates,
     "avoid": _avoid,
-    "subject": lambda c, _: str(c[0]),
+    "subject": lambda c, _: c[0].text,
     "margin": lambda c, _: c[0],
     "effort": lambda c, span: t.Effort(c[0], c[1], span),
     "norm": lambda c, _: _ident(c[0]),
@@ -206,31 +200,14 @@ _FORMULAS: dict[str, Builder] = {
     "window": lambda c, span: f.Window(c[0], c[1], span),
 }
 
-_BUILDERS = _EXPRESSIONS | _MODULES | _GRAMMARS | _WORKSPACES | _TASKS | _FORMULAS
+BUILDERS: Mapping[str, Builder] = (
+    _EXPRESSIONS | _MODULES | _GRAMMARS | _WORKSPACES | _TASKS | _FORMULAS
+)
 
 
-class _Fold(Transformer_NonRecursive[Token, object]):
-    """Applies the builder of each rule, children first."""
-
-    def __default__(self, data: str, children: Children, meta: Meta) -> object:
-        span = Span(0, 0) if meta.empty else Span(meta.start_pos, meta.end_pos)
-        return _BUILDERS[str(data)](children, span)
-
-
-def too_deep(tree: Tree[Token]) -> Span | None:
-    """Where the tree is nested deeper than ``MAX_DEPTH``; None if it is not."""
-    stack: list[tuple[Tree[Token], int]] = [(tree, 0)]
-    while stack:
-        node, depth = stack.pop()
-        if depth > MAX_DEPTH:
-            return Span(node.meta.start_pos, node.meta.end_pos)
-        stack.extend((c, depth + 1) for c in node.children if isinstance(c, Tree))
-    return None
-
-
-def build(tree: Tree[Token]) -> t.Item:
-    """The abstract syntax of an item; its tree is not :func:`too_deep`."""
-    match _Fold().transform(tree):
+def item_of(value: object) -> t.Item:
+    """The value of a whole item, as what it is."""
+    match value:
         case (
             s.Module()
             | s.Edges()
@@ -239,7 +216,7 @@ def build(tree: Tree[Token]) -> t.Item:
             | t.Workspace()
             | t.Task()
             | t.Include()
-        ) as item:
-            return item
-        case other:
-            raise TypeError(f"not an item: {other!r}")
+        ):
+            return value
+        case _:
+            raise TypeError(f"not an item: {value!r}")

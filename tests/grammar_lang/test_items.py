@@ -1,10 +1,13 @@
 from __future__ import annotations
 
-from grammar_lang.items import cut, unclosed_comment
+from grammar_lang.items import cut
+from grammar_lang.tokens import tokenise, unclosed_comment
 
 
 def pieces(text: str) -> list[str]:
-    return [text[item.span.start : item.span.end] for item in cut(text)]
+    tokens = tokenise(text)
+    spans = [tokens.span(item.first, item.stop - 1) for item in cut(tokens)]
+    return [text[span.start : span.end] for span in spans]
 
 
 def test_items_end_with_their_brace_or_semicolon() -> None:
@@ -25,7 +28,7 @@ def test_keywords_as_names_start_no_item() -> None:
 
 
 def test_unclosed_comment() -> None:
-    assert unclosed_comment("a /* b */ c // /* d") is None
-    found = unclosed_comment("a /* b */ /* c")
+    assert unclosed_comment(tokenise("a /* b */ c // /* d")) is None
+    found = unclosed_comment(tokenise("a /* b */ /* c"))
     assert found is not None
     assert found.start == 10

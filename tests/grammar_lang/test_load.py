@@ -146,7 +146,7 @@ def test_byte_order_mark_and_line_ends_do_not_matter(arm: str, tmp_path: Path) -
 @pytest.mark.parametrize(
     ("old", "new", "found"),
     [
-        ("role base;", "role base", ("SRG0104", 1, 23)),
+        ("role base;", "role base", ("SRG0104", 1, 22)),
         ("N eps JO;", "N eps JX;", ("SRG0201", 10, 21)),
         ("N.frame * rot", "N.fram * rot", ("SRG0501", 18, 26)),
         ("tool  { this.frame = N.frame;", "tool  {", ("SRG0501", 21, 3)),

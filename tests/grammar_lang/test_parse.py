@@ -84,7 +84,7 @@ def test_reserved_words(word: str, check: Check) -> None:
 @pytest.mark.parametrize(
     ("text", "found"),
     [
-        ("module A { role base }", ("SYNTAX", "}")),
+        ("module A { role base }", ("SYNTAX", " ")),
         ("module A { role base\n}", ("SYNTAX", "\n")),
         ("module A { role base;", ("SYNTAX", "")),
         ("module A { rol base; }", ("SYNTAX", "rol")),

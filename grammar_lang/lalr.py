@@ -1,0 +1,276 @@
+"""The parser: LALR(1) with a stack of its own, values built bottom-up, errors survived.
+
+Source: A. V. Aho, M. S. Lam, R. Sethi, J. D. Ullman, *Compilers*, sections 4.7 and 4.8.3 (panic
+mode).  After an error the statement is dropped and parsing goes on with the next one; a missing
+``;`` at the end of a line and missing ``}`` at the end of an item are supplied.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+from grammar_lang.items import RawItem
+from grammar_lang.source import Span
+from grammar_lang.tables import END, RESERVED, Reduction, Tables
+from grammar_lang.tokens import SKIPPED, WORD, Tokens
+from grammar_lang.units import UNIT_NAMES
+
+MAX_DEPTH = 100
+TOO_DEEP = frozenset({"less depth"})
+"""Stands for the expected terminals where the trouble is the depth."""
+
+_NAMES = "|".join(sorted(UNIT_NAMES, key=lambda name: (-len(name), name)))
+_UNIT = re.compile(
+    rf"(?:{_NAMES})(?:\^-?[0-9]+)?(?:[*/](?:{_NAMES})(?:\^-?[0-9]+)?)*(?![A-Za-z0-9_.(])"
+)
+_RESERVED = frozenset(RESERVED)
+
+
+class Token(NamedTuple):
+    """A terminal that is part of a value."""
+
+    kind: str
+    text: str
+    span: Span
+
+
+Builder: TypeAlias = Callable[[list[Any], Span], object]
+Complain: TypeAlias = Callable[[int, frozenset[str]], None]
+
+
+@dataclass(slots=True)
+class _Stack:
+    """The states, and beside each but the first: the value, its first token, end and depth."""
+
+    states: list[int] = field(default_factory=lambda: [0])
+    values: list[Any] = field(default_factory=list[Any])
+    firsts: list[int] = field(default_factory=list[int])
+    ends: list[int] = field(default_factory=list[int])
+    depths: list[int] = field(default_factory=list[int])
+
+    def push(self, state: int, value: object, first: int, end: int, depth: int) -> None:
+        self.states.append(state)
+        self.values.append(value)
+        self.firsts.append(first)
+        self.ends.append(end)
+        self.depths.append(depth)
+
+    def cut(self, size: int) -> None:
+        """Keep the first ``size`` values."""
+        del self.states[size + 1 :]
+        del self.values[size:]
+        del self.firsts[size:]
+        del self.ends[size:]
+        del self.depths[size:]
+
+
+@dataclass(slots=True)
+class Parser:
+    """Parses items of one text; ``builders`` make the values, ``complain`` reports errors.
+
+    ``complain(i, expected)`` is told the token that does not fit (the one after the last where the
+    item ends too early) and the terminals that would.  Words of dropped statements go to
+    ``skipped``.
+    """
+
+    tables: Tables
+    tokens: Tokens
+    builders: Mapping[str, Builder]
+    complain: Complain
+    skipped: set[str] = field(default_factory=set[str])
+    _stack: _Stack = field(default_factory=_Stack)
+    _failed: bool = False
+
+    def item(self, raw: RawItem) -> tuple[object | None, bool]:
+        """The value of an item, None if nothing of it can be used, and whether it is sound."""
+        self._stack, self._failed = _Stack(), False
+        here, stop = raw.first, raw.stop
+        while here < stop:
+            terminal = self._terminal(here)
+            found = self._advance(terminal, here)
+            if found is None:
+                here = self._after(here)
+                continue
+            resumed = self._recover(here, stop, found)
+            if resumed is None:
+                return None, False
+            here = resumed
+        return self._finish(raw)
+
+    def _finish(self, raw: RawItem) -> tuple[object | None, bool]:
+        """The value at the end of an item; braces left open are closed."""
+        while (expected := self._advance(END, raw.stop)) is not None:
+            if not self._failed or expected is TOO_DEEP:
+                self._complain(raw.stop, expected)
+            closer = next((c for c in (";", "}") if c in expected), None)
+            if closer is None:
+                point = self._recovery_point()
+                if point is None:
+                    self._skip(raw.first, raw.stop)
+                    return None, False
+                self._drop(point, raw.stop)
+            if self._advance(closer or "}", raw.stop - 1) is not None:
+                return None, False
+        return self._stack.values[0], not self._failed
+
+    def _complain(self, here: int, expected: frozenset[str]) -> None:
+        self._failed = True
+        self.complain(here, expected)
+
+    # --- one token -----------------------------------------------------------------------------
+
+    def _terminal(self, here: int) -> str:
+        """What a token is where the parser stands; a unit takes in all its tokens."""
+        kind = self.tokens.kinds[here]
+        if kind != WORD:
+            return kind
+        row = self.tables.actions[self._stack.states[-1]]
+        text = self.tokens.at(here)
+        if text in row and text in self.tables.words:
+            kind = text
+        elif "UNIT" in row and self._unit(here):
+            kind = "UNIT"
+        else:
+            kind = text if text in _RESERVED else "NAME"
+        self.tokens.kinds[here] = kind
+        return kind
+
+    def _unit(self, here: int) -> bool:
+        tokens = self.tokens
+        match = _UNIT.match(tokens.text, tokens.starts[here])
+        if match is None:
+            return False
+        end = match.end()
+        after = here + 1
+        while after < len(tokens) and tokens.starts[after] < end:
+            tokens.kinds[after] = SKIPPED
+            after += 1
+        tokens.ends[here] = end
+        return True
+
+    def _after(self, here: int) -> int:
+        kinds = self.tokens.kinds
+        here += 1
+        while here < len(kinds) and kinds[here] == SKIPPED:
+            here += 1
+        return here
+
+    def _advance(self, terminal: str, here: int) -> frozenset[str] | None:
+        """Shift a terminal after all reductions; else what would be expected."""
+        stack, tables = self._stack, self.tables
+        before = stack.states
+        while True:
+            action = tables.actions[stack.states[-1]].get(terminal)
+            if action is None:
+                return tables.expected(before)
+            if action >= 0:
+                stack.push(action, here, here, here, 0)
+                return None
+            rule = tables.rules[-1 - action]
+            if rule.passes:
+                stack.states[-1] = tables.gotos[stack.states[-2]][rule.origin]
+            elif not self._reduce(rule):
+                return TOO_DEEP
+            if terminal == END and stack.states[-1] == tables.end:
+                return None
+
+    def _reduce(self, rule: Reduction) -> bool:
+        """Replace the symbols of a rule; False where the value would be too deep."""
+        stack, tokens = self._stack, self.tokens
+        base = len(stack.values) - rule.size
+        depth = max(stack.depths[base:])
+        first, last = stack.firsts[base], stack.ends[-1]
+        children: list[Any] = []
+        for place, splice in zip(rule.keep, rule.splice, strict=True):
+            value: Any = None if place < 0 else stack.values[base + place]
+            if type(value) is int:
+                span = Span(tokens.starts[value], tokens.ends[value], tokens.file)
+                value = Token(tokens.kinds[value], tokens.at(value), span)
+            if not splice:
+                children.append(value)
+            elif children:
+                children.extend(value)
+            else:
+                children = value
+        made: object = children
+        if rule.transparent and len(children) == 1:
+            made = children[0]
+        elif rule.builder:
+            depth += 1
+            if depth > MAX_DEPTH:
+                return False
+            span = Span(tokens.starts[first], tokens.ends[last], tokens.file)
+            made = self.builders[rule.builder](children, span)
+        stack.cut(base)
+        stack.push(self.tables.gotos[stack.states[-1]][rule.origin], made, first, last, depth)
+        return True
+
+    # --- after an error ------------------------------------------------------------------------
+
+    def _recover(self, here: int, stop: int, expected: frozenset[str]) -> int | None:
+        """Report an error and give the token to go on with; None where the item is lost."""
+        tokens = self.tokens
+        self._complain(here, expected)
+        if ";" in expected and (tokens.on_new_line(here) or tokens.kinds[here] == "}"):
+            self._advance(";", here - 1)
+            return here
+        point = self._recovery_point()
+        if point is None:
+            self._skip(self._stack.firsts[0] if self._stack.firsts else here, stop)
+            return None
+        return self._drop(point, self._resume(here, stop, point))
+
+    def _recovery_point(self) -> int | None:
+        """How many values to keep so that a statement may begin after them."""
+        states, actions = self._stack.states, self.tables.actions
+        for size in range(len(states) - 1, 0, -1):
+            row = actions[states[size]]
+            if "}" in row and ";" not in row and "," not in row and self._opens(size):
+                return size
+        return None
+
+    def _opens(self, size: int) -> bool:
+        """Whether the value before a place is a brace or a list of statements."""
+        value = self._stack.values[size - 1]
+        return isinstance(value, list) or (type(value) is int and self.tokens.kinds[value] == "{")
+
+    def _resume(self, here: int, stop: int, point: int) -> int:
+        """The token after the statement that is dropped: after its ``;`` or at the ``}``."""
+        kinds = self.tokens.kinds
+        dropped = self._stack.values[point:]
+        depth = sum(type(v) is int and kinds[v] == "{" for v in dropped)
+        braced = self._takes_blocks(point)
+        while here < stop:
+            kind = kinds[here]
+            if kind == "{":
+                depth += 1
+            elif kind == "}":
+                if depth == 0:
+                    return here
+                depth -= 1
+                if braced and depth == 0:
+                    return here + 1
+            elif kind == ";" and depth == 0:
+                return here + 1
+            here += 1
+        return stop
+
+    def _takes_blocks(self, point: int) -> bool:
+        """Whether the statements at a place are blocks, which end with a brace."""
+        named = self.tables.after(self._stack.states[point], "NAME")
+        return named is not None and set(self.tables.actions[named]) == {"{"}
+
+    def _drop(self, point: int, resumed: int) -> int:
+        """Forget the values after a place and note the words from there to ``resumed``."""
+        firsts = self._stack.firsts
+        self._skip(firsts[point] if point < len(firsts) else resumed, resumed)
+        self._stack.cut(point)
+        return resumed
+
+    def _skip(self, first: int, stop: int) -> None:
+        for index in range(first, min(stop, len(self.tokens))):
+            if self.tokens.at(index)[:1].isidentifier():
+                self.skipped.add(self.tokens.at(index))

@@ -1,0 +1,90 @@
+"""The tables of the LALR(1) parser, read from ``tables.json``.
+
+Source: A. V. Aho, M. S. Lam, R. Sethi, J. D. Ullman, *Compilers*, section 4.7.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+END = "$END"
+RESERVED = ("and", "or", "not", "empty", "this", "world", "start", "accept", "x", "y", "z")
+
+
+@dataclass(frozen=True, slots=True)
+class Reduction:
+    """A rule: it replaces ``size`` symbols by ``origin`` and its value is built of those kept.
+
+    ``keep`` are positions, -1 for an absent optional symbol; ``splice`` says which of them are
+    repetitions, whose values are put in their place.  A ``transparent`` rule with one kept value
+    has that value itself; without a ``builder`` the value is the list of what is kept.
+    """
+
+    origin: str
+    size: int
+    builder: str
+    keep: tuple[int, ...]
+    splice: tuple[bool, ...]
+    transparent: bool
+
+    @property
+    def passes(self) -> bool:
+        """Whether the rule only renames its one symbol."""
+        return self.transparent and self.size == 1 and self.splice == (False,)
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """``actions[s]``: per terminal the next state, or ``-1 - k`` for the reduction ``rules[k]``."""
+
+    end: int
+    words: frozenset[str]
+    rules: Sequence[Reduction]
+    actions: Sequence[Mapping[str, int]]
+    gotos: Sequence[Mapping[str, int]]
+
+    def after(self, state: int, terminal: str) -> int | None:
+        """The state to which a state shifts a terminal, if it does."""
+        action = self.actions[state].get(terminal, -1)
+        return action if action >= 0 else None
+
+    def accepts(self, states: Sequence[int], terminal: str) -> bool:
+        """Whether a stack of states will shift a terminal, after some reductions."""
+        stack = list(states)
+        while (action := self.actions[stack[-1]].get(terminal)) is not None:
+            if action >= 0:
+                return True
+            rule = self.rules[-1 - action]
+            del stack[len(stack) - rule.size :]
+            stack.append(self.gotos[stack[-1]][rule.origin])
+            if terminal == END and stack[-1] == self.end:
+                return True
+        return False
+
+    def expected(self, states: Sequence[int]) -> frozenset[str]:
+        """The terminals that may stand next."""
+        return frozenset(t for t in self.actions[states[-1]] if self.accepts(states, t))
+
+
+@cache
+def tables() -> Tables:
+    """The tables of the language."""
+    content = json.loads(Path(__file__).with_name("tables.json").read_text(encoding="utf-8"))
+    rules = [
+        Reduction(
+            rule["origin"],
+            rule["size"],
+            rule["builder"],
+            tuple(rule["keep"]),
+            tuple(rule["splice"]),
+            rule["transparent"],
+        )
+        for rule in content["rules"]
+    ]
+    return Tables(
+        content["end"], frozenset(content["words"]), rules, content["actions"], content["gotos"]
+    )
