@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow fmt lint types bench lock clean
+.PHONY: demo test test-slow golden grammar fmt lint types bench lock clean
 
 .venv/installed: requirements/dev.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -21,6 +21,15 @@ test: .venv/installed
 
 test-slow: .venv/installed
 	$(BIN)/pytest -n 2
+
+# Rewrites what the pages of codes and of tests/golden show; read the difference before you keep it.
+golden: .venv/installed
+	-UPDATE_GOLDEN=1 $(BIN)/pytest tests/test_golden.py
+	$(BIN)/pytest tests/test_golden.py
+
+# The parser's tables, after a change of grammar_lang/srg.lark.
+grammar: .venv/installed
+	$(BIN)/python -m grammar_lang.table_generator
 
 fmt: .venv/installed
 	$(BIN)/ruff format .

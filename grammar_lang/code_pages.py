@@ -26,13 +26,13 @@ _BREAK = re.compile(r"^(?:#+ .*|Repaired:)$", re.MULTILINE)
 _COMMAND = re.compile(r"\$ srgc check (?P<file>\S+)\n")
 _HEADING = re.compile(r"# (?P<code>SRG\d{4}): (?P<title>.+)\n\n")
 _SEVERITY = re.compile(r"^\S+:\d+:\d+: (error|warning|note)\[(SRG\d{4})\]", re.MULTILINE)
-_NUMBER = re.compile(r"(?:SRG)?0*(\d{1,4})", re.IGNORECASE)
+_NUMBER = re.compile(r"(?:SRG)?0*([0-9]{1,4})", re.IGNORECASE)
 
 _INTRODUCTION = """\
 # The codes of `srgc`
 
-Every finding of `srgc check` has a code that never changes its meaning. Below, each is shown with the
-smallest file that gives it and with that file repaired; `srgc explain CODE` prints the same page.
+Every finding of `srgc check` has a code that never changes its meaning. Here each is shown with a
+small file that gives it and with that file repaired; `srgc explain CODE` prints the same page.
 This page is generated from `grammar_lang/catalogue` by `make golden`.
 
 """
@@ -180,11 +180,21 @@ def find_code(text: str) -> Code | None:
 
 
 def nearest_codes(text: str) -> tuple[Code, ...]:
-    """The codes most like a text that is none, at most three, in ascending order."""
+    """The codes nearest to a text that is none, at most three, the nearest first.
+
+    Those nearest to a number, of its chapter if there is one; else those spelt most like the text.
+    """
     match = _NUMBER.fullmatch(text.strip())
-    wanted = text.strip().upper() if match is None else f"SRG{int(match[1]):04}"
-    close = get_close_matches(wanted, [code.value for code in Code], n=3, cutoff=0.6)
-    return tuple(code for code in Code if code.value in close)
+    if match is None:
+        known = [code.value for code in Code]
+        return tuple(map(Code, get_close_matches(text.strip().upper(), known, n=3)))
+    number = int(match[1])
+
+    def distance(code: Code) -> tuple[bool, int]:
+        own = int(code.value.removeprefix("SRG"))
+        return own // 100 != number // 100, abs(own - number)
+
+    return tuple(sorted(Code, key=distance)[:3])
 
 
 def _anchor(page: CodePage) -> str:
@@ -201,7 +211,13 @@ def catalogue() -> str:
     for page in pages:
         if page.code.value[3:5] != chapter:
             chapter = page.code.value[3:5]
-            lines += ["", f"**{_CHAPTERS[chapter]}**", "", "| code | is | stands for |", "|---|---|---|"]
+            lines += [
+                "",
+                f"**{_CHAPTERS[chapter]}**",
+                "",
+                "| code | is | stands for |",
+                "|---|---|---|",
+            ]
         link = f"[{page.code.value}](#{_anchor(page)})"
         lines.append(f"| {link} | {page.severity} | {page.title} |")
     contents = "\n".join(lines[1:])

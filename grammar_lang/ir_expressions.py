@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
+from grammar_lang.node import node
 from grammar_lang.source import Span
 
 THIS = -1
@@ -17,19 +17,19 @@ Operator: TypeAlias = Literal["+", "-", "*", "/", "^"]
 Axis: TypeAlias = Literal["x", "y", "z", "-x", "-y", "-z"]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Num:
     """An exact rational, in SI units."""
 
     value: Fraction
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Pi:
     """The number pi."""
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class ParameterOf:
     """A parameter of the module at an occurrence."""
 
@@ -37,7 +37,7 @@ class ParameterOf:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class DofOf:
     """The coordinate of a degree of freedom.
 
@@ -48,7 +48,7 @@ class DofOf:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RateOf:
     """The rate of a degree of freedom; only in a module's own dynamics."""
 
@@ -56,7 +56,7 @@ class RateOf:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class EffortOf:
     """The free input ``u`` of a degree of freedom; only in a module's own dynamics."""
 
@@ -64,7 +64,7 @@ class EffortOf:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StateOf:
     """A state of the module's own; only in its dynamics."""
 
@@ -72,7 +72,7 @@ class StateOf:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class InputOf:
     """A declared input of the module; only in its dynamics."""
 
@@ -80,7 +80,7 @@ class InputOf:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class AttributeOf:
     """An attribute of a nonterminal occurrence, or of the left side (``THIS``)."""
 
@@ -88,7 +88,7 @@ class AttributeOf:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Unary:
     """A function of one scalar."""
 
@@ -96,7 +96,7 @@ class Unary:
     operand: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Binary:
     """An operation on two scalars; the exponent of ``^`` is an integer ``Num``."""
 
@@ -105,7 +105,7 @@ class Binary:
     right: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Vector:
     """Three scalars; in the plane the third is zero."""
 
@@ -114,12 +114,12 @@ class Vector:
     z: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class World:
     """The fixed frame."""
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Rot:
     """Rotation about an axis of the local frame; the angle is a scalar or one revolute dof."""
 
@@ -127,7 +127,7 @@ class Rot:
     angle: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Move:
     """Translation along an axis of the local frame; a scalar or one prismatic dof."""
 
@@ -135,14 +135,14 @@ class Move:
     distance: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Shift:
     """Translation by a vector of the local frame."""
 
     vector: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Compose:
     """The product of two frames, left applied first (from the world outwards)."""
 

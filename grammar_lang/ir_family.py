@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from grammar_lang.ir_expressions import NOWHERE, AttributeOf, Axis, Expr
+from grammar_lang.node import node
 from grammar_lang.source import Span
 
 Role: TypeAlias = Literal["base", "joint", "link", "effector"]
 DofKind: TypeAlias = Literal["revolute", "prismatic"]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Interval:
     """A closed interval of constants (closed expressions, SI)."""
 
@@ -21,14 +22,14 @@ class Interval:
     upper: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Choices:
     """A finite set of constants, in the order written."""
 
     values: tuple[Expr, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Parameter:
     """A design parameter (an element of Xi, Definition 5); ``unit`` is its SI unit as text."""
 
@@ -38,7 +39,7 @@ class Parameter:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Dof:
     """A degree of freedom about or along an axis of the local frame; None means unlimited."""
 
@@ -64,7 +65,7 @@ class State:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Input:
     """A declared input with its bounds; ``unit`` is its SI unit as text."""
 
@@ -74,7 +75,7 @@ class Input:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Torque:
     """The generalised force on a degree of freedom, instead of its free input alone."""
 
@@ -83,7 +84,7 @@ class Torque:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Module:
     """A robot module (an element of Sigma).  Its constants are inlined where they are used.
 
@@ -104,7 +105,7 @@ class Module:
 SymbolKind: TypeAlias = Literal["module", "edge", "nonterminal"]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Symbol:
     """An occurrence of a symbol on a right side; ``alias`` is how its production calls it."""
 
@@ -114,7 +115,7 @@ class Symbol:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Production:
     """``label: left -> right``; an empty right side derives the empty word."""
 
@@ -124,33 +125,33 @@ class Production:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RSymbol:
     """A regular expression of one symbol."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class REmpty:
     """The regular expression of the empty word."""
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RSequence:
     """Juxtaposition."""
 
     parts: tuple[Regex, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RChoice:
     """Alternation ``|``."""
 
     parts: tuple[Regex, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RRepeat:
     """``*``, ``+`` or ``?``."""
 
@@ -162,28 +163,28 @@ Regex: TypeAlias = RSymbol | REmpty | RSequence | RChoice | RRepeat
 Comparison: TypeAlias = Literal["<=", "<", ">=", ">", "=="]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Contains:
     """The word has ``word`` as a factor."""
 
     word: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StartsWith:
     """The word has ``word`` as a prefix."""
 
     word: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class EndsWith:
     """The word has ``word`` as a suffix."""
 
     word: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Count:
     """The number of occurrences of a symbol; of all symbols where ``symbol`` is None."""
 
@@ -192,28 +193,28 @@ class Count:
     bound: int
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Matches:
     """The whole word matches a regular expression."""
 
     regex: Regex
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class AllOf:
     """Conjunction; empty: every word."""
 
     parts: tuple[Accept, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class AnyOf:
     """Disjunction."""
 
     parts: tuple[Accept, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class NotAccept:
     """Complement."""
 
@@ -223,7 +224,7 @@ class NotAccept:
 Accept: TypeAlias = Contains | StartsWith | EndsWith | Count | Matches | AllOf | AnyOf | NotAccept
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class AttributeRule:
     """``target = value``: synthesized where the target is ``THIS``, else inherited."""
 
@@ -232,7 +233,7 @@ class AttributeRule:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Rod:
     """A uniform rod along an axis from the frame's origin; ``radius`` makes it a capsule."""
 
@@ -244,7 +245,7 @@ class Rod:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class PointMass:
     """A point mass at the frame's origin."""
 
@@ -253,7 +254,7 @@ class PointMass:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Solid:
     """A rigid body; inertia about its com: one number in the plane, six (xx yy zz xy xz yz)."""
 
@@ -264,7 +265,7 @@ class Solid:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Effector:
     """An effector at the frame's origin."""
 
@@ -275,7 +276,7 @@ class Effector:
 Emission: TypeAlias = Rod | PointMass | Solid | Effector
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class SemanticBlock:
     """The semantic rules of one production."""
 

@@ -6,15 +6,16 @@ evaluated; whatever of them lies after T is cut off.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from typing import TypeAlias
 
 from grammar_lang.ir_expressions import NOWHERE
+from grammar_lang.node import node
 from grammar_lang.source import Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Atom:
     """The ``effector``-th effector (from 1, in word order) is in the region."""
 
@@ -23,7 +24,7 @@ class Atom:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Not:
     """Negation."""
 
@@ -31,7 +32,7 @@ class Not:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class And:
     """Conjunction of two or more."""
 
@@ -39,7 +40,7 @@ class And:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Or:
     """Disjunction of two or more."""
 
@@ -47,7 +48,7 @@ class Or:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Implies:
     """``left`` is false or ``right`` is true."""
 
@@ -56,7 +57,7 @@ class Implies:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Until:
     """Strong: ``right`` holds at some instant from now on, ``left`` at all instants before it."""
 
@@ -65,7 +66,7 @@ class Until:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Window:
     """The instants from ``lower`` to ``upper`` seconds after the present one; None: to the end."""
 
@@ -73,7 +74,7 @@ class Window:
     upper: Fraction | None
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Always:
     """At every instant of the window."""
 
@@ -82,7 +83,7 @@ class Always:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Eventually:
     """At some instant of the window."""
 
@@ -91,7 +92,7 @@ class Eventually:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Next:
     """One step of the horizon later; false at the last instant."""
 
@@ -99,7 +100,7 @@ class Next:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Last:
     """Throughout the last ``duration`` seconds, [T - duration, T]."""
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from grammar_lang.ir_expressions import NOWHERE, Expr
 from grammar_lang.ir_family import DofKind
 from grammar_lang.ir_formulas import Formula
+from grammar_lang.node import node
 from grammar_lang.source import Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class HalfSpace:
     """``normal . p <= offset``, exact, in metres; ``span`` is where it is written."""
 
@@ -21,14 +22,14 @@ class HalfSpace:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Inequalities:
     """A closed convex polyhedron as an intersection of half-spaces."""
 
     rows: tuple[HalfSpace, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Hull:
     """The convex hull of points."""
 
@@ -38,7 +39,7 @@ class Hull:
 RegionKind: TypeAlias = Literal["bounds", "region", "obstacle", "target"]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Region:
     """A named closed convex set of the workspace."""
 
@@ -48,7 +49,7 @@ class Region:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class ObstacleMap:
     """A file of obstacles: a map_server image with its YAML, or polygons as GeoJSON.
 
@@ -61,7 +62,7 @@ class ObstacleMap:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Workspace:
     """Bounds and regions in the plane (dimension 2) or in space (3), regions as declared."""
 
@@ -80,7 +81,7 @@ class Workspace:
         raise KeyError(name)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StartIn:
     """Start with some effector in a region; all rates at most ``rates`` (0: at rest)."""
 
@@ -90,7 +91,7 @@ class StartIn:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StartAt:
     """Start at rest with one given value per degree of freedom, in word order."""
 
@@ -98,7 +99,7 @@ class StartAt:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Reach:
     """Some effector (or the ``effector``-th, from 1) is in the region at the final instant."""
 
@@ -108,7 +109,7 @@ class Reach:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Avoid:
     """All effectors, or the whole body, stay out of the regions by more than ``margin`` metres."""
 
@@ -118,7 +119,7 @@ class Avoid:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Effort:
     """A bound on every free input of a kind; ``norm2`` bounds their Euclidean norm instead."""
 
@@ -128,7 +129,7 @@ class Effort:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class AvoidSelf:
     """Bodies that no module joins stay apart by more than ``margin`` metres."""
 
@@ -136,7 +137,7 @@ class AvoidSelf:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Fixed:
     """A parameter of the existing robot that keeps its value (closed, SI).
 
@@ -149,7 +150,7 @@ class Fixed:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Origin:
     """The existing robot that is to be reconfigured (Example 2)."""
 
@@ -158,7 +159,7 @@ class Origin:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Satisfy:
     """A formula that the motion has to satisfy at time 0."""
 
@@ -166,7 +167,7 @@ class Satisfy:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Robust:
     """Disturbances that the motion has to bear, each a radius about the planned value, in SI.
 
@@ -182,7 +183,7 @@ class Robust:
     spans: tuple[Span, ...] = field(default=(), compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Task:
     """A problem: a robot family, a workspace, and what is to be done in how many steps.
 

@@ -216,6 +216,8 @@ class Parser:
         self._complain(here, expected)
         if ";" in expected and (tokens.on_new_line(here) or tokens.kinds[here] == "}"):
             self._advance(";", here - 1)
+            if tokens.kinds[here] in {"NAME", tokens.at(here)} and tokens.at(here).isidentifier():
+                tokens.kinds[here] = WORD  # it may be a keyword of the next statement
             return here
         point = self._recovery_point()
         if point is None:

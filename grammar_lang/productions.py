@@ -29,6 +29,7 @@ class ProductionInfo:
     names: Mapping[str, int]
     repeated: Mapping[str, tuple[str, ...]]
     broken: bool
+    label: Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +68,7 @@ class _Reader:
             case s.Production(label=label):
                 info = self._production(item)
                 if label.text in self.productions:
-                    first = self.productions[label.text].production.span
-                    duplicate(label, first, self.sink)
+                    duplicate(label, self.productions[label.text].label, self.sink)
                 else:
                     self.productions[label.text] = info
             case s.Accept(condition=condition):
@@ -120,10 +120,12 @@ class _Reader:
         broken = len(symbols) < len(found) or item.left.text not in self.nonterminals
         production = ir.Production(item.label.text, item.left.text, symbols, item.span)
         if broken:
-            return ProductionInfo(production, {}, {}, broken=True)
+            return ProductionInfo(production, {}, {}, broken=True, label=item.label.span)
         names = _Names(self, item)
         names.collect(symbols)
-        return ProductionInfo(production, names.names, names.repeated, broken=False)
+        return ProductionInfo(
+            production, names.names, names.repeated, broken=False, label=item.label.span
+        )
 
 
 @dataclass(slots=True)

@@ -5,9 +5,10 @@ Nothing is resolved here: names are text with a span.  Nodes compare without the
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
+from grammar_lang.node import node
 from grammar_lang.source import Span
 from grammar_lang.syntax_expressions import (
     NOWHERE,
@@ -87,7 +88,7 @@ __all__ = [
 # --- modules -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Role:
     """``role NAME;``."""
 
@@ -95,7 +96,7 @@ class Role:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Param:
     """``param NAME in domain;``."""
 
@@ -104,7 +105,7 @@ class Param:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Const:
     """``const NAME = expr;``."""
 
@@ -113,7 +114,7 @@ class Const:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Dof:
     """``dof NAME: kind axis in interval rate in interval;``."""
 
@@ -125,7 +126,7 @@ class Dof:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class State:
     """``state NAME unit = initial;``."""
 
@@ -135,7 +136,7 @@ class State:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Input:
     """``input NAME in [lo, hi] unit;``."""
 
@@ -144,7 +145,7 @@ class Input:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Derivative:
     """``der(NAME) = expr;``."""
 
@@ -153,7 +154,7 @@ class Derivative:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Torque:
     """``torque(NAME) = expr;``."""
 
@@ -165,7 +166,7 @@ class Torque:
 ModuleItem: TypeAlias = Role | Param | Const | Dof | State | Input | Derivative | Torque
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Module:
     """``module NAME { … }``."""
 
@@ -174,7 +175,7 @@ class Module:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Edges:
     """``edge a, '[';``."""
 
@@ -185,7 +186,7 @@ class Edges:
 # --- grammars ----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StartSymbol:
     """``start NAME;``."""
 
@@ -193,7 +194,7 @@ class StartSymbol:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Occurrence:
     """A symbol of a right side, with the name given to it."""
 
@@ -201,7 +202,7 @@ class Occurrence:
     symbol: Ident
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Production:
     """``label: left -> right;``."""
 
@@ -211,33 +212,33 @@ class Production:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RegexSymbol:
     """One symbol."""
 
     symbol: Ident
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RegexEmpty:
     """``empty``."""
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RegexSequence:
     """Juxtaposition."""
 
     parts: tuple[Regex, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RegexChoice:
     """Alternation."""
 
     parts: tuple[Regex, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RegexRepeat:
     """``*``, ``+`` or ``?``."""
 
@@ -249,7 +250,7 @@ Regex: TypeAlias = RegexSymbol | RegexEmpty | RegexSequence | RegexChoice | Rege
 Comparison: TypeAlias = Literal["<=", "<", ">=", ">", "=="]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Factor:
     """``contains``, ``starts with`` or ``ends with`` a word."""
 
@@ -257,7 +258,7 @@ class Factor:
     word: tuple[Ident, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Count:
     """``count(SYM) <= expr``; without a symbol: ``length <= expr``."""
 
@@ -266,28 +267,28 @@ class Count:
     bound: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Matches:
     """``matches REGEX``."""
 
     regex: Regex
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Not:
     """Negation."""
 
     part: Condition
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class And:
     """Conjunction."""
 
     parts: tuple[Condition, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Or:
     """Disjunction."""
 
@@ -297,7 +298,7 @@ class Or:
 Condition: TypeAlias = Factor | Count | Matches | Not | And | Or
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Accept:
     """``accept condition;``."""
 
@@ -308,7 +309,7 @@ class Accept:
 GrammarItem: TypeAlias = StartSymbol | Production | Accept
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Grammar:
     """``grammar NAME { … }``."""
 
@@ -320,7 +321,7 @@ class Grammar:
 # --- semantics ---------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Rule:
     """``owner.name = expr;``."""
 
@@ -329,7 +330,7 @@ class Rule:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Emission:
     """``kind(argument: expr, …);``."""
 
@@ -338,7 +339,7 @@ class Emission:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Block:
     """``label { … }``."""
 
@@ -347,7 +348,7 @@ class Block:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Semantics:
     """``semantics NAME { … }``."""
 

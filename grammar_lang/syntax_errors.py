@@ -11,7 +11,7 @@ from grammar_lang.items import KEYWORDS, RawItem
 from grammar_lang.lalr import TOO_DEEP
 from grammar_lang.source import Span
 from grammar_lang.spelling import nearest
-from grammar_lang.tables import RESERVED
+from grammar_lang.tables import RESERVED, tables
 from grammar_lang.tokens import BAD, Tokens
 from grammar_lang.units import UNIT_NAMES
 
@@ -20,6 +20,18 @@ MAX_SHOWN = 40
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _OPERATORS = frozenset({"+", "-", "*", "/", "^"})
 _EXPRESSION = frozenset({"NUMBER", "(", "-", "world", "this", "x", "y", "z", "NAME"})
+_LOOKALIKES = {
+    "\N{DEGREE SIGN}": "`deg`",
+    "\N{MINUS SIGN}\N{EN DASH}\N{EM DASH}\N{HYPHEN}\N{NON-BREAKING HYPHEN}": "`-`",
+    "\N{MULTIPLICATION SIGN}": "`x` between sides, `*` between numbers",
+    "\N{MIDDLE DOT}\N{DOT OPERATOR}": "`*`",
+    "\N{LEFT DOUBLE QUOTATION MARK}\N{RIGHT DOUBLE QUOTATION MARK}": '`"`',
+    "\N{LEFT SINGLE QUOTATION MARK}\N{RIGHT SINGLE QUOTATION MARK}": "`'`",
+    "\N{LESS-THAN OR EQUAL TO}": "`<=`",
+    "\N{GREATER-THAN OR EQUAL TO}": "`>=`",
+    "\N{RIGHTWARDS ARROW}": "`->`",
+    "\N{NO-BREAK SPACE}\N{ZERO WIDTH SPACE}\N{ZERO WIDTH NO-BREAK SPACE}": "a plain blank",
+}
 _DESCRIBED = {
     "NAME": "a name",
     "NUMBER": "a number",
@@ -41,9 +53,10 @@ def _wanted(expected: frozenset[str]) -> str:
         names = (names - _EXPRESSION) | {"EXPRESSION"}
     names = names - _OPERATORS - {"UNIT"} or names
     shown = sorted(_quoted(n) for n in names)
+    shown.sort(key=lambda name: (name[0] != "`", name))
     if len(shown) > 8:
-        shown = [*shown[:8], "…"]
-    return shown[0] if len(shown) == 1 else f"one of {', '.join(shown)}"
+        return f"one of {', '.join(shown[:8])}, …"
+    return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} or {shown[-1]}"
 
 
 def _shortened(text: str) -> str:
@@ -58,7 +71,8 @@ def _keyword_hint(word: str, expected: Iterable[str]) -> str | None:
 
 def _character(tokens: Tokens, here: int, sink: Sink) -> None:
     character = tokens.at(here)
-    hint = "remove it"
+    meant = next((meant for like, meant in _LOOKALIKES.items() if character in like), None)
+    hint = "remove it" if meant is None else f"write {meant}"
     if character in {"'", '"'}:
         hint = "a quoted string ends on its own line"
     elif character.isalpha():
@@ -94,7 +108,8 @@ def _unknown_unit(tokens: Tokens, here: int, sink: Sink) -> None:
 
 
 def _is_unknown_unit(tokens: Tokens, here: int, expected: frozenset[str]) -> bool:
-    if "UNIT" not in expected or not _WORD.fullmatch(tokens.at(here)):
+    word = tokens.at(here)
+    if "UNIT" not in expected or not _WORD.fullmatch(word) or word in tables().words:
         return False
     return tokens.kinds[here - 1] in {"NUMBER", ")", "]", "}"} and not tokens.on_new_line(here)
 
@@ -110,7 +125,8 @@ def _wrong(tokens: Tokens, here: int, expected: frozenset[str], sink: Sink) -> N
     else:
         if word in RESERVED and "NAME" in expected:
             hint = f"`{word}` is reserved; choose another name"
-        hint = hint or f"write {wanted} here"
+        due = "`;`" if ";" in expected and word in {",", ":", "."} else wanted
+        hint = hint or f"write {due} here"
         message = f"expected {wanted}, found `{word}`"
         sink.error(Code.SYNTAX, message, tokens.span(here), hint)
 

@@ -5,16 +5,17 @@ Numbers are exact rationals with the text of their unit.  Nodes compare without 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
+from grammar_lang.node import node
 from grammar_lang.source import Span
 
 NOWHERE = Span(0, 0)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Ident:
     """A name as written; ``this`` is the owner of a synthesized attribute."""
 
@@ -25,7 +26,7 @@ class Ident:
 Operator: TypeAlias = Literal["+", "-", "*", "/", "^"]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Number:
     """A literal with an optional unit; ``value`` is None where it is too large to represent."""
 
@@ -34,7 +35,7 @@ class Number:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Name:
     """A plain name in an expression."""
 
@@ -46,7 +47,7 @@ class Name:
         return self.ident.span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class AxisName:
     """``x``, ``y`` or ``z``: an axis, or a coordinate of the workspace."""
 
@@ -54,7 +55,7 @@ class AxisName:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Member:
     """``owner.name``."""
 
@@ -63,14 +64,14 @@ class Member:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class WorldName:
     """The fixed frame."""
 
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Argument:
     """``expr`` or ``name: expr``."""
 
@@ -79,7 +80,7 @@ class Argument:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Call:
     """``function(arguments)``."""
 
@@ -88,7 +89,7 @@ class Call:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Tuple:
     """``(a, b, …)``; the unit applies to the bare numbers."""
 
@@ -97,7 +98,7 @@ class Tuple:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Scaled:
     """``(expr) unit``."""
 
@@ -106,7 +107,7 @@ class Scaled:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Negate:
     """``-expr``."""
 
@@ -114,7 +115,7 @@ class Negate:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Binary:
     """``left operator right``."""
 
@@ -129,7 +130,7 @@ Expr: TypeAlias = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Interval:
     """``[lower, upper] unit``."""
 
@@ -139,7 +140,7 @@ class Interval:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Choices:
     """``{v1, v2, …} unit``."""
 

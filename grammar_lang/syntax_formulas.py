@@ -5,14 +5,15 @@ Continues :mod:`grammar_lang.syntax` with the part of ``srg.lark`` called formul
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
+from grammar_lang.node import node
 from grammar_lang.source import Span
 from grammar_lang.syntax import NOWHERE, Expr, Ident
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Atom:
     """``R by effector n``."""
 
@@ -21,7 +22,7 @@ class Atom:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Window:
     """``[lower, upper]`` after an operator."""
 
@@ -30,7 +31,7 @@ class Window:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Unary:
     """``not F``, ``next F``, and ``always F`` or ``eventually F`` with an optional window."""
 
@@ -40,7 +41,7 @@ class Unary:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Last:
     """``last[duration] F``."""
 
@@ -49,7 +50,7 @@ class Last:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Joined:
     """Two or more formulas joined by ``and`` or by ``or``."""
 
@@ -58,7 +59,7 @@ class Joined:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Binary:
     """``left until right`` or ``left implies right``."""
 

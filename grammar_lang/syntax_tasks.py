@@ -5,9 +5,10 @@ Continues :mod:`grammar_lang.syntax` with the rules of the last two parts of ``s
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
+from grammar_lang.node import node
 from grammar_lang.source import Span
 from grammar_lang.syntax import (
     NOWHERE,
@@ -25,7 +26,7 @@ from grammar_lang.syntax_formulas import Formula
 # --- workspaces --------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Dimension:
     """``plane xy;`` (2) or ``space xyz;`` (3)."""
 
@@ -33,7 +34,7 @@ class Dimension:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Box:
     """``box [..] x [..] x [..]``."""
 
@@ -41,7 +42,7 @@ class Box:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Inequality:
     """``left comparison right``."""
 
@@ -51,7 +52,7 @@ class Inequality:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Polytope:
     """``polytope { inequality; … } unit``."""
 
@@ -60,7 +61,7 @@ class Polytope:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Point:
     """``(a, b, …) unit``: a point, a vector or a list of coordinates."""
 
@@ -69,7 +70,7 @@ class Point:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Hull:
     """``hull (..), (..), …``."""
 
@@ -80,7 +81,7 @@ class Hull:
 Shape: TypeAlias = Box | Polytope | Hull
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Region:
     """``region NAME shape;`` and its like; ``bounds`` has no name."""
 
@@ -90,7 +91,7 @@ class Region:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class ObstaclesFrom:
     """``obstacles from "path";``."""
 
@@ -98,7 +99,7 @@ class ObstaclesFrom:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Workspace:
     """``workspace NAME { … }``."""
 
@@ -110,7 +111,7 @@ class Workspace:
 # --- tasks -------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Robot:
     """``robot NAME;``."""
 
@@ -118,7 +119,7 @@ class Robot:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class TaskWorkspace:
     """``workspace NAME;``."""
 
@@ -126,7 +127,7 @@ class TaskWorkspace:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StartIn:
     """``start in R by effector n at rest;``, or ``rates <= v``; None where not written."""
 
@@ -136,7 +137,7 @@ class StartIn:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StartAt:
     """``start at (…);``."""
 
@@ -144,7 +145,7 @@ class StartAt:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Reach:
     """``reach R by effector n at rest;``."""
 
@@ -154,7 +155,7 @@ class Reach:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Avoid:
     """``avoid R1, R2 with subject margin d;``."""
 
@@ -164,7 +165,7 @@ class Avoid:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Effort:
     """``effort <= v norm 2;``; ``norm`` is the text of the number."""
 
@@ -173,7 +174,7 @@ class Effort:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Horizon:
     """``horizon k steps of dt;``."""
 
@@ -182,7 +183,7 @@ class Horizon:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Slack:
     """``slack expr;``."""
 
@@ -190,7 +191,7 @@ class Slack:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Gravity:
     """``gravity (gx, gy) unit;``."""
 
@@ -198,7 +199,7 @@ class Gravity:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Modules:
     """``modules <= n;``."""
 
@@ -207,14 +208,14 @@ class Modules:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class BoundsBody:
     """``bounds with body;``."""
 
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Fixing:
     """``OCCURRENCE.NAME = expr`` after ``fixed``."""
 
@@ -224,7 +225,7 @@ class Fixing:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class From:
     """``from SYMBOLS fixed L1.length = 2 m, …;``."""
 
@@ -233,7 +234,7 @@ class From:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Satisfy:
     """``satisfy FORMULA;``."""
 
@@ -241,7 +242,7 @@ class Satisfy:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RobustStart:
     """``robust start 1 mm 0.1 deg;``."""
 
@@ -249,7 +250,7 @@ class RobustStart:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class RobustEffort:
     """``robust effort 0.5 %;``; the value counts hundredths."""
 
@@ -277,7 +278,7 @@ TaskItem: TypeAlias = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Task:
     """``task NAME { … }``."""
 
@@ -286,7 +287,7 @@ class Task:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Include:
     """``include "path";``."""
 
@@ -297,7 +298,7 @@ class Include:
 Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Include
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class File:
     """The items of a file in the order written, and what could not be read.
 

@@ -76,6 +76,17 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
 
 
 @cli.command()
+@click.argument("codes", nargs=-1)
+def explain(codes: tuple[str, ...]) -> int:
+    """Say what a code of a finding means, with an example.  Without one, list all codes."""
+    from srgc.explanation import explanation, list_of_codes
+
+    colour = sys.stdout.isatty() and "NO_COLOR" not in os.environ
+    click.echo(explanation(codes, colour=colour) if codes else list_of_codes(), nl=False)
+    return 0
+
+
+@cli.command()
 @FILE
 @click.option("--grammar", help="The grammar, where the file has several.")
 @click.option("--max-length", type=click.IntRange(0), help="Most symbols of a word, edges too.")

@@ -40,9 +40,11 @@ PENDING = {
 # The files of examples that a page cannot show, by page.
 UNPRINTABLE: dict[str, dict[str, bytes]] = {
     "SRG0101": {},
-    "SRG0102": {"spec.srg": "// Greifer für Äpfel\nmodule Grip { role effector; }\n".encode("latin-1")},
+    "SRG0102": {
+        "spec.srg": "// Greifer für Äpfel\nmodule Grip { role effector; }\n".encode("cp1252")
+    },
     "files": {
-        "latin.srg": "module B { role base; }  // Fuß\n".encode("latin-1"),
+        "latin.srg": "module B { role base; }  // Fuß\n".encode("cp1252"),
         "wide.srg": b"m\0o\0d\0u\0l\0e\0 \0B\0",
     },
 }
@@ -120,19 +122,9 @@ def test_every_code_has_a_page() -> None:
 def test_golden_pages_are_for_reading(page: Path) -> None:
     """A title, prose before every program, and several mistakes."""
     text = page.read_text(encoding="utf-8")
-    assert re.match(r"# [A-Z].+\n\n\w", text)
+    assert re.match(r"# [A-Z].+\n\n[\w`]", text)
     assert not re.search(r"^```\n\n```srg$", text, re.MULTILINE)
     assert sum(len(example.findings) for example in examples(text)) >= 3
-
-
-def test_every_code_occurs_in_a_golden_page_or_the_catalogue() -> None:
-    findings = {
-        code
-        for page in [*GOLDEN, *CATALOGUE]
-        for example in examples(page.read_text(encoding="utf-8"))
-        for _, code in example.findings
-    }
-    assert {code.value for code in Code} - findings <= PENDING
 
 
 def test_the_page_of_all_codes_is_up_to_date() -> None:
@@ -153,7 +145,7 @@ def test_the_contents_of_the_page_of_all_codes_lead_to_its_headings() -> None:
     assert len(links) == len(headings) == len(CATALOGUE)
 
 
-# --- reading pages ---------------------------------------------------------------------------------
+# --- reading pages --------------------------------------------------------------------------------
 
 PAGE = """\
 # SRG0301: a title

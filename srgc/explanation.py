@@ -1,0 +1,43 @@
+"""What ``srgc explain`` prints: pages of the catalogue, or the list of all codes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from grammar_lang.code_pages import find_code, has_page, nearest_codes, page_text, title
+from grammar_lang.codes import Code
+from srgc.session import UsageFault
+
+_BOLD, _RESET = "\033[1m", "\033[0m"
+_HEADING = re.compile(r"^(?:# .*|Fails:|Repaired:)$", re.MULTILINE)
+
+
+def list_of_codes() -> str:
+    """Every code with its title, one a line."""
+    return "".join(f"{code.value}  {title(code)}\n" for code in Code)
+
+
+def explanation(codes: Sequence[str], *, colour: bool) -> str:
+    """The pages of the codes that the user named, as Markdown; headings in bold with ``colour``.
+
+    Raises:
+        UsageFault: one of them is no code.
+    """
+    pages = "\n".join(_page(_known(text)) for text in codes)
+    return _HEADING.sub(rf"{_BOLD}\g<0>{_RESET}", pages) if colour else pages
+
+
+def _known(text: str) -> Code:
+    code = find_code(text)
+    if code is None:
+        near = ", ".join(near.value for near in nearest_codes(text))
+        hint = f"the nearest are {near}" if near else "`srgc explain` lists all codes"
+        raise UsageFault(f"there is no code {text!r}; {hint}")
+    return code
+
+
+def _page(code: Code) -> str:
+    if has_page(code):
+        return page_text(code)
+    return f"# {code.value}: {title(code)}\n\nThis code has no page yet.\n"
