@@ -17,23 +17,42 @@ _COLOUR = {
 }
 _FAINT = "\033[36m"
 
+MAX_LINE = 160
+"""So many characters of a source line are shown."""
+
 
 def _paint(text: str, code: str, *, colour: bool) -> str:
     return f"{code}{text}{_RESET}" if colour else text
 
 
+def _shown(text: str) -> str:
+    """The text with one visible character, or a tab, for each of its own."""
+    return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def _window(text: str, column: int) -> tuple[str, int]:
+    """The part of a long line about a column, and the column in it."""
+    if len(text) <= MAX_LINE:
+        return text, column
+    start = max(0, min(column - 1 - MAX_LINE // 3, len(text) - MAX_LINE))
+    part = text[start : start + MAX_LINE]
+    if start:
+        part = f"…{part[1:]}"
+    if start + MAX_LINE < len(text):
+        part = f"{part[:-1]}…"
+    return part, column - start
+
+
 def _excerpt(source: Source, span: Span, paint: str, *, colour: bool) -> list[str]:
     """The source line and the carets under it; tabs are kept so that they align."""
     line, column = source.position(span.start)
-    text = source.line(line)
-    shown = "".join(
-        c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text
-    )
+    part, column = _window(source.line(line), column)
+    text = _shown(part)
     width = max(1, min(span.end - span.start, len(text) - column + 1))
     margin = "".join(c if c == "\t" else " " for c in text[: column - 1])
     gutter = f"{line:>5} | "
     carets = _paint("^" * width, paint, colour=colour)
-    return [f"{gutter}{shown}", f"{' ' * 5} | {margin}{carets}"]
+    return [f"{gutter}{text}", f"{' ' * 5} | {margin}{carets}"]
 
 
 def _place(source: Source, span: Span) -> str:

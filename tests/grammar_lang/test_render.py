@@ -61,3 +61,12 @@ def test_a_place_without_text_has_a_caret_all_the_same() -> None:
     assert to_text(sink.sorted(), [Source("a", "")]) == (
         "a:1:1: error[SRG0105]: nothing\n    1 | \n      | ^\n  hint: write\n"
     )
+
+
+def test_of_a_long_line_the_part_about_the_caret_is_shown() -> None:
+    text = "edge " + ", ".join(f"e{i}" for i in range(2000)) + ", 'a b', " + "f" * 2000 + ";"
+    loaded = load_text(text, "t.srg")
+    (line, carets) = to_text(loaded.diagnostics, loaded.sources).splitlines()[1:3]
+    assert len(line) < 200
+    assert line[8] == line[-1] == "…"
+    assert line[carets.index("^") : carets.rindex("^") + 1] == "'a b'"
