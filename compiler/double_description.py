@@ -41,7 +41,8 @@ def primitive(entries: Sequence[int]) -> tuple[int, ...]:
 def integer_row(normal: Sequence[Fraction], offset: Fraction) -> IntRow:
     """The primitive integer row of ``normal . p <= offset``; equal sets have equal rows."""
     scale = lcm(offset.denominator, *(a.denominator for a in normal))
-    return primitive([*(int(a * scale) for a in normal), int(-offset * scale)])
+    entries = [a.numerator * (scale // a.denominator) for a in normal]
+    return primitive([*entries, -offset.numerator * (scale // offset.denominator)])
 
 
 def value(row: IntRow, ray: tuple[int, ...]) -> int:

@@ -1,35 +1,73 @@
-"""Findings about grammars: useless symbols, empty, cyclic, toolless and ambiguous languages.
+"""Findings about grammars: useless symbols, empty, finite, cyclic, toolless, ambiguous languages.
 
-Reachability and productivity as in Hopcroft, Motwani, Ullman, section 7.1.  Ambiguity of a
-context-free grammar is undecidable: short words are searched for two derivations, and nothing is
-said where none is found.
+Reachability and productivity as in Hopcroft, Motwani, Ullman, section 7.1.  Every grammar is
+looked at over its own symbols only, so the time is linear in the number of grammars of a file.
 """
 
 from __future__ import annotations
 
-from itertools import islice
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 
 from compiler.acceptance import accept_dfa
-from compiler.derivation import Derivation, structures
+from compiler.alphabet import alphabet_of
+from compiler.ambiguity import ambiguity
+from compiler.ambiguity_checks import ambiguity_diagnostics
 from compiler.finite_automaton import AutomatonTooLargeError, intersection
-from compiler.grammar import Srg, cyclic, productive, reachable, srg, trimmed
+from compiler.finite_language import longest_word, number_of_words
+from compiler.grammar import Srg, productive, reachable, srg
 from compiler.language import Language, restrict
+from compiler.production_cycles import ProductionCycle, production_cycles
 from grammar_lang import ir
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
 from grammar_lang.source import Span
 
-WITNESS_DERIVATIONS = 64
-WITNESS_SYMBOLS = 600
-WITNESS_MODULES = 6
+EXACT_BELOW = 10**9
+LISTED_TOOLS = 5
 
 
-def grammar_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report what is wrong with, or suspicious in, the grammars of a program."""
-    if program.grammars:
+@dataclass(frozen=True, slots=True)
+class _Context:
+    """What the checks of all grammars of a program share."""
+
+    program: ir.Program
+    order: Mapping[str, int]
+    tools: tuple[str, ...]
+    tasks: Mapping[str, Sequence[ir.Task]]
+    complete: bool
+
+
+def grammar_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:
+    """Report what is wrong with, or suspicious in, the grammars of a program.
+
+    Args:
+        program: the program.
+        sink: where to report.
+        complete: False where items with errors were left out of the program; nothing is then
+            said that they might refute, and there are no notes beside the errors.
+    """
+    if program.grammars and complete:
         _unused_symbols(program, sink)
+    tasks: dict[str, list[ir.Task]] = {}
+    for task in program.tasks.values():
+        tasks.setdefault(task.grammar, []).append(task)
+    context = _Context(
+        program,
+        {name: i for i, name in enumerate(program.terminals)},
+        tuple(m.name for m in program.modules.values() if m.role == "effector"),
+        tasks,
+        complete,
+    )
     for grammar in program.grammars.values():
-        _grammar(program, grammar, sink)
+        _grammar(context, grammar, sink)
+
+
+def cycle_diagnostics(program: ir.Program, grammar: ir.Grammar, sink: Sink) -> None:
+    """Report the derivations A =>+ A of a grammar."""
+    for cycle in production_cycles(srg(grammar, program.terminals, program.modules)):
+        _cycle(cycle, sink)
 
 
 def _unused_symbols(program: ir.Program, sink: Sink) -> None:
@@ -42,29 +80,23 @@ def _unused_symbols(program: ir.Program, sink: Sink) -> None:
     }
     for name in program.terminals:
         if name not in used:
-            module = program.modules.get(name)
             sink.warning(
                 Code.UNUSED_SYMBOL,
-                f"{'edge' if module is None else 'module'} {name} is used in no production",
-                ir.NOWHERE if module is None else module.span,
-                hint=f"use {name} on a right side or remove its declaration",
+                f"{'module' if program.is_module(name) else 'edge'} `{name}` is used in no "
+                "production",
+                program.terminal_spans.get(name, ir.NOWHERE),
+                hint=f"use `{name}` on a right side or remove its declaration",
             )
 
 
-def _grammar(program: ir.Program, grammar: ir.Grammar, sink: Sink) -> None:
-    rules = srg(grammar, program.terminals, program.modules)
+def _grammar(context: _Context, grammar: ir.Grammar, sink: Sink) -> None:
+    rules = srg(grammar, alphabet_of(grammar, context.order), context.program.modules)
     _useless(grammar, rules, sink)
-    loops = rules.names(cyclic(trimmed(rules.cfg)))
-    for name in loops:
-        sink.warning(
-            Code.CYCLIC_GRAMMAR,
-            f"{name} derives itself, so a robot has infinitely many derivations",
-            _place(grammar, name),
-            hint=f"remove the productions that lead from {name} back to {name} alone; "
-            "synth refuses such a grammar",
-        )
+    cycles = production_cycles(rules)
+    for cycle in cycles:
+        _cycle(cycle, sink)
     try:
-        language = restrict(rules, accept_dfa(grammar.accept, program.terminals))
+        language = restrict(rules, accept_dfa(grammar.accept, rules.terminals))
     except AutomatonTooLargeError as error:
         sink.error(
             Code.NOT_SUPPORTED, str(error), grammar.span, hint="use smaller bounds in accept"
@@ -73,41 +105,76 @@ def _grammar(program: ir.Program, grammar: ir.Grammar, sink: Sink) -> None:
     if not _has_robot(language):
         _empty_language(grammar, rules, sink)
         return
-    _effector(program, grammar, language, sink)
-    if not loops:
-        _ambiguity(grammar, language, sink)
+    _effector(context, grammar, language, sink)
+    unambiguous, longest = False, longest_word(language)
+    if not cycles:
+        found = ambiguity(language, longest)
+        unambiguous = found.decided and not found.words
+        tasks = context.tasks.get(grammar.name, ())
+        ambiguity_diagnostics(context.program, grammar, language, found, tasks, sink)
+    if longest is not None and context.complete:
+        words = number_of_words(language, longest, unambiguous=unambiguous)
+        _finite(grammar, words, longest, sink)
+
+
+def _cycle(cycle: ProductionCycle, sink: Sink) -> None:
+    first, *others = cycle.productions
+    labels = ", ".join(f"`{production.label}`" for production in cycle.productions)
+    vanishing = ", ".join(f"`{name}`" for name in cycle.vanishing)
+    instead = f", or let {vanishing} not derive the empty word" if vanishing else ""
+    sink.warning(
+        Code.CYCLIC_GRAMMAR,
+        f"`{first.left}` derives itself, so a robot has infinitely many derivations: "
+        f"`{' -> '.join(cycle.nonterminals)}`",
+        first.span,
+        hint=f"remove {'one of the productions' if others else 'the production'} {labels}"
+        f"{instead}; `synth` refuses such a grammar",
+        notes=[
+            (production.span, f"`{left} -> {right}` by this production")
+            for production, (left, right) in zip(
+                others, pairwise(cycle.nonterminals[1:]), strict=True
+            )
+        ],
+    )
 
 
 def _useless(grammar: ir.Grammar, rules: Srg, sink: Sink) -> None:
     good, seen = productive(rules.cfg), reachable(rules.cfg)
-    for k, name in enumerate(rules.nonterminals):
-        if rules.cfg.terminals + k not in seen:
+    useless = [
+        name
+        for k, name in enumerate(rules.nonterminals, start=rules.cfg.terminals)
+        if k not in seen or k not in good
+    ]
+    places = _places(grammar) if useless else {}
+    reached = set(rules.names(seen))
+    for name in useless:
+        if name not in reached:
             sink.warning(
                 Code.UNREACHABLE,
-                f"nonterminal {name} is never reached from {grammar.start}",
-                _place(grammar, name),
-                hint=f"use {name} on the right side of a reachable production or remove it",
+                f"nonterminal `{name}` is never reached from `{grammar.start}`",
+                places.get(name, grammar.span),
+                hint=f"use `{name}` on the right side of a reachable production or remove it",
             )
-        elif rules.cfg.terminals + k not in good:
+        else:
             sink.warning(
                 Code.UNPRODUCTIVE,
-                f"nonterminal {name} derives no word of modules and edges",
-                _place(grammar, name),
-                hint=f"add a production of {name} that ends in modules, such as `label: {name} -> "
-                "MODULE;`",
+                f"nonterminal `{name}` derives no word of modules and edges",
+                places.get(name, grammar.span),
+                hint=f"add a production of `{name}` that ends in modules, such as "
+                f"`label: {name} -> MODULE;`",
             )
 
 
-def _place(grammar: ir.Grammar, name: str) -> Span:
-    """The first production of a nonterminal, else its first occurrence, else the grammar."""
+def _places(grammar: ir.Grammar) -> dict[str, Span]:
+    """The first production of every nonterminal, or its first occurrence where it has none."""
+    places: dict[str, Span] = {}
     for production in grammar.productions:
-        if production.left == name:
-            return production.span
+        places.setdefault(production.left, production.span)
     for production in grammar.productions:
         for symbol in production.right:
-            if symbol.kind == "nonterminal" and symbol.name == name:
-                return symbol.span
-    return grammar.span
+            if symbol.kind == "nonterminal":
+                places.setdefault(symbol.name, symbol.span)
+    return places
 
 
 def _has_robot(language: Language) -> bool:
@@ -119,62 +186,48 @@ def _empty_language(grammar: ir.Grammar, rules: Srg, sink: Sink) -> None:
     everything = restrict(rules, accept_dfa(ir.AllOf(()), rules.terminals))
     example = next((word for word in everything.words() if word), None)
     if example is None:
-        message = f"grammar {grammar.name} derives no robot"
-        hint = f"give {grammar.start} a production whose right side ends in modules"
+        message = f"grammar `{grammar.name}` derives no robot"
+        hint = f"give `{grammar.start}` a production whose right side ends in modules"
     else:
-        message = f"no word of grammar {grammar.name} satisfies its accept condition"
+        message = f"no word of grammar `{grammar.name}` satisfies its accept condition"
         hint = f"the grammar derives `{' '.join(example)}`, for instance, which is not accepted"
     sink.error(Code.EMPTY_LANGUAGE, message, grammar.span, hint=hint)
 
 
-def _effector(program: ir.Program, grammar: ir.Grammar, language: Language, sink: Sink) -> None:
-    tools = [m.name for m in program.modules.values() if m.role == "effector"]
-    with_tool = accept_dfa(
-        ir.AnyOf(tuple(ir.Contains((tool,)) for tool in tools)), program.terminals
-    )
+def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: Sink) -> None:
+    """Words without a tool; nothing where an effector may be among what was left out."""
+    used = (x.name for p in grammar.productions for x in p.right if x.kind == "module")
+    known = all(map(context.program.is_module, used))
+    if not context.complete and not (context.tools and known):
+        return
+    alphabet = language.srg.terminals
+    tools = [name for name in context.tools if name in alphabet]
+    with_tool = accept_dfa(ir.AnyOf(tuple(ir.Contains((tool,)) for tool in tools)), alphabet)
     if not _has_robot(restrict(language.srg, intersection(language.accept, with_tool))):
+        listed = ", ".join(context.tools[:LISTED_TOOLS])
+        more = ", …" if len(context.tools) > LISTED_TOOLS else ""
         sink.warning(
             Code.NO_EFFECTOR,
-            f"no accepted word of grammar {grammar.name} contains an effector module",
+            f"no accepted word of grammar `{grammar.name}` contains an effector module",
             grammar.span,
-            hint=f"derive a module of role effector ({', '.join(tools)})"
-            if tools
+            hint=f"derive a module of role effector ({listed}{more})"
+            if listed
             else "declare a module with `role effector;` and derive it",
         )
 
 
-def _ambiguity(grammar: ir.Grammar, language: Language, sink: Sink) -> None:
-    witness = ambiguity_witness(language)
-    if witness is None:
-        return
-    first, second = witness
-    step = next(
-        i
-        for i, pair in enumerate(zip(first.labels, second.labels, strict=False))
-        if pair[0] != pair[1]
+def _finite(grammar: ir.Grammar, words: int | None, longest: int, sink: Sink) -> None:
+    if words is None:
+        number = "finitely many words"
+    elif words < EXACT_BELOW:
+        number = "1 word" if words == 1 else f"{words} words"
+    else:
+        # 2^10 is over 10^3; the number itself may have more digits than Python likes to print.
+        number = f"over 10^{(words.bit_length() - 1) * 3 // 10} words"
+    symbols = "1 symbol" if longest == 1 else f"{longest} symbols"
+    sink.note(
+        Code.FINITE_LANGUAGE,
+        f"grammar `{grammar.name}` has {number}, of {symbols}{'' if words == 1 else ' at most'}",
+        grammar.span,
+        hint="`impossible` can be proved of all of them: a task needs no `modules <= n` for that",
     )
-    sink.warning(
-        Code.AMBIGUOUS_GRAMMAR,
-        f"grammar {grammar.name} is ambiguous: `{' '.join(first.word)}` has several derivations",
-        second.nodes[step].production.span,
-        hint=f"they part at step {step + 1}: {first.labels[step]} or {second.labels[step]}; "
-        "each derivation counts as a structure of its own",
-    )
-
-
-def ambiguity_witness(language: Language) -> tuple[Derivation, Derivation] | None:
-    """The first two derivations of the first ambiguous word, among the shortest words only.
-
-    The language's grammar must not be cyclic.  None says that no witness was found, not that the
-    grammar is unambiguous.
-    """
-    symbols = 0
-    last: Derivation | None = None
-    for derivation in islice(structures(language, WITNESS_MODULES), WITNESS_DERIVATIONS):
-        if last is not None and last.word == derivation.word:
-            return last, derivation
-        last = derivation
-        symbols += len(derivation.word)
-        if symbols > WITNESS_SYMBOLS:
-            return None
-    return None

@@ -3,15 +3,17 @@
 Source: Ziegler, *Lectures on Polytopes*, Theorem 2.11: for c in the interior of the hull of the
 points p_i, the facets are ``y . (x - c) <= 1`` for the vertices y of the polar polytope
 ``{y : (p_i - c) . y <= 1}``.  A flat hull is described in its affine hull, the equations of which
-are added as pairs of inequalities.
+are added as pairs of inequalities.  Polygons go round their corners instead.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import pairwise
 
 from compiler.double_description import Point, describe, integer_row
+from compiler.volume import counter_clockwise
 from grammar_lang.ir import HalfSpace
 
 
@@ -75,6 +77,26 @@ def _affine_hull(origin: Point, basis: list[list[Fraction]], pivots: list[int]) 
 
 def _full_dimensional(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
     """Facets of a hull with interior, sorted."""
+    return _edges(points) if len(points[0]) == 2 else _polar_facets(points)
+
+
+def _edges(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
+    """The edges of a polygon, in time linear in the points but for sorting (Andrew 1979)."""
+    corners = counter_clockwise(points)
+    return sorted(
+        _facet((y - b, a - x), (y - b) * a + (a - x) * b)
+        for (a, b), (x, y) in pairwise((*corners, corners[0]))
+    )
+
+
+def _facet(normal: Sequence[Fraction], offset: Fraction) -> tuple[Point, Fraction]:
+    """A half-space in primitive integers."""
+    row = integer_row(normal, offset)
+    return tuple(Fraction(entry) for entry in row[:-1]), Fraction(-row[-1])
+
+
+def _polar_facets(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
+    """The facets by polarity."""
     centre = tuple(sum(column, Fraction(0)) / len(points) for column in zip(*points, strict=True))
     polar = [integer_row(_minus(point, centre), Fraction(1)) for point in points]
     vertices, _ = describe(polar, len(centre))
@@ -82,6 +104,5 @@ def _full_dimensional(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
     for vertex in vertices:
         normal = vertex.point()
         offset = 1 + sum((y * c for y, c in zip(normal, centre, strict=True)), Fraction(0))
-        row = integer_row(normal, offset)
-        facets.append((tuple(Fraction(entry) for entry in row[:-1]), Fraction(-row[-1])))
+        facets.append(_facet(normal, offset))
     return sorted(facets)

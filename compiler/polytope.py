@@ -2,7 +2,7 @@
 
 Source: Ziegler, *Lectures on Polytopes*, chapters 1 and 2.  A polytope is an intersection of closed
 half-spaces ``normal . p <= offset`` over the rationals; every predicate here is decided without
-rounding.  Floats leave through ``A``, ``b`` and ``box`` only.
+rounding.  Floats leave through ``A``, ``b`` and ``box`` only, which load numpy.
 """
 
 from __future__ import annotations
@@ -11,17 +11,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from compiler.double_description import IntRow, Point, Vertex, clip, describe, integer_row, value
 from compiler.hull import hull_rows
 from compiler.volume import counter_clockwise, polygon_area, polyhedron_volume
 from grammar_lang.ir import HalfSpace, Hull, Inequalities
 
-Array: TypeAlias = NDArray[np.float64]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array: TypeAlias = NDArray[np.float64]
+
 AXES = ("x", "y", "z")
 
 
@@ -78,6 +80,16 @@ class Polytope:
     def is_bounded(self) -> bool:
         """Whether its recession cone is trivial (the empty set is bounded)."""
         return self.description.bounded
+
+    def extends(self, axis: int, sign: Literal[-1, 1]) -> bool:
+        """Whether it has no end along ``sign`` times an axis; an unbounded set does along some.
+
+        A set without end in several directions may hide one of them behind another.
+        """
+        side = len(self.rows) + 2 * axis + (sign > 0)
+        return not self.is_bounded and any(
+            vertex.tight >> side & 1 for vertex in self.description.vertices
+        )
 
     @cached_property
     def affine_dimension(self) -> int:
@@ -223,6 +235,8 @@ class Polytope:
 
     @cached_property
     def _floats(self) -> tuple[Array, Array]:
+        import numpy as np
+
         rows = [row for row in self.rows if any(row.normal)]
         normals = np.array([[float(a) for a in row.normal] for row in rows]).reshape(
             len(rows), self.dimension
@@ -236,6 +250,8 @@ class Polytope:
         """A bounding box, shape (2, d), metres, rounded outwards; ValueError if empty."""
         if self.is_empty:
             raise ValueError("an empty polytope has no bounding box")
+        import numpy as np
+
         points = np.array([[float(x) for x in vertex] for vertex in self.vertices])
         return np.stack(
             [

@@ -15,6 +15,7 @@ from grammar_lang import syntax as s
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
 from grammar_lang.productions import GrammarInfo, ProductionInfo
+from grammar_lang.readings import readings
 from grammar_lang.source import Span
 from grammar_lang.spelling import did_you_mean
 
@@ -36,13 +37,15 @@ class PlacedRule:
 class Attributes:
     """The attributes of a grammar with the place of their first definition.
 
-    ``failed`` holds the labels of blocks with a rule whose target is wrong, which was reported.
+    ``failed`` holds the labels of blocks with a rule whose target is wrong, which was reported, and
+    ``lost`` the names of the attributes that such rules meant to define.
     """
 
     synthesized: dict[Key, Span] = field(default_factory=dict[Key, Span])
     inherited: dict[Key, Span] = field(default_factory=dict[Key, Span])
     rules: list[PlacedRule] = field(default_factory=list[PlacedRule])
     failed: set[str] = field(default_factory=set[str])
+    lost: set[str] = field(default_factory=set[str])
 
     def has(self, key: Key) -> bool:
         """Whether the attribute exists."""
@@ -103,7 +106,7 @@ def _place(label: str, rule: s.Rule, info: ProductionInfo, sink: Sink) -> Placed
 
 
 def _collect(
-    grammar: GrammarInfo, blocks: Mapping[str, s.Block], failed: set[str], sink: Sink
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], found: Attributes, sink: Sink
 ) -> Iterator[PlacedRule]:
     for label, block in blocks.items():
         first: dict[ir.AttributeOf, Span] = {}
@@ -112,7 +115,8 @@ def _collect(
                 continue
             placed = _place(label, statement, grammar.productions[label], sink)
             if placed is None:
-                failed.add(label)
+                found.failed.add(label)
+                found.lost.add(statement.target.name.text)
                 continue
             if placed.target in first:
                 target = statement.target
@@ -121,7 +125,7 @@ def _collect(
                 sink.error(
                     Code.DOUBLE_ATTRIBUTE, message, target.span, "remove one definition", notes
                 )
-                failed.add(label)
+                found.failed.add(label)
                 continue
             first[placed.target] = statement.target.span
             yield placed
@@ -146,20 +150,7 @@ def members(block: s.Block) -> Iterator[s.Member]:
             stack.append(statement.value)
         else:
             stack.extend(argument.value for argument in statement.arguments)
-    while stack:
-        match stack.pop():
-            case s.Member() as member:
-                yield member
-            case s.Call(arguments=arguments):
-                stack.extend(argument.value for argument in arguments)
-            case s.Tuple(items=items):
-                stack.extend(items)
-            case s.Scaled(operand=operand) | s.Negate(operand=operand):
-                stack.append(operand)
-            case s.Binary(left=left, right=right):
-                stack.extend((left, right))
-            case _:
-                pass
+    return (found for found in readings(stack) if isinstance(found, s.Member))
 
 
 def _classify(found: Attributes, start: str, sink: Sink) -> None:
@@ -187,7 +178,7 @@ def collect_attributes(
 ) -> Attributes:
     """The attributes that the blocks define; double and impossible definitions are reported."""
     found = Attributes()
-    found.rules.extend(_collect(grammar, blocks, found.failed, sink))
+    found.rules.extend(_collect(grammar, blocks, found, sink))
     _classify(found, grammar.grammar.start, sink)
     root = (grammar.grammar.start, ROOT_ATTRIBUTE)
     if root not in found.synthesized and _reads_root(grammar, blocks):

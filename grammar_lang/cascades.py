@@ -47,9 +47,17 @@ class Spans:
         return found if found.file == place.file and place.start <= found.end else None
 
 
-def without_followers(found: Sequence[Diagnostic], file: File) -> tuple[Diagnostic, ...]:
-    """The findings that do not merely follow from the syntax errors of a file."""
-    if not file.broken:
+def without_followers(
+    found: Sequence[Diagnostic], file: File, *, complete: bool = True
+) -> tuple[Diagnostic, ...]:
+    """The findings that do not merely follow from the syntax errors of a file.
+
+    Args:
+        found: all findings.
+        file: its syntax, with what could not be read.
+        complete: whether all files that it includes were found; if not, no name is unknown.
+    """
+    if complete and not file.broken:
         return tuple(found)
     broken = Spans(file.broken)
 
@@ -58,6 +66,8 @@ def without_followers(found: Sequence[Diagnostic], file: File) -> tuple[Diagnost
             return True
         if diagnostic.code not in _NAMED:
             return False
+        if not complete:
+            return True
         quoted = " ".join(_QUOTED.findall(diagnostic.message))
         return any(word in file.skipped for word in _WORD.findall(quoted))
 

@@ -10,6 +10,7 @@ from grammar_lang import constants, ir
 from grammar_lang import syntax as s
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
+from grammar_lang.plausibility import warn_implausible
 from grammar_lang.sorts import (
     UNKNOWN,
     DimensionUse,
@@ -83,7 +84,8 @@ def list_unit(unit: s.Ident | None, dimension: Dimension | None, sink: Sink) -> 
     if found is None:
         return ListUnit(None, broken=True)
     if dimension is not None and found.dimension != dimension:
-        mismatch(Typed(ir.Pi(), Sort.SCALAR, found.dimension), dimension, unit.span, sink)
+        wrong = Typed(ir.Pi(), Sort.SCALAR, found.dimension, found.angular)
+        mismatch(wrong, dimension, unit.span, sink)
         return ListUnit(None, broken=True)
     return ListUnit(found)
 
@@ -100,6 +102,13 @@ class Constants:
 
     def typed(self, expr: s.Expr, unit: ListUnit = NO_UNIT) -> Typed:
         """A closed scalar; UNKNOWN where an error was reported."""
+        value = self._read(expr, unit)
+        if value.dimension is not None:
+            warn_implausible(value, value.dimension, expr, unit.unit, self.sink)
+        return value
+
+    def _read(self, expr: s.Expr, unit: ListUnit) -> Typed:
+        """The same, its size not judged."""
         value = Checker(self.scope, self.sink).elaborate(expr)
         if value.sort is not Sort.SCALAR:
             wrong_sort(value, "a number", expr.span, self.sink)
@@ -116,19 +125,6 @@ class Constants:
             return UNKNOWN
         if unit.unit is not None:
             value = scale(value, unit.unit, expr.span, self.sink)
-        return self.finite(value, expr.span)
-
-    def finite(self, value: Typed, at: Span) -> Typed:
-        """The value, or UNKNOWN (reported) where it is no finite number."""
-        if value.sort is not Sort.SCALAR:
-            return UNKNOWN
-        try:
-            constants.to_float(value.expr)
-        except ValueError:
-            self.sink.error(
-                Code.BAD_NUMBER, "this has no finite value", at, "use numbers of a usual size"
-            )
-            return UNKNOWN
         return value
 
     def scalar(
@@ -141,10 +137,11 @@ class Constants:
     ) -> ir.Expr | None:
         """A closed scalar of that dimension; None where an error was reported."""
         before = len(self.sink.found)
-        value = self.typed(expr, unit)
+        value = self._read(expr, unit)
         if angle:
             warn_turn(value, expr.span, self.sink)
         require_scalar(value, dimension, expr.span, self.sink)
+        warn_implausible(value, dimension, expr, unit.unit, self.sink)
         return self._unless_error(value.expr, before, value)
 
     def _unless_error(self, expr: ir.Expr, before: int, value: Typed) -> ir.Expr | None:
@@ -211,15 +208,14 @@ class Constants:
         if found is None:
             return None
         values, sample = found
+        seen: dict[ir.Expr, int] = {}
         for index, value in enumerate(values):
-            if value in values[:index]:
-                self.sink.error(
-                    Code.DUPLICATE_NAME,
-                    "this value occurs twice",
-                    choices.values[index].span,
-                    "remove one",
-                )
+            if value in seen:
+                notes = [(choices.values[seen[value]].span, "first here")]
+                at = choices.values[index].span
+                self.sink.error(Code.BAD_VALUE, "this value occurs twice", at, "remove one", notes)
                 return None
+            seen[value] = index
         return ir.Choices(values), sample
 
     def _values(
@@ -231,7 +227,7 @@ class Constants:
         angle: bool,
     ) -> tuple[tuple[ir.Expr, ...], Typed] | None:
         """Values of one dimension: the required one, else that of the first with a dimension."""
-        typed = [self.typed(e, unit) for e in exprs]
+        typed = [self._read(e, unit) for e in exprs]
         if unit.broken or any(v.sort is Sort.UNKNOWN for v in typed):
             return None
         dimensions = (v.dimension for v in typed if v.dimension is not None)
@@ -244,6 +240,10 @@ class Constants:
             sound = sound and value.dimension in {None, common}
         if not sound:
             return None
+        any(  # one warning is enough
+            warn_implausible(value, common, expr, unit.unit, self.sink)
+            for value, expr in zip(typed, exprs, strict=True)
+        )
         sample = Typed(typed[0].expr, Sort.SCALAR, common, any(v.angular for v in typed))
         return tuple(v.expr for v in typed), sample
 

@@ -96,6 +96,12 @@ def _tangent(turns: Fraction) -> Monomial | None:
     return Fraction(values[eighths.numerator]), 0
 
 
+def is_right_angle(angle: Monomial) -> bool:
+    """Whether an angle is an odd multiple of pi/2, where the tangent has a pole."""
+    quarters = 2 * angle[0]
+    return angle[1] == 1 and quarters.denominator == 1 and bool(quarters.numerator % 2)
+
+
 def apply(function: ir.Function, value: Monomial) -> Monomial | None:
     """The value of a function where it is a monomial again."""
     q, k = value

@@ -12,6 +12,7 @@ from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
 from grammar_lang.extent import too_large
 from grammar_lang.frames import require_axis
+from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
 from grammar_lang.sorts import (
     ZERO,
     DimensionUse,
@@ -105,7 +106,7 @@ class Emissions:
         missing = [n for n in known if n not in found and (kind, n) not in _OPTIONAL]
         if missing and sound:
             names = ", ".join(f"`{n}`" for n in missing)
-            hint = f"write `{kind}({', '.join(f'{n}: …' for n in known)})`"
+            hint = f"add {', '.join(f'`{n}: …`' for n in missing)}"
             self.sink.error(Code.BAD_EMISSION, f"`{kind}` lacks {names}", emission.kind.span, hint)
         return found if sound and not missing else None
 
@@ -126,7 +127,12 @@ class Emissions:
     def _sized(self, expr: ir.Expr, at: s.Expr) -> ir.Expr:
         if not too_large(expr):
             return expr
-        self.sink.error(Code.TOO_DEEP, "this value is too large", at.span, "use attributes")
+        self.sink.error(
+            Code.TOO_DEEP,
+            "this expression is too large",
+            at.span,
+            "give a part of it to an attribute",
+        )
         return ZERO
 
     def _frame(self, expr: s.Expr) -> ir.Expr:
@@ -135,7 +141,9 @@ class Emissions:
 
     def _scalar(self, expr: s.Expr, dimension: Dimension) -> ir.Expr:
         value = Checker(self.scope, self.sink).elaborate(expr)
-        return self._sized(require_scalar(value, dimension, expr.span, self.sink), expr)
+        found = require_scalar(value, dimension, expr.span, self.sink)
+        warn_implausible(value, dimension, expr, None, self.sink)
+        return self._sized(found, expr)
 
     def _positive(self, expr: s.Expr, dimension: Dimension) -> ir.Expr:
         """A scalar that, if it is a constant, is not negative."""
@@ -149,7 +157,9 @@ class Emissions:
 
     def _com(self, expr: s.Expr) -> ir.Expr:
         value = Checker(self.scope, self.sink).elaborate(expr)
-        return self._sized(require_vector(value, LENGTH, expr.span, self.sink), expr)
+        found = require_vector(value, LENGTH, expr.span, self.sink)
+        warn_implausible_vector(value, LENGTH, expr, self.sink)
+        return self._sized(found, expr)
 
     def _inertia(self, expr: s.Expr) -> tuple[ir.Expr, ...]:
         """One moment about the com in the plane; xx, yy, zz, xy, xz, yz in space."""

@@ -12,6 +12,8 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
+from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
+from grammar_lang.readings import readings
 from grammar_lang.sorts import (
     UNKNOWN,
     DimensionUse,
@@ -86,6 +88,8 @@ def _amount(
     value = elaborate(expr)
     if function == "rot":
         warn_turn(value, expr.span, sink)
+    else:
+        warn_implausible(value, LENGTH, expr, None, sink)
     return require_scalar(value, ONE if function == "rot" else LENGTH, expr.span, sink)
 
 
@@ -94,7 +98,9 @@ def _in_plane(function: Literal["rot", "move"], axis: ir.Axis) -> bool:
 
 
 def _shift(expr: s.Expr, elaborate: Elaborate, sink: Sink) -> Typed:
-    vector = require_vector(elaborate(expr), LENGTH, expr.span, sink)
+    value = elaborate(expr)
+    vector = require_vector(value, LENGTH, expr.span, sink)
+    warn_implausible_vector(value, LENGTH, expr, sink)
     return Typed(ir.Shift(vector), Sort.FRAME, None)
 
 
@@ -117,6 +123,9 @@ def frame_call(
         )
         message = f"`{function}` does not take these arguments"
         sink.error(Code.SORT_MISMATCH, message, call.span, f"write {form}")
+        for found in readings(a.value for a in call.arguments):
+            if isinstance(found, s.Member) and scope.dof(found) is not None:
+                scope.use_dof(found)  # it is no news that this one is used wrongly
         return UNKNOWN
     axis = require_axis(arguments[0], sink)
     before = len(sink.found)

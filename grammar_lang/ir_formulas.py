@@ -17,11 +17,15 @@ from grammar_lang.source import Span
 
 @node
 class Atom:
-    """The ``effector``-th effector (from 1, in word order) is in the region."""
+    """The ``effector``-th effector (from 1, in word order) is in the region.
+
+    ``numbered`` says that the number is written; a plain region is the only effector's.
+    """
 
     region: str
     effector: int
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    numbered: bool = field(default=True, compare=False, repr=False)
 
 
 @node

@@ -50,16 +50,27 @@ class Region:
 
 
 @node
+class MapImage:
+    """The image that a map_server YAML names; ``path`` as that of the map."""
+
+    path: str
+    data: bytes = field(repr=False)
+
+
+@node
 class ObstacleMap:
     """A file of obstacles: a map_server image with its YAML, or polygons as GeoJSON.
 
-    ``path`` is relative to the folder of the file on the command line, ``text`` what it holds.
+    ``path`` is relative to the folder of the file on the command line, ``text`` what it holds,
+    ``file`` its number among the sources.  Only a map_server map has an image.
     """
 
     path: str
     kind: Literal["map_server", "geojson"]
     text: str = field(repr=False)
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    image: MapImage | None = None
+    file: int = field(default=0, compare=False, repr=False)
 
 
 @node

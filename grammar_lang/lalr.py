@@ -38,7 +38,7 @@ class Token(NamedTuple):
 
 
 Builder: TypeAlias = Callable[[list[Any], Span], object]
-Complain: TypeAlias = Callable[[int, frozenset[str]], None]
+Complain: TypeAlias = Callable[[int, frozenset[str]], bool]
 
 
 @dataclass(slots=True)
@@ -66,14 +66,23 @@ class _Stack:
         del self.ends[size:]
         del self.depths[size:]
 
+    def replace(self, base: int, state: int, value: object, depth: int) -> None:
+        """Put one value in the place of all from ``base`` on; it begins and ends as they do."""
+        if base + 1 < len(self.values):
+            self.ends[base] = self.ends[-1]
+            self.cut(base + 1)
+        self.states[-1] = state
+        self.values[base] = value
+        self.depths[base] = depth
+
 
 @dataclass(slots=True)
 class Parser:
     """Parses items of one text; ``builders`` make the values, ``complain`` reports errors.
 
     ``complain(i, expected)`` is told the token that does not fit (the one after the last where the
-    item ends too early) and the terminals that would.  Words of dropped statements go to
-    ``skipped``.
+    item ends too early) and the terminals that would; where it answers False, the rest of the item
+    is not read.  Words of what is dropped go to ``skipped``.
     """
 
     tables: Tables
@@ -103,8 +112,10 @@ class Parser:
     def _finish(self, raw: RawItem) -> tuple[object | None, bool]:
         """The value at the end of an item; braces left open are closed."""
         while (expected := self._advance(END, raw.stop)) is not None:
-            if not self._failed or expected is TOO_DEEP:
-                self._complain(raw.stop, expected)
+            told = self._failed and expected is not TOO_DEEP
+            if not told and not self._complain(raw.stop, expected):
+                self._skip(raw.first, raw.stop)
+                return None, False
             closer = next((c for c in (";", "}") if c in expected), None)
             if closer is None:
                 point = self._recovery_point()
@@ -116,9 +127,9 @@ class Parser:
                 return None, False
         return self._stack.values[0], not self._failed
 
-    def _complain(self, here: int, expected: frozenset[str]) -> None:
+    def _complain(self, here: int, expected: frozenset[str]) -> bool:
         self._failed = True
-        self.complain(here, expected)
+        return self.complain(here, expected)
 
     # --- one token -----------------------------------------------------------------------------
 
@@ -160,35 +171,36 @@ class Parser:
 
     def _advance(self, terminal: str, here: int) -> frozenset[str] | None:
         """Shift a terminal after all reductions; else what would be expected."""
-        stack, tables = self._stack, self.tables
-        before = stack.states
+        tables, states = self.tables, self._stack.states
+        actions, gotos, rules = tables.actions, tables.gotos, tables.rules
         while True:
-            action = tables.actions[stack.states[-1]].get(terminal)
+            action = actions[states[-1]].get(terminal)
             if action is None:
-                return tables.expected(before)
+                return tables.expected(states)
             if action >= 0:
-                stack.push(action, here, here, here, 0)
+                self._stack.push(action, here, here, here, 0)
                 return None
-            rule = tables.rules[-1 - action]
+            rule = rules[-1 - action]
             if rule.passes:
-                stack.states[-1] = tables.gotos[stack.states[-2]][rule.origin]
+                states[-1] = gotos[states[-2]][rule.origin]
             elif not self._reduce(rule):
                 return TOO_DEEP
-            if terminal == END and stack.states[-1] == tables.end:
+            if terminal == END and states[-1] == tables.end:
                 return None
 
     def _reduce(self, rule: Reduction) -> bool:
         """Replace the symbols of a rule; False where the value would be too deep."""
         stack, tokens = self._stack, self.tokens
-        base = len(stack.values) - rule.size
+        values = stack.values
+        base = len(values) - rule.size
         depth = max(stack.depths[base:])
-        first, last = stack.firsts[base], stack.ends[-1]
         children: list[Any] = []
-        for place, splice in zip(rule.keep, rule.splice, strict=True):
-            value: Any = None if place < 0 else stack.values[base + place]
+        for place, splice in rule.parts:
+            value: Any = None if place < 0 else values[base + place]
             if type(value) is int:
-                span = Span(tokens.starts[value], tokens.ends[value], tokens.file)
-                value = Token(tokens.kinds[value], tokens.at(value), span)
+                start, end = tokens.starts[value], tokens.ends[value]
+                span = Span(start, end, tokens.file)
+                value = Token(tokens.kinds[value], tokens.text[start:end], span)
             if not splice:
                 children.append(value)
             elif children:
@@ -202,10 +214,10 @@ class Parser:
             depth += 1
             if depth > MAX_DEPTH:
                 return False
-            span = Span(tokens.starts[first], tokens.ends[last], tokens.file)
-            made = self.builders[rule.builder](children, span)
-        stack.cut(base)
-        stack.push(self.tables.gotos[stack.states[-1]][rule.origin], made, first, last, depth)
+            start, end = tokens.starts[stack.firsts[base]], tokens.ends[stack.ends[-1]]
+            made = self.builders[rule.builder](children, Span(start, end, tokens.file))
+        state = self.tables.gotos[stack.states[base]][rule.origin]
+        stack.replace(base, state, made, depth)
         return True
 
     # --- after an error ------------------------------------------------------------------------
@@ -213,7 +225,9 @@ class Parser:
     def _recover(self, here: int, stop: int, expected: frozenset[str]) -> int | None:
         """Report an error and give the token to go on with; None where the item is lost."""
         tokens = self.tokens
-        self._complain(here, expected)
+        if not self._complain(here, expected):
+            self._skip(self._stack.firsts[0] if self._stack.firsts else here, stop)
+            return None
         if ";" in expected and (tokens.on_new_line(here) or tokens.kinds[here] == "}"):
             self._advance(";", here - 1)
             if tokens.kinds[here] in {"NAME", tokens.at(here)} and tokens.at(here).isidentifier():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
@@ -12,6 +13,7 @@ from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import NO_UNIT, Constants, ListUnit, not_rational
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
+from grammar_lang.plausibility import warn_implausible
 from grammar_lang.sorts import Sort, Typed, mismatch
 from grammar_lang.source import Span
 from grammar_lang.units import LENGTH, ONE, Dimension
@@ -48,6 +50,14 @@ class Form:
         pairs = zip(self.coefficients, other.coefficients, strict=True)
         x, y, z = (a + b for a, b in pairs)
         return Form((x, y, z), self.constant + other.constant, self.dimension or other.dimension)
+
+
+def _representable(q: Fraction) -> bool:
+    """Whether a number does not overflow in floating point."""
+    try:
+        return math.isfinite(float(q))
+    except OverflowError:
+        return False
 
 
 def has_axis(expr: s.Expr) -> bool:
@@ -87,6 +97,10 @@ class Inequalities:
             return None
         if form.coefficients == _NONE:
             self._not_linear("the coordinates cancel in this inequality", row.span)
+            return None
+        if not all(_representable(q) for q in (*form.coefficients, form.constant)):
+            message = "a number in this inequality is too large"
+            self.sink.error(Code.BAD_NUMBER, message, row.span, "use smaller ones")
             return None
         sign = Fraction(1 if row.comparison == "<=" else -1)
         normal = tuple(sign * c for c in form.coefficients[: self.size])
@@ -169,6 +183,10 @@ class Inequalities:
                 not_rational(inexact, self.sink)
                 return None
         dimension = a.dimension or b.dimension
+        for form, written in ((a, left), (b, right)):
+            if form.dimension is None and dimension is not None:
+                bare = Typed(ir.Num(form.constant), Sort.SCALAR, None)
+                warn_implausible(bare, dimension, written, None, self.sink)
         total = a.plus(b.times(sign, ONE))
         return Form(total.coefficients, total.constant, dimension)
 
@@ -188,6 +206,8 @@ class Inequalities:
         if expr.operator == "*":
             return value.times(number, dimension)
         if not number:
-            self.sink.error(Code.BAD_NUMBER, "division by zero", factor.span, "remove it")
+            self.sink.error(
+                Code.BAD_NUMBER, "division by zero", factor.span, "this divisor is exactly 0"
+            )
             return None
         return value.times(1 / number, ONE / dimension)

@@ -2,89 +2,99 @@
 
 from __future__ import annotations
 
-import re
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from grammar_lang import ir
+from grammar_lang.cascades import without_followers
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Diagnostic, Sink
+from grammar_lang.file_set import FileSet, too_large
+from grammar_lang.file_tree import FileTree, name_of
+from grammar_lang.inclusion import include_all
 from grammar_lang.lower import lower
-from grammar_lang.parse import parse
+from grammar_lang.partial import sound_part
 from grammar_lang.source import Source, Span
+from grammar_lang.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
 
-_NOTHING = re.compile(r"(?:\s|//[^\n]*|/\*.*?\*/)*", re.DOTALL)
 _START = Span(0, 0)
 
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A program with its diagnostics; the program is None if and only if one is an error."""
+    """A program with its diagnostics; the program is None if and only if one is an error.
+
+    ``sources`` are all files that were read: the main file, what it includes, maps and images.
+    ``sound`` is what of the program has no error, for the checks that look at one grammar,
+    workspace or task at a time; None where nothing could be read.
+    """
 
     program: ir.Program | None
     diagnostics: tuple[Diagnostic, ...]
     sources: tuple[Source, ...]
+    sound: ir.Program | None = None
 
 
-def load_text(text: str, name: str) -> Loaded:
-    """Check a text; ``name`` is what diagnostics call it."""
-    source = Source(name, text.removeprefix("\ufeff"))
+def load_text(text: str, name: str, folder: Path | None = None) -> Loaded:
+    """Check a text.
+
+    Args:
+        text: the specification.
+        name: what diagnostics call it.
+        folder: where the text is taken to stand; without it, it includes nothing.
+    """
     sink = Sink()
-    program = _program(source, sink)
-    failed = sink.has_errors
-    return Loaded(None if failed else program, sink.sorted(), (source,))
+    text = text.removeprefix("\ufeff")
+    data = text.encode("utf-8", "surrogatepass")
+    tree = None if folder is None else FileTree(folder, os.path.realpath(folder), name)
+    source = Source(name, text, Path(name).name, data)
+    if len(data) > LIMIT:
+        too_large("the text has", len(data), LIMIT, _START, sink)
+        return _refused(source, sink=sink)
+    return _checked(source, tree, sink, sound=is_text(text, 0, sink))
 
 
 def load(path: Path) -> Loaded:
-    """Check a file; one that cannot be read gives one diagnostic, never an exception."""
-    name = str(path)
-    try:
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:
-        return _unreadable(name, error)
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = data[: error.start].decode("utf-8-sig", errors="replace")
-        source = Source(name, data.decode("utf-8-sig", errors="replace"))
-        return _refused(
-            source,
-            Code.NOT_UTF8,
-            f"the file is not UTF-8: byte 0x{data[error.start]:02x}",
-            Span(len(before), len(before) + 1),
-            "save it as UTF-8",
-        )
-    return load_text(text, name)
+    """Check a file with all it includes.
 
-
-def _unreadable(name: str, error: OSError | ValueError) -> Loaded:
-    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return _refused(
-        Source(name, ""),
-        Code.UNREADABLE_FILE,
-        f"cannot read the file: {reason[:1].lower()}{reason[1:]}",
-        _START,
-        "give the path of an `.srg` file",
-    )
-
-
-def _refused(source: Source, code: Code, message: str, span: Span, hint: str) -> Loaded:
+    One that cannot be read gives one diagnostic, never an exception.
+    """
     sink = Sink()
-    sink.error(code, message, span, hint)
-    return Loaded(None, sink.sorted(), (source,))
+    name = name_of(path)
+    try:
+        data = read_file(path, LIMIT)
+        top = os.path.realpath(path.parent)
+    except (OSError, ValueError) as error:
+        hint = "give the path of an `.srg` file"
+        sink.error(Code.UNREADABLE_FILE, f"cannot read the file: {reason(error)}", _START, hint)
+        return _refused(Source(name, ""), sink=sink)
+    except TooLarge as large:
+        too_large("the file has", large.size, LIMIT, _START, sink)
+        return _refused(Source(name, ""), sink=sink)
+    text, sound = decoded(data, 0, sink)
+    source = Source(name, text, path.name, data)
+    return _checked(source, FileTree(path.parent, top, path.name), sink, sound=sound)
 
 
-def _program(source: Source, sink: Sink) -> ir.Program | None:
-    text = source.text
-    nul = text.find("\0")
-    if nul >= 0:
-        message = "a NUL character: this is not a text file"
-        hint = "save it as plain UTF-8 text"
-        sink.error(Code.UNEXPECTED_CHARACTER, message, Span(nul, nul + 1), hint)
-        return None
-    if _NOTHING.fullmatch(text):
+def _checked(source: Source, tree: FileTree | None, sink: Sink, *, sound: bool) -> Loaded:
+    """The program of a text that is not too large."""
+    if not sound:
+        return _refused(source, sink=sink)
+    files = FileSet(tree, sink, [source], LIMIT - len(source.data))
+    real = "" if tree is None else os.path.realpath(tree.folder / source.path)
+    all_of_it = include_all(files, real)
+    sources = tuple(files.sources)
+    if not all_of_it.file.items and not all_of_it.file.broken and not sink.has_errors:
         hint = "declare modules, a grammar, a workspace and a task"
         sink.error(Code.EMPTY_FILE, "the file declares nothing", _START, hint)
-        return None
-    file = parse(text, sink)
-    return None if sink.has_errors else lower(file, source, sink)
+    program = lower(all_of_it.file, sources, all_of_it.maps, sink)
+    if not sink.has_errors:
+        return Loaded(program, sink.sorted(), sources, program)
+    part = sound_part(program, all_of_it.file, sink.found)
+    told = without_followers(sink.sorted(), all_of_it.file, complete=all_of_it.complete)
+    return Loaded(None, told, sources, part if all_of_it.complete else None)
+
+
+def _refused(*sources: Source, sink: Sink) -> Loaded:
+    return Loaded(None, sink.sorted(), sources)

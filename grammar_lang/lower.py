@@ -13,9 +13,10 @@ from grammar_lang.modules import ModuleInfo
 from grammar_lang.productions import GrammarInfo, lower_grammar
 from grammar_lang.resolve import Declarations, declarations
 from grammar_lang.semantics import SemanticsInfo, lower_semantics
-from grammar_lang.source import Source
+from grammar_lang.source import Source, Span
 from grammar_lang.spelling import did_you_mean
-from grammar_lang.tasks import Family, lower_task
+from grammar_lang.tasks import Family, Surroundings, lower_task
+from grammar_lang.unused import report_unused
 from grammar_lang.workspaces import lower_workspace
 
 
@@ -40,32 +41,44 @@ def _family(
     )
 
 
-def lower(file: t.File, source: Source, sink: Sink) -> ir.Program:
-    """The program of a file, meaningful if no error was reported."""
+def lower(
+    file: t.File, sources: tuple[Source, ...], maps: Mapping[Span, ir.ObstacleMap], sink: Sink
+) -> ir.Program:
+    """The program of a file, meaningful if no error was reported.
+
+    Args:
+        file: the items of the file and of all it includes.
+        sources: the texts that spans point into.
+        maps: the files of obstacles, by the span of the path that names each.
+        sink: takes the findings.
+    """
     declared = declarations(file, sink)
     _check_semantics(declared, sink)
     grammars: dict[str, ir.Grammar] = {}
     families: dict[str, Family] = {}
+    infos: dict[str, GrammarInfo] = {}
     for name, grammar in declared.grammars.items():
-        info = lower_grammar(grammar, declared, sink)
+        info = infos[name] = lower_grammar(grammar, declared, sink)
         semantics = None
         if name in declared.semantics:
             semantics = lower_semantics(info, declared.semantics[name], declared.modules, sink)
         blocks = None if semantics is None else semantics.blocks
         grammars[name] = replace(info.grammar, semantics=blocks)
         families[name] = _family(info, semantics, declared.modules)
-    workspaces = {name: lower_workspace(w, sink) for name, w in declared.workspaces.items()}
+    workspaces = {name: lower_workspace(w, maps, sink) for name, w in declared.workspaces.items()}
     tasks: dict[str, ir.Task] = {}
+    around = Surroundings(declared, families, workspaces)
     for name, task in declared.tasks.items():
-        lowered = lower_task(task, families, workspaces, sink)
+        lowered = lower_task(task, around, sink)
         if lowered is not None:
             tasks[name] = lowered
+    report_unused(file, infos, sink)
     return ir.Program(
         modules={name: info.module for name, info in declared.modules.items()},
         terminals=tuple(declared.terminals),
         grammars=grammars,
         workspaces=workspaces,
         tasks=tasks,
-        sources=(source,),
+        sources=sources,
         terminal_spans=declared.terminals,
     )

@@ -1,20 +1,23 @@
-"""Modules: roles, parameters (Definition 5), constants and degrees of freedom."""
+"""Modules: roles, parameters (Definition 5), constants, degrees of freedom, own dynamics."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.closed import Constants
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
 from grammar_lang.extent import too_large
-from grammar_lang.sorts import UNKNOWN, DimensionUse, Sort, Typed, wrong_sort
+from grammar_lang.module_dynamics import Statements, lower_dynamics
+from grammar_lang.module_scope import ModuleScope, kinds
+from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
+from grammar_lang.sorts import UNKNOWN, Sort, Typed, wrong_sort
 from grammar_lang.source import Span
 from grammar_lang.spelling import did_you_mean
-from grammar_lang.typecheck import Checker, plain_name
+from grammar_lang.typecheck import Checker
 from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, symbol
 
 _ROLES: dict[str, ir.Role] = {
@@ -29,12 +32,14 @@ _ROLES: dict[str, ir.Role] = {
 class ModuleInfo:
     """A module with what its names mean.
 
-    ``members`` holds parameters and constants; parameters occur in them at ``ir.THIS``.
+    ``members`` holds parameters and constants; parameters occur in them at ``ir.THIS``.  ``own``
+    says of the names of its own dynamics whether they are a state or an input.
     """
 
     module: ir.Module
     members: Mapping[str, Typed]
     dofs: Mapping[str, ir.Dof]
+    own: Mapping[str, str]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,44 +67,14 @@ def _placed(expr: ir.Expr, occurrence: int) -> ir.Expr:
 
 
 @dataclass(slots=True)
-class _ModuleScope:
-    """The parameters and constants declared so far."""
-
-    members: dict[str, Typed] = field(default_factory=dict[str, Typed])
-    later: frozenset[str] = frozenset()
-    uses: list[DimensionUse] = field(default_factory=list[DimensionUse])
-
-    def name(self, ident: s.Ident, sink: Sink) -> Typed:
-        if ident.text in self.members:
-            return self.members[ident.text]
-        if ident.text in self.later:
-            message = f"`{ident.text}` is no constant declared before"
-            hint = "parameters and constants are declared before they are used"
-            sink.error(Code.NOT_CONSTANT, message, ident.span, hint)
-            return UNKNOWN
-        return plain_name(ident, tuple(self.members), sink)
-
-    def member(self, member: s.Member, sink: Sink) -> Typed:
-        message = f"`{member.owner.text}.{member.name.text}` has no meaning inside a module"
-        sink.error(Code.NOT_CONSTANT, message, member.span, "use the module's own names alone")
-        return UNKNOWN
-
-    def dof(self, member: s.Member) -> ir.Dof | None:
-        del member
-        return None
-
-    def use_dof(self, member: s.Member) -> ir.Expr:
-        raise LookupError(member.name.text)
-
-
-@dataclass(slots=True)
 class _Reader:
     sink: Sink
-    scope: _ModuleScope
+    scope: ModuleScope
     seen: dict[str, Span] = field(default_factory=dict[str, Span])
     roles: list[tuple[ir.Role, Span]] = field(default_factory=list[tuple[ir.Role, Span]])
     parameters: list[ir.Parameter] = field(default_factory=list[ir.Parameter])
     dofs: list[ir.Dof] = field(default_factory=list[ir.Dof])
+    dynamics: Statements = field(default_factory=Statements)
 
     def item(self, item: s.ModuleItem) -> None:
         match item:
@@ -111,8 +86,10 @@ class _Reader:
                 self._constant(item)
             case s.Dof() if self._fresh(item.name):
                 self._dof(item)
-            case s.State() | s.Input() | s.Derivative() | s.Torque():
-                not_supported("a module's own dynamics", item.span, self.sink)
+            case s.State() | s.Input() if self._fresh(item.name):
+                self.dynamics.add(item)
+            case s.Derivative() | s.Torque():
+                self.dynamics.add(item)
             case _:
                 pass
 
@@ -164,11 +141,15 @@ class _Reader:
             value = UNKNOWN
         elif too_large(value.expr):
             self.sink.error(
-                Code.TOO_DEEP, "this constant is too large", item.span, "use fewer operations"
+                Code.TOO_DEEP,
+                "this expression is too large",
+                item.value.span,
+                "use fewer operations",
             )
             value = UNKNOWN
-        elif value.sort is Sort.SCALAR and constants.is_closed(value.expr):
-            value = Constants(self.sink).finite(value, item.value.span)
+        elif value.dimension is not None:
+            warn_implausible(value, value.dimension, item.value, None, self.sink)
+            warn_implausible_vector(value, value.dimension, item.value, self.sink)
         if value.bare:
             value = replace(value, dimension=ONE)
         self.scope.members[item.name.text] = replace(value, declared=item.span)
@@ -213,19 +194,24 @@ def duplicate(name: s.Ident, first: Span, sink: Sink) -> None:
 
 def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
     """The module and its names; whatever is wrong with it is reported."""
-    declared = (i.name.text for i in module.items if isinstance(i, s.Param | s.Const | s.Dof))
-    reader = _Reader(sink, _ModuleScope(later=frozenset(declared)))
+    reader = _Reader(sink, ModuleScope(kinds(module)))
     for item in module.items:
         reader.item(item)
     if not reader.roles:
         message = f"module `{module.name.text}` has no role"
         hint = "add `role base;`, `role joint;`, `role link;` or `role effector;`"
         sink.error(Code.MISSING_CLAUSE, message, module.name.span, hint)
+    dofs = {dof.name: dof for dof in reader.dofs}
+    dynamics = lower_dynamics(module, reader.dynamics, reader.scope, dofs, sink)
     lowered = ir.Module(
         module.name.text,
         reader.roles[0][0] if reader.roles else "link",
         tuple(reader.parameters),
         tuple(reader.dofs),
         module.span,
+        dynamics.states,
+        dynamics.inputs,
+        dynamics.torques,
     )
-    return ModuleInfo(lowered, reader.scope.members, {d.name: d for d in reader.dofs})
+    own = {name: what for name, what in reader.scope.kinds.items() if what in {"state", "input"}}
+    return ModuleInfo(lowered, reader.scope.members, dofs, own)

@@ -26,12 +26,12 @@ def node(cls: type[Node]) -> type[Node]:
     shown = [f.name for f in fields(made) if f.repr]
     compared = _key([f.name for f in fields(made) if f.compare])
 
-    def equal(self: object, other: object) -> bool:
+    def equal(self: object, other: object) -> Any:
         if self is other:
             return True
         if other.__class__ is not made:
             return NotImplemented
-        return bool(compared(self) == compared(other))
+        return compared(self) == compared(other)
 
     def hashed(self: object) -> int:
         return hash(compared(self))

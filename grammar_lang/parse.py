@@ -30,31 +30,35 @@ class _Reader:
 
     def read(self) -> File:
         """Every item, until there are too many errors."""
-        astray = False
+        astray: int | None = None
         for raw in cut(self.tokens):
-            strays = self.tokens.at(raw.first) not in KEYWORDS
-            if not strays:
-                self._item(raw)
-            elif not astray:
-                stray(self.tokens, raw, self.sink)
-            if strays:
-                self._lose(raw)
-                self.errors += not astray
-            astray = strays
             if self.errors >= MAX_ERRORS:
+                astray = raw.first if astray is None else astray
                 break
+            if self.tokens.at(raw.first) in KEYWORDS:
+                self._lose(astray, raw.first)
+                astray = None
+                self._item(raw)
+            elif astray is None:
+                astray = raw.first
+                stray(self.tokens, raw, self.sink)
+                self.errors += 1
+        self._lose(astray, len(self.tokens))
         return File(tuple(self.found), tuple(self.broken), frozenset(self.skipped))
 
-    def _lose(self, raw: RawItem) -> None:
-        self.broken.append(self.tokens.span(raw.first, raw.stop - 1))
-        words = (self.tokens.at(i) for i in range(raw.first, raw.stop))
+    def _lose(self, first: int | None, stop: int) -> None:
+        """Give up the tokens before ``stop`` from ``first`` on, if there are such."""
+        if first is None:
+            return
+        self.broken.append(self.tokens.span(first, stop - 1))
+        words = map(self.tokens.at, range(first, stop))
         self.skipped.update(word for word in words if word[0].isidentifier())
 
     def _item(self, raw: RawItem) -> None:
-        def complain(here: int, expected: frozenset[str]) -> None:
+        def complain(here: int, expected: frozenset[str]) -> bool:
             self.errors += 1
-            if self.errors <= MAX_ERRORS:
-                explain(self.tokens, raw, here, expected, self.sink)
+            explain(self.tokens, raw, here, expected, self.sink)
+            return self.errors < MAX_ERRORS
 
         parser = Parser(tables(), self.tokens, BUILDERS, complain, self.skipped)
         value, sound = parser.item(raw)

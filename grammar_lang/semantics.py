@@ -98,6 +98,12 @@ class ProductionScope:
             )
             sink.error(Code.BAD_DOF_USE, message, member.span, hint)
             return UNKNOWN
+        if name in module.own:
+            called = f"{module.own[name]} `{member.owner.text}.{name}`"
+            message = f"the {called} cannot be read in the semantics"
+            hint = "frames and bodies depend on parameters and degrees of freedom alone"
+            sink.error(Code.WRONG_KIND, message, member.span, hint)
+            return UNKNOWN
         if name not in module.members:
             message = f"module `{module.module.name}` has no `{name}`"
             hint = did_you_mean(name, module.names, "parameter or constant")
@@ -111,6 +117,8 @@ class ProductionScope:
     def _attribute(self, occurrence: int, member: s.Member, sink: Sink) -> Typed:
         nonterminal = nonterminal_at(self.info, occurrence) or ""
         name = member.name.text
+        if name in self.attributes.lost and not self.attributes.has((nonterminal, name)):
+            return UNKNOWN
         if not self.attributes.has((nonterminal, name)):
             message = f"nothing defines the attribute `{name}` of `{nonterminal}`"
             known = self.attributes.of(nonterminal)
@@ -196,7 +204,7 @@ def _rule(placed: PlacedRule, scope: ProductionScope, sink: Sink) -> ir.Attribut
     _fits(value, scope.types.get(placed.key), placed.rule.value.span, sink)
     if too_large(value.expr):
         sink.error(
-            Code.TOO_DEEP, "this value is too large", placed.rule.span, "use more attributes"
+            Code.TOO_DEEP, "this expression is too large", placed.rule.span, "use more attributes"
         )
         return ir.AttributeRule(placed.target, ZERO, placed.rule.span)
     return ir.AttributeRule(placed.target, value.expr, placed.rule.span)

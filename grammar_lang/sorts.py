@@ -88,7 +88,8 @@ class Scope(Protocol):
 
 def _describe(value: Typed) -> str:
     if value.sort is Sort.SCALAR and value.dimension is not None:
-        return describe(value.dimension)
+        angle = value.angular and value.dimension == ONE
+        return "an angle" if angle else describe(value.dimension)
     return value.sort.value
 
 
@@ -103,12 +104,17 @@ def _known_already(declared: Span | None, sink: Sink) -> bool:
     )
 
 
-def mismatch(value: Typed, dimension: Dimension, at: Span, sink: Sink) -> None:
+def mismatch(
+    value: Typed, dimension: Dimension, at: Span, sink: Sink, hint: str | None = None
+) -> None:
     """Report a wrong dimension, once for each declaration that is to blame."""
     if _known_already(value.declared, sink):
         return
-    unit = symbol(dimension)
-    hint = "write a plain number" if dimension == ONE else f"write it in `{unit}`: `3 {unit}`"
+    if hint is None:
+        unit = symbol(dimension)
+        hint = f"write it in `{unit}`: `3 {unit}`"
+        if dimension == ONE:
+            hint = "write a plain number or an angle"
     notes = [] if value.declared is None else [(value.declared, "declared here")]
     message = f"expected {describe(dimension)}, found {_describe(value)}"
     sink.error(Code.UNIT_MISMATCH, message, at, hint, notes)
@@ -121,8 +127,10 @@ def wrong_sort(value: Typed, wanted: str, at: Span, sink: Sink) -> None:
     hint = {
         Sort.SCALAR: "a frame is `world`, `rot(axis, angle)`, `move(axis, d)` or a product of them",
         Sort.VECTOR: "vectors stand in `move((x, y, z))` and in `com:` only",
-        Sort.FRAME: "a frame goes into `frame:` or another frame only",
+        Sort.FRAME: "frames are joined with `*`, and go into `frame:` or another frame only",
     }[value.sort]
+    if wanted == "a vector":
+        hint = "a vector is `(x, y)`, or `(x, y, z)` in space"
     sink.error(Code.SORT_MISMATCH, f"expected {wanted}, found {_describe(value)}", at, hint)
 
 
@@ -168,6 +176,22 @@ def warn_turn(value: Typed, at: Span, sink: Sink) -> None:
         )
 
 
+def finite(value: Typed, at: Span, sink: Sink) -> Typed:
+    """The value, or UNKNOWN (reported) where it is closed and has no finite real value."""
+    if value.sort is not Sort.SCALAR or not constants.is_closed(value.expr):
+        return value
+    try:
+        constants.to_float(value.expr)
+    except ValueError:
+        message = "this has no finite value"
+        hint = "it divides by zero, takes the root of a negative number or exceeds 1e308"
+        if isinstance(value.expr, ir.Num):
+            message, hint = "this number is too large", "use a smaller one"
+        sink.error(Code.BAD_NUMBER, message, at, hint)
+        return UNKNOWN
+    return value
+
+
 def folded(build: Callable[[], ir.Expr], at: Span, sink: Sink) -> ir.Expr | None:
     """The expression that ``build`` makes; numbers too large to represent are reported."""
     try:
@@ -196,4 +220,4 @@ def scale(value: Typed, unit: Unit, at: Span, sink: Sink) -> Typed:
     expr = folded(build, at, sink)
     if expr is None:
         return UNKNOWN
-    return Typed(expr, value.sort, unit.dimension, unit.angular)
+    return finite(Typed(expr, value.sort, unit.dimension, unit.angular), at, sink)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import accumulate
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Span:
+class Span(NamedTuple):
     """Half-open range of character offsets into the source number ``file``."""
 
     start: int
@@ -22,14 +23,23 @@ class Span:
 
 @dataclass(frozen=True)
 class Source:
-    """A named text; lines and columns count from 1, columns in code points."""
+    """A file or a text; lines and columns count from 1, columns in code points.
+
+    ``name`` is what diagnostics call it, ``path`` where it lies below the folder of the main file
+    (with ``/``), ``data`` its bytes.  The text of an image is empty.  ``twin`` is the path under
+    which the same file was read before, where two names lead to one file.
+    """
 
     name: str
     text: str = field(repr=False)
+    path: str = ""
+    data: bytes = field(default=b"", repr=False)
+    twin: str | None = None
 
     @cached_property
     def _line_starts(self) -> list[int]:
-        return [0, *(i + 1 for i, c in enumerate(self.text) if c == "\n")]
+        lines = self.text.split("\n")
+        return list(accumulate((len(line) + 1 for line in lines[:-1]), initial=0))
 
     def position(self, offset: int) -> tuple[int, int]:
         """Line and column of a character offset."""

@@ -17,24 +17,20 @@ RESERVED = ("and", "or", "not", "empty", "this", "world", "start", "accept", "x"
 
 @dataclass(frozen=True, slots=True)
 class Reduction:
-    """A rule: it replaces ``size`` symbols by ``origin`` and its value is built of those kept.
+    """A rule: it replaces ``size`` symbols by ``origin`` and its value is built of its parts.
 
-    ``keep`` are positions, -1 for an absent optional symbol; ``splice`` says which of them are
-    repetitions, whose values are put in their place.  A ``transparent`` rule with one kept value
-    has that value itself; without a ``builder`` the value is the list of what is kept.
+    ``parts`` are the positions of the symbols kept, -1 for an absent optional one, and whether it
+    is a repetition, whose values are put in its place.  A ``transparent`` rule with one kept value
+    has that value itself; without a ``builder`` the value is the list of what is kept.  A rule that
+    ``passes`` only renames its one symbol.
     """
 
     origin: str
     size: int
     builder: str
-    keep: tuple[int, ...]
-    splice: tuple[bool, ...]
+    parts: tuple[tuple[int, bool], ...]
     transparent: bool
-
-    @property
-    def passes(self) -> bool:
-        """Whether the rule only renames its one symbol."""
-        return self.transparent and self.size == 1 and self.splice == (False,)
+    passes: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +75,9 @@ def tables() -> Tables:
             rule["origin"],
             rule["size"],
             rule["builder"],
-            tuple(rule["keep"]),
-            tuple(rule["splice"]),
+            tuple(zip(rule["keep"], rule["splice"], strict=True)),
             rule["transparent"],
+            rule["transparent"] and rule["size"] == 1 and rule["splice"] == [False],
         )
         for rule in content["rules"]
     ]

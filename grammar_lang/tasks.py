@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeVar
 
@@ -13,28 +13,25 @@ from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import Constants, coordinates, list_unit
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
-from grammar_lang.modules import not_supported
+from grammar_lang.efforts import lower_efforts
+from grammar_lang.name_kinds import NameKinds, RegionNames
+from grammar_lang.resolve import Declarations
 from grammar_lang.sorts import DimensionUse, Sort, Typed, mismatch, warn_turn, wrong_sort
 from grammar_lang.source import Span
-from grammar_lang.spelling import did_you_mean
 from grammar_lang.units import (
     ACCELERATION,
-    FORCE,
     FREQUENCY,
     LENGTH,
     ONE,
     SPEED,
     TIME,
-    TORQUE,
     Dimension,
 )
 
 DEFAULT_SLACK = Fraction(1, 10**6)
 
-_EFFORT: dict[ir.DofKind, Dimension] = {"revolute": TORQUE, "prismatic": FORCE}
-_UNIT: dict[ir.DofKind, str] = {"revolute": "N*m", "prismatic": "N"}
-
 Clause = TypeVar("Clause", bound=t.TaskItem)
+Named = TypeVar("Named")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,13 +43,36 @@ class Family:
     uses: tuple[DimensionUse, ...]
 
 
+class Surroundings:
+    """What a task may name: the families and workspaces of its file, and what else is declared."""
+
+    def __init__(
+        self,
+        declared: Declarations,
+        families: Mapping[str, Family],
+        workspaces: Mapping[str, ir.Workspace],
+    ) -> None:
+        self.declared = declared
+        self.families = families
+        self.workspaces = workspaces
+        self.kinds = NameKinds(declared)
+        self._regions: dict[str, RegionNames] = {}
+
+    def regions(self, workspace: ir.Workspace) -> RegionNames:
+        """The names of the regions of a workspace, gathered once."""
+        if workspace.name not in self._regions:
+            self._regions[workspace.name] = RegionNames(workspace, self.kinds)
+        return self._regions[workspace.name]
+
+
 @dataclass(slots=True)
 class _Reader:
     task: t.Task
+    around: Surroundings
     sink: Sink
-    family: Family | None
-    workspace: ir.Workspace | None
-    found: dict[ir.DofKind, ir.Effort] = field(default_factory=dict[ir.DofKind, ir.Effort])
+    family: Family | None = None
+    workspace: ir.Workspace | None = None
+    itself: ir.AvoidSelf | None = None
 
     @property
     def constants(self) -> Constants:
@@ -72,14 +92,15 @@ class _Reader:
 
     def region(self, name: s.Ident) -> str:
         """The name of a region of the workspace; reported if it is none."""
-        if self.workspace is None:
-            return name.text
-        known = [region.name for region in self.workspace.regions]
-        if name.text not in known:
-            message = f"workspace `{self.workspace.name}` has no region `{name.text}`"
-            hint = did_you_mean(name.text, known, "region")
-            self.sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
+        if self.workspace is not None:
+            self.around.regions(self.workspace).check(name, self.sink)
         return name.text
+
+    def named(self, name: s.Ident, known: Mapping[str, Named], due: str) -> Named | None:
+        """The thing of that name; reported if there is none."""
+        if name.text not in known:
+            self.around.kinds.report(name, due, known, self.sink)
+        return known.get(name.text)
 
     def effector(self, expr: s.Expr | None) -> int | None:
         return None if expr is None else self.constants.integer(expr, 1, "an effector's number")
@@ -159,101 +180,80 @@ class _Reader:
         return tuple(values)
 
     def reach(self) -> ir.Reach | None:
-        wanted = not any(
-            isinstance(i, t.Satisfy) for i in self.task.items
-        )
-        item = self.one(t.Reach, "reach", "add `reach R;`" if wanted else None)
+        wanted = not any(isinstance(i, t.Satisfy) for i in self.task.items)
+        hint = "add `reach R;`, or `satisfy FORMULA;`" if wanted else None
+        item = self.one(t.Reach, "reach", hint)
         if item is None:
             return None
         effector = self.effector(item.effector)
         return ir.Reach(self.region(item.region), effector, item.at_rest, item.span)
 
     def avoid(self) -> tuple[ir.Avoid, ...]:
-        return tuple(self._avoid(i) for i in self.task.items if isinstance(i, t.Avoid))
+        found = (self._avoid(i) for i in self.task.items if isinstance(i, t.Avoid))
+        return tuple(avoid for avoid in found if avoid is not None)
 
-    def _avoid(self, item: t.Avoid) -> ir.Avoid:
+    def _avoid(self, item: t.Avoid) -> ir.Avoid | None:
+        """What is avoided besides the robot itself; None if there is nothing else."""
         margin = Fraction(0)
         if item.margin is not None:
             margin = self.not_negative(item.margin, LENGTH, "the margin")
-        names = tuple(self._avoided(region) for region in item.regions)
-        return ir.Avoid(names, item.subject, margin, item.span)
+        others: list[str] = []
+        for name in item.regions:
+            if self._is_self(name):
+                self._avoid_self(item, name, margin)
+            else:
+                others.append(self.region(name))
+        return ir.Avoid(tuple(others), item.subject, margin, item.span) if others else None
 
-    def _avoided(self, name: s.Ident) -> str:
-        known = () if self.workspace is None else tuple(r.name for r in self.workspace.regions)
-        if name.text == "self" and name.text not in known:
-            not_supported("`avoid self`", name.span, self.sink)
-            return name.text
-        return self.region(name)
+    def _is_self(self, name: s.Ident) -> bool:
+        """Whether a name in ``avoid`` is the robot itself, not a region that is called so."""
+        if name.text != "self":
+            return False
+        return self.workspace is None or "self" not in self.around.regions(self.workspace).names
 
-    # --- effort --------------------------------------------------------------------------------
-
-    def effort(self) -> tuple[ir.Effort, ...]:
-        """The effort bounds, one for each kind of degree of freedom of the family at least."""
-        before = len(self.sink.found)
-        for item in self.task.items:
-            if isinstance(item, t.Effort):
-                self._effort(item)
-        missing = () if self.family is None else self.family.kinds
-        if not Sink(self.sink.found[before:]).has_errors:
-            for kind in missing:
-                if kind not in self.found:
-                    self._missing(kind, missing)
-        return tuple(self.found.values())
-
-    def _missing(self, kind: ir.DofKind, kinds: tuple[ir.DofKind, ...]) -> None:
-        """Report a missing bound; at a bound of a kind that does not occur, if there is one."""
-        for other, effort in self.found.items():
-            if other not in kinds:
-                value = Typed(ir.Pi(), Sort.SCALAR, _EFFORT[other])
-                mismatch(value, _EFFORT[kind], effort.span, self.sink)
-                return
-        message = f"task `{self.task.name.text}` bounds no effort of the {kind} joints"
-        hint = f"add `effort <= 10 {_UNIT[kind]};`"
-        self.sink.error(Code.MISSING_CLAUSE, message, self.task.name.span, hint)
-
-    def _kind(self, value: Typed, at: Span) -> ir.DofKind | None:
-        """The kind that an effort belongs to, by its dimension."""
-        for kind, dimension in _EFFORT.items():
-            if value.dimension == dimension:
-                return kind
-        kinds = () if self.family is None else self.family.kinds
-        if value.bare and len(kinds) == 1:
-            return kinds[0]
-        if value.bare:
-            message = "an effort without a unit"
-            hint = "write `N*m` for revolute, `N` for prismatic joints"
-            self.sink.error(Code.UNIT_MISMATCH, message, at, hint)
+    def _avoid_self(self, item: t.Avoid, name: s.Ident, margin: Fraction) -> None:
+        if item.subject == "effector":
+            message = "an effector alone cannot collide with itself"
+            hint = "write `avoid self with body`"
+            self.sink.error(Code.BAD_VALUE, message, name.span, hint)
+        elif self.itself is not None:
+            notes = [(self.itself.span, "first here")]
+            message = "a second `avoid self`"
+            self.sink.error(Code.REPEATED_CLAUSE, message, name.span, "remove one", notes)
         else:
-            mismatch(value, _EFFORT[kinds[0] if kinds else "revolute"], at, self.sink)
-        return None
+            self.itself = ir.AvoidSelf(margin, item.span)
 
-    def _effort(self, item: t.Effort) -> None:
-        norm2 = False
-        if item.norm is not None:
-            norm2 = item.norm.text == "2"
-            if not norm2:
-                self.sink.error(
-                    Code.BAD_VALUE, "the only norm is 2", item.norm.span, "write `norm 2`"
-                )
-        value = self.constants.typed(item.bound)
-        if value.sort is not Sort.SCALAR:
-            return
-        kind = self._kind(value, item.bound.span)
-        bound = None if kind is None else self.constants.exact(value.expr, item.bound.span)
-        if kind is None or bound is None:
-            return
-        if bound <= 0:
-            self.sink.error(
-                Code.BAD_VALUE,
-                "the effort bound is not positive",
-                item.bound.span,
-                "write more than zero",
-            )
-        if kind in self.found:
-            notes = [(self.found[kind].span, "first here")]
-            message = f"a second `effort` bound of the {kind} joints"
-            self.sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
-        self.found.setdefault(kind, ir.Effort(kind, bound, norm2, item.bound.span))
+    # --- formulas ------------------------------------------------------------------------------
+
+    def satisfy(self) -> tuple[ir.Satisfy, ...]:
+        found: list[ir.Satisfy] = []
+        for item in self.task.items:
+            if isinstance(item, t.Satisfy):
+                # Loaded where a task needs it, so that a check starts fast.
+                from grammar_lang.formulas import lower_formula
+
+                formula = lower_formula(item.formula, self.region, self.sink)
+                found.append(ir.Satisfy(formula, item.span))
+        return tuple(found)
+
+    # --- the existing robot, and disturbances --------------------------------------------------
+
+    def origin(self) -> ir.Origin | None:
+        item = self.one(t.From, "from", None)
+        if item is None:
+            return None
+        from grammar_lang.reconfiguration import lower_origin
+
+        declared = self.around.declared
+        kinds = self.around.kinds
+        return lower_origin(item, declared.modules, declared.terminals, kinds, self.sink)
+
+    def robust(self) -> ir.Robust | None:
+        if not any(isinstance(i, t.RobustStart | t.RobustEffort) for i in self.task.items):
+            return None
+        from grammar_lang.robustness import lower_robust
+
+        return lower_robust(self.task.items, self.sink)
 
     # --- the rest ------------------------------------------------------------------------------
 
@@ -316,31 +316,25 @@ def _check_family(reader: _Reader, robot: t.Robot) -> None:
             sink.error(Code.OUT_OF_PLANE, use.message, use.span, hint, notes)
 
 
-def lower_task(
-    task: t.Task,
-    families: Mapping[str, Family],
-    workspaces: Mapping[str, ir.Workspace],
-    sink: Sink,
-) -> ir.Task | None:
+def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None:
     """The task; None where a required clause is missing or wrong, which is reported."""
-    for item in task.items:
-        if isinstance(item, t.From | t.Satisfy | t.RobustStart | t.RobustEffort):
-            not_supported("this", item.span, sink)
-    reader = _Reader(task, sink, None, None)
+    reader = _Reader(task, around, sink)
     robot = reader.one(t.Robot, "robot", "add `robot G;` with the name of a grammar")
     place = reader.one(t.TaskWorkspace, "workspace", "add `workspace W;`")
     if robot is not None:
-        reader.family = _named(robot.name, families, "grammar", sink)
+        reader.family = reader.named(robot.name, around.families, "a grammar")
     if place is not None:
-        reader.workspace = _named(place.name, workspaces, "workspace", sink)
+        reader.workspace = reader.named(place.name, around.workspaces, "a workspace")
     if robot is not None:
         _check_family(reader, robot)
-    start, reach = reader.start(), reader.reach()
-    avoid, effort = reader.avoid(), reader.effort()
+    start, reach, satisfy = reader.start(), reader.reach(), reader.satisfy()
+    avoid = reader.avoid()
+    effort = lower_efforts(task, () if reader.family is None else reader.family.kinds, sink)
     steps, step = reader.horizon()
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None
-    if robot is None or place is None or start is None or reach is None:
+    origin, robust = reader.origin(), reader.robust()
+    if robot is None or place is None or start is None or not (reach or satisfy):
         return None
     return ir.Task(
         name=task.name.text,
@@ -357,15 +351,8 @@ def lower_task(
         modules=modules,
         bounds_body=body,
         span=task.span,
+        avoid_self=reader.itself,
+        origin=origin,
+        satisfy=satisfy,
+        robust=robust,
     )
-
-
-Named = TypeVar("Named")
-
-
-def _named(name: s.Ident, known: Mapping[str, Named], what: str, sink: Sink) -> Named | None:
-    if name.text in known:
-        return known[name.text]
-    hint = did_you_mean(name.text, known, what)
-    sink.error(Code.UNKNOWN_NAME, f"unknown {what} `{name.text}`", name.span, hint)
-    return None

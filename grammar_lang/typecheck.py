@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from grammar_lang import constants, ir
@@ -17,6 +18,7 @@ from grammar_lang.sorts import (
     Scope,
     Sort,
     Typed,
+    finite,
     folded,
     mismatch,
     require_scalar,
@@ -61,10 +63,16 @@ def plain_name(ident: s.Ident, known: tuple[str, ...], sink: Sink) -> Typed:
 
 @dataclass(frozen=True, slots=True)
 class Checker:
-    """Elaborates expressions in a scope; what it finds wrong goes to the sink."""
+    """Elaborates expressions in a scope; what it finds wrong goes to the sink.
+
+    ``functions`` are those that only the place of the expression knows.
+    """
 
     scope: Scope
     sink: Sink
+    functions: Mapping[str, Callable[[s.Call], Typed]] = field(
+        default_factory=dict[str, Callable[[s.Call], Typed]]
+    )
 
     def elaborate(self, expr: s.Expr) -> Typed:
         """The typed form of an expression; UNKNOWN where an error was reported."""
@@ -114,7 +122,7 @@ class Checker:
             return UNKNOWN
         value = Typed(ir.Num(number.value), Sort.SCALAR, None)
         if number.unit is None:
-            return value
+            return finite(value, number.span, self.sink)
         unit = read_unit(number.unit, self.sink)
         return UNKNOWN if unit is None else scale(value, unit, number.span, self.sink)
 
@@ -160,8 +168,10 @@ class Checker:
                 return frame_call(function, call, self.elaborate, self.scope, self.sink)
             case name if name in _SCALAR_FUNCTIONS:
                 return self._function(_SCALAR_FUNCTIONS[name], call)
+            case name if name in self.functions:
+                return self.functions[name](call)
             case name:
-                hint = did_you_mean(name, FUNCTIONS, "function")
+                hint = did_you_mean(name, (*FUNCTIONS, *self.functions), "function")
                 self.sink.error(
                     Code.UNKNOWN_NAME, f"unknown function `{name}`", call.function.span, hint
                 )
@@ -209,11 +219,17 @@ class Checker:
         known = constants.monomial(operand)
         if function == "sqrt" and known is not None and known[0] < 0:
             self.sink.error(
-                Code.BAD_NUMBER, "the root of a negative number", at, "take the root of its size"
+                Code.BAD_NUMBER, "the root of a negative number", at, "numbers below 0 have no root"
             )
             return UNKNOWN
+        if function == "tan" and known is not None and constants.is_right_angle(known):
+            message = "the tangent of a right angle"
+            self.sink.error(Code.BAD_NUMBER, message, at, "a tangent has no value there")
+            return UNKNOWN
         expr = folded(lambda: constants.unary(function, operand), at, self.sink)
-        return UNKNOWN if expr is None else Typed(expr, Sort.SCALAR, dimension)
+        if expr is None:
+            return UNKNOWN
+        return finite(Typed(expr, Sort.SCALAR, dimension), at, self.sink)
 
     def _negate(self, operand: s.Expr, at: Span) -> Typed:
         value = self.elaborate(operand)
@@ -258,7 +274,9 @@ class Checker:
         at: Span,
     ) -> Typed:
         expr = folded(lambda: constants.binary(operator, left, right), at, self.sink)
-        return UNKNOWN if expr is None else Typed(expr, Sort.SCALAR, dimension)
+        if expr is None:
+            return UNKNOWN
+        return finite(Typed(expr, Sort.SCALAR, dimension), at, self.sink)
 
     def _sum(self, operator: Literal["+", "-"], left: Typed, right: Typed, at: s.Binary) -> Typed:
         dimension = left.dimension or right.dimension
@@ -274,7 +292,9 @@ class Checker:
         if Sort.UNKNOWN in {left.sort, right.sort}:
             return unknown(ir.Binary(operator, left.expr, right.expr))
         if operator == "/" and constants.rational(right.expr) == 0:
-            self.sink.error(Code.BAD_NUMBER, "division by zero", at.right.span, "remove it")
+            self.sink.error(
+                Code.BAD_NUMBER, "division by zero", at.right.span, "this divisor is exactly 0"
+            )
             return UNKNOWN
         dimension: Dimension | None = None
         if left.dimension is not None or right.dimension is not None:

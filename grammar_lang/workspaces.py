@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
@@ -13,7 +14,7 @@ from grammar_lang.closed import Constants, ListUnit, coordinates, list_unit
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
 from grammar_lang.linear import Inequalities
-from grammar_lang.modules import duplicate, not_supported
+from grammar_lang.modules import duplicate
 from grammar_lang.source import Span
 from grammar_lang.units import LENGTH
 
@@ -42,8 +43,8 @@ class _Shapes:
 
     def _box(self, box: t.Box) -> ir.Inequalities | None:
         if len(box.sides) != self.size:
-            where = "plane" if self.size == 2 else "space"
-            message = f"a box in the {where} has {self.size} sides, not {len(box.sides)}"
+            where = "the plane" if self.size == 2 else "space"
+            message = f"a box in {where} has {self.size} sides, not {len(box.sides)}"
             hint = f"write `box {' x '.join(['[…]'] * self.size)}`"
             self.sink.error(Code.OUT_OF_PLANE, message, box.span, hint)
             return None
@@ -134,16 +135,32 @@ def _dimension(workspace: t.Workspace, sink: Sink) -> Literal[2, 3]:
     return found[0].value
 
 
-def lower_workspace(workspace: t.Workspace, sink: Sink) -> ir.Workspace:
+def _map(
+    item: t.ObstaclesFrom, size: Literal[2, 3], maps: Mapping[Span, ir.ObstacleMap], sink: Sink
+) -> list[ir.ObstacleMap]:
+    """The file of obstacles; none where it could not be read, or in space."""
+    if size == 3:
+        message = "a map of obstacles lies in the plane, this workspace in space"
+        hint = "say `plane xy`, or write the obstacles as boxes, polytopes or hulls"
+        sink.error(Code.OUT_OF_PLANE, message, item.span, hint)
+        return []
+    found = maps.get(item.path.span)
+    return [] if found is None else [found]
+
+
+def lower_workspace(
+    workspace: t.Workspace, maps: Mapping[Span, ir.ObstacleMap], sink: Sink
+) -> ir.Workspace:
     """The workspace; whatever is wrong with it is reported, wrong shapes are left empty."""
     size = _dimension(workspace, sink)
+    found: list[ir.ObstacleMap] = []
     reader = _Reader(sink, _Shapes(sink, size))
     for item in workspace.items:
         match item:
             case t.Region():
                 reader.region(item)
             case t.ObstaclesFrom():
-                not_supported("`obstacles from`", item.span, sink)
+                found += _map(item, size, maps, sink)
             case t.Dimension():
                 pass
     if reader.bounds is None:
@@ -152,4 +169,5 @@ def lower_workspace(workspace: t.Workspace, sink: Sink) -> ir.Workspace:
         sink.error(Code.MISSING_CLAUSE, message, workspace.name.span, hint)
     bounds = reader.bounds or ir.Region("bounds", "bounds", ir.Inequalities(()))
     regions = tuple(reader.regions.values())
-    return ir.Workspace(workspace.name.text, size, bounds, regions, workspace.span)
+    name, span = workspace.name.text, workspace.span
+    return ir.Workspace(name, size, bounds, regions, span, tuple(found))

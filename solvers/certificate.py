@@ -124,19 +124,25 @@ def spec_digest(files: Mapping[str, bytes]) -> str:
     """SHA-256 over the sorted relative paths and bytes of a spec and what it includes."""
     digest = hashlib.sha256()
     for name in sorted(files):
-        path, content = name.encode(), files[name]
+        path, content = name.encode("utf-8", "surrogateescape"), files[name]
         digest.update(len(path).to_bytes(8, "big") + path)
         digest.update(len(content).to_bytes(8, "big") + content)
     return digest.hexdigest()
 
 
 def spec_files(folder: Path) -> dict[str, bytes]:
-    """The files below a folder, by their relative paths."""
-    return {
-        str(PurePosixPath(path.relative_to(folder))): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
+    """The files below a folder, by their relative paths.
+
+    Raises:
+        CertificateError: a link, which may lead anywhere, or what is neither a file nor a folder.
+    """
+    files: dict[str, bytes] = {}
+    for path in [folder, *sorted(folder.rglob("*"))]:
+        if path.is_symlink() or (path.exists() and not path.is_dir() and not path.is_file()):
+            raise CertificateError(f"the spec has been altered: {path} is no plain file")
+        if path.is_file():
+            files[str(PurePosixPath(path.relative_to(folder)))] = path.read_bytes()
+    return files
 
 
 def to_text(claim: Claim) -> str:

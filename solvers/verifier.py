@@ -21,9 +21,9 @@ from compiler.derivation import BadDerivation, Derivation
 from compiler.family import RobotFamily, family_of
 from compiler.robot import RobotModel
 from compiler.specification import path_problem
+from compiler.supported import unsupported
 from grammar_lang import ir
 from grammar_lang.constants import rational
-from grammar_lang.load import load
 from solvers.certificate import (
     CertificateError,
     Claim,
@@ -32,11 +32,10 @@ from solvers.certificate import (
     exact,
     exact_decimal,
     from_text,
-    spec_digest,
-    spec_files,
 )
 from solvers.design_agreement import disagreement
 from solvers.impossibility_check import check_impossible
+from solvers.spec_copy import difference_from, read_copy
 from solvers.trajectory_proof import Finding, Motion, prove_motion, scene_of
 from solvers.tube_checks import Status
 
@@ -102,21 +101,15 @@ def verify_directory(folder: Path, spec: Path | None = None, trust: str | None =
 
 def _spec_of(folder: Path, claim: Claim, other: Path | None) -> ir.Program:
     """The program of the folder's own copy of the spec, whose digest the claim must name."""
-    files = spec_files(folder / "spec")
-    if claim.spec not in files:
-        raise Refused(f"the spec `{claim.spec}` is missing from {folder / 'spec'}")
-    if spec_digest(files) != claim.spec_sha256:
-        raise Refused("the spec has been altered: its digest is not the one in the certificate")
+    program, files = read_copy(folder / "spec", claim.spec, claim.spec_sha256)
     if other is not None:
         try:
-            same = other.read_bytes() == files[claim.spec]
+            path = difference_from(files, claim.spec, other)
         except OSError as error:
             raise Refused(f"{other}: {error.strerror}", Outcome.UNDECIDED) from None
-        if not same:
-            raise Refused(f"the certificate is not about {other}: the files differ")
-    program = load(folder / "spec" / claim.spec).program
-    if program is None:
-        raise Refused("the spec has errors")
+        if path is not None:
+            where = "" if path == claim.spec else f" in `{path}`"
+            raise Refused(f"the certificate is not about {other}: the files differ{where}")
     return program
 
 
@@ -125,6 +118,8 @@ def _judged(folder: Path, claim: Claim, program: ir.Program, trust: str | None) 
     task = program.tasks.get(claim.task)
     if task is None:
         raise Refused(f"the spec has no task `{claim.task}`")
+    for clause in unsupported(program, task):
+        raise Refused(f"not verified: {clause.message}", Outcome.UNDECIDED)
     cells = abstract(program.workspaces[task.workspace])
     if isinstance(claim, FoundClaim):
         model, report = _found(claim, program, task, cells)

@@ -38,14 +38,15 @@ def synthesise(
 
     Raises:
         srgc.session.UsageFault: there is no such task, or several and none is named.
+        srgc.session.SpecErrors: the task has a clause that this version cannot compile.
     """
     from solvers import synthesis
     from solvers.progress import Conduct
-    from srgc.session import chosen
+    from srgc.session import chosen, refuse_unsupported
 
-    return synthesis.synthesise(
-        program, chosen(program.tasks, task, "task"), Conduct(seed=seed, jobs=jobs)
-    )
+    chosen_task = chosen(program.tasks, task, "task")
+    refuse_unsupported(program, chosen_task)
+    return synthesis.synthesise(program, chosen_task, Conduct(seed=seed, jobs=jobs))
 
 
 def verify(

@@ -10,6 +10,8 @@ import json
 import math
 import os
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import click
@@ -23,10 +25,13 @@ from srgc.session import (
     chosen,
     program_of,
     refuse_cycles,
+    refuse_unsupported,
 )
 
 FOUND, REFUSED, USAGE, IMPOSSIBLE, UNKNOWN, SPEC_ERRORS = 0, 1, 2, 3, 4, 5
 INTERNAL, INTERRUPTED = 70, 130
+PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
+"""Of the statuses of several files the first of these is that of the command."""
 VERDICT_STATUS = {"found": FOUND, "impossible": IMPOSSIBLE, "unknown": UNKNOWN}
 
 FILE = click.argument("file", type=click.Path(path_type=Path))
@@ -73,6 +78,30 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
             suffix = f", {warnings} warning{'s' if warnings != 1 else ''}" if warnings else ""
             click.echo(f"{len(files)} file{'s' if len(files) != 1 else ''} without errors{suffix}")
     return 0 if all(result.program is not None for result in results) else 1
+
+
+@cli.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit 1 if it would.")
+@click.option("--diff", "as_diff", is_flag=True, help="Write nothing; print what would change.")
+def fmt(files: tuple[Path, ...], only_check: bool, as_diff: bool) -> int:  # noqa: FBT001
+    """Write files in canonical form, comments kept.  `-` is standard input, to standard output.
+
+    A file with syntax errors is left as it is: exit 5.
+    """
+    from srgc.format_run import FormatRun
+
+    if Path("-") in files and len(files) > 1:
+        raise UsageFault("`-` is not formatted together with files")
+    colour = sys.stdout.isatty() and "NO_COLOR" not in os.environ
+    formats = FormatRun(only_check, as_diff, colour)
+    statuses = []
+    for path in files:
+        statuses.append(_guarded(partial(formats.one, path)))
+        if statuses[-1] == INTERRUPTED:
+            break
+    click.echo(formats.summary(), nl=False)
+    return min(statuses, key=PRECEDENCE.index)
 
 
 @cli.command()
@@ -180,7 +209,9 @@ def plan(file: Path, task: str | None) -> int:
     from srgc.plan_report import plan_text
 
     program = program_of(file)
-    status, text = plan_text(program, chosen(program.tasks, task, "task"))
+    chosen_task = chosen(program.tasks, task, "task")
+    refuse_unsupported(program, chosen_task)
+    status, text = plan_text(program, chosen_task)
     click.echo(text)
     return VERDICT_STATUS[status]
 
@@ -216,6 +247,7 @@ def synth(
     program = program_of(file)
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
+    refuse_unsupported(program, chosen_task)
     from srgc.synthesis_report import synthesis_text
     from srgc.synthesis_run import SynthesisOptions, run_synthesis
 
@@ -249,9 +281,18 @@ def verify(folder: Path, spec: Path | None, trust: str | None) -> int:
 
 def run(arguments: list[str] | None = None) -> int:
     """Run a command line and give its exit status; no exception leaves this function."""
-    try:
+
+    def command() -> int:
         status = cli.main(arguments, prog_name="srgc", standalone_mode=False)
         return status if isinstance(status, int) else 0
+
+    return _guarded(command)
+
+
+def _guarded(action: Callable[[], int]) -> int:
+    """The status of an action; whatever it raises is reported and has a status, too."""
+    try:
+        return action()
     except UsageFault as fault:
         click.echo(f"error: {fault}", err=True)
         return USAGE

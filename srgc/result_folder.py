@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -67,6 +67,14 @@ class ResultFolder:
             shutil.rmtree(target)
         else:
             target.unlink(missing_ok=True)
+
+    def keep_only(self, name: str, paths: Container[str]) -> None:
+        """Remove every file below one of our folders whose path there is not among ``paths``."""
+        top = self.path / name
+        for path in [*top.rglob("*")]:
+            is_folder = path.is_dir() and not path.is_symlink()
+            if not is_folder and path.relative_to(top).as_posix() not in paths:
+                path.unlink()
 
     def finish(self) -> None:
         """The run is complete: nothing is left to resume."""

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from compiler.grammar_checks import grammar_diagnostics
+from compiler.grammar_checks import cycle_diagnostics, grammar_diagnostics
 from compiler.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
-from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Diagnostic, Severity, Sink
-from grammar_lang.load import load
+from grammar_lang.load import Loaded, load
 from grammar_lang.source import Source
 
 Item = TypeVar("Item")
@@ -52,12 +51,27 @@ def check_file(path: Path) -> Checked:
             path.open("rb").close()
     except OSError as error:
         raise UsageFault(f"{path}: {error.strerror}") from None
-    loaded = load(path)
-    if loaded.program is None:
+    return check_loaded(load(path))
+
+
+def check_loaded(loaded: Loaded) -> Checked:
+    """All checks on what was read; with errors, on what of it is sound."""
+    if loaded.sound is None:
         return Checked(None, loaded.diagnostics, loaded.sources)
     sink = Sink(list(loaded.diagnostics))
-    grammar_diagnostics(loaded.program, sink)
-    workspace_diagnostics(loaded.program, sink)
+    complete = loaded.program is not None
+    grammar_diagnostics(loaded.sound, sink, complete=complete)
+    workspace_diagnostics(loaded.sound, sink, complete=complete)
+    tasks = loaded.sound.tasks.values()
+    if any(task.satisfy or task.origin for task in tasks):
+        from compiler.task_checks import task_diagnostics
+
+        task_diagnostics(loaded.sound, sink)
+    if any(task.satisfy for task in tasks):
+        # The SAT solver is loaded for formulas alone, so that other checks start fast.
+        from solvers.contradiction import contradiction_diagnostics
+
+        contradiction_diagnostics(loaded.sound, sink)
     program = None if sink.has_errors else loaded.program
     return Checked(program, sink.sorted(), loaded.sources)
 
@@ -83,16 +97,24 @@ def refuse_cycles(program: ir.Program, grammar: ir.Grammar) -> None:
         SpecErrors: the grammar has one.
     """
     sink = Sink()
-    grammar_diagnostics(program, sink)
-    errors = tuple(
-        replace(d, severity=Severity.ERROR)
-        for d in sink.sorted()
-        if d.code is Code.CYCLIC_GRAMMAR
-        and d.span.file == grammar.span.file
-        and grammar.span.start <= d.span.start < grammar.span.end
-    )
+    cycle_diagnostics(program, grammar, sink)
+    errors = tuple(replace(d, severity=Severity.ERROR) for d in sink.sorted())
     if errors:
         raise SpecErrors(Checked(None, errors, program.sources))
+
+
+def refuse_unsupported(program: ir.Program, task: ir.Task) -> None:
+    """Elsewhere no fault: a clause that is read but not compiled, so that it cannot be met.
+
+    Raises:
+        SpecErrors: the task, or a module or workspace of it, has one.
+    """
+    from compiler.supported import unsupported
+
+    errors = unsupported(program, task)
+    if errors:
+        sink = Sink(list(errors))
+        raise SpecErrors(Checked(None, sink.sorted(), program.sources))
 
 
 def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:

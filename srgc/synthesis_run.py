@@ -11,10 +11,12 @@ from pathlib import Path
 from grammar_lang import ir
 from solvers.certificate import spec_digest
 from solvers.progress import Conduct
+from solvers.spec_copy import files_of
 from solvers.synthesis import Synthesis, synthesise
 from srgc.design_file import certificate_text, design_text, proof_name, trajectory_csv
 from srgc.progress_display import progress
 from srgc.result_folder import Identity, ResultFolder, open_folder
+from srgc.session import UsageFault
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +40,13 @@ def run_synthesis(
         UsageFault: the folder cannot be used.
     """
     started = time.monotonic()
-    files = {path.name: path.read_bytes()}
+    files = _spec_files(program)
     digest = spec_digest(files)
     identity = Identity(digest, task.name, options.seed, version("srgc"))
     folder = open_folder(options.output, identity, force=options.force)
     for name, content in files.items():
         folder.write(f"spec/{name}", content)
+    folder.keep_only("spec", files)
 
     def out_of_time() -> bool:
         limit = options.time_limit
@@ -60,6 +63,25 @@ def run_synthesis(
     if not (result.verdict == "unknown" and out_of_time()):
         folder.finish()
     return result
+
+
+def _spec_files(program: ir.Program) -> dict[str, bytes]:
+    """The files of a program, for a copy that means the same.
+
+    Raises:
+        UsageFault: no copy does.
+    """
+    for source in program.sources:
+        if source.twin is not None:
+            raise UsageFault(
+                f"`{source.path}` and `{source.twin}` are one file, and two in a copy of the spec: "
+                "include it under one name"
+            )
+        try:
+            source.path.encode()
+        except UnicodeEncodeError:
+            raise UsageFault(f"{source.name}: the name of a spec has to be UTF-8") from None
+    return files_of(program.sources)
 
 
 def _write(

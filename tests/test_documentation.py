@@ -11,9 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 import srgc.cli
+from grammar_lang.code_pages import examples
 
 ROOT = Path(__file__).parents[1]
 RUN_ELSEWHERE = ("docs/codes.md",)  # its examples are to fail: tests/test_golden.py runs them
@@ -70,32 +70,50 @@ def test_examples_check(page: str, content: str, tmp_path: Path) -> None:
     assert srgc.cli.run(["check", str(file)]) == 0, page
 
 
+def test_examples_of_several_files_check(tmp_path: Path) -> None:
+    number = 0
+    for page in TEXTS.keys() - RUN_ELSEWHERE:
+        for example in examples(TEXTS[page]):
+            if len(example.files) == 1 or example.expected is not None:
+                continue
+            number += 1
+            for name, content in example.files:
+                file = tmp_path / str(number) / name
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(content, encoding="utf-8")
+            checked = tmp_path / str(number) / example.checked
+            assert srgc.cli.run(["check", str(checked)]) == 0, page
+    assert number > 0
+
+
 def test_the_language_page_has_an_example_of_every_part() -> None:
     text = "".join(content for page, content in blocks("srg") if page == "docs/language.md")
     for keyword in ("module", "edge", "grammar", "semantics", "workspace", "task", "hull", "space"):
         assert re.search(rf"^\s*(region \w+ )?{keyword}\b", text, re.MULTILINE), keyword
 
 
-def test_what_is_said_not_to_be_supported_is_not(tmp_path: Path) -> None:
-    """Each keyword, in the one language's own place, gives SRG0190."""
+def test_what_is_said_not_to_be_supported_is_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each clause, in the language's first complete example: read by check, refused by synth."""
+    monkeypatch.chdir(tmp_path)
     page = TEXTS["docs/language.md"]
-    [complete] = [c for p, c in blocks("srg") if p == "docs/language.md" and "\ntask " in c]
+    complete = next(c for p, c in blocks("srg") if p == "docs/language.md" and "\ntask " in c)
     listed = next(c for p, c in blocks("text") if p == "docs/language.md")
     statements = [part.strip() for part in re.sub(r"\s{3,}.*", "", listed).split("\n")]
     clauses = [f"{clause.strip()};" for line in statements for clause in line.split(";") if clause]
-    assert len(clauses) == 10
+    assert len(clauses) == 4
+    place = "task Turn {\n"
+    assert place in complete
     for clause in clauses:
         keyword = clause.split("(")[0].split()[0]
         assert f"`{keyword}" in TEXTS["README.md"] or f"{keyword}`" in TEXTS["README.md"], clause
-        in_module = keyword in ("state", "input", "der", "torque")
-        place = {"include": "", "obstacles": "workspace Bench {\n"}.get(keyword, "task Turn {\n")
-        place = "module L { role link;" if in_module else place
-        assert place in complete
         file = tmp_path / "example.srg"
         file.write_text(complete.replace(place, f"{place} {clause}", 1), encoding="utf-8")
-        result = CliRunner().invoke(srgc.cli.cli, ["check", "--json", str(file)])
-        codes = [item["code"] for item in json.loads(result.stdout)]
-        assert "SRG0190" in codes, (clause, codes)
+        assert srgc.cli.run(["check", str(file)]) == 0, clause
+        capsys.readouterr()
+        assert srgc.cli.run(["synth", str(file)]) == 5, clause
+        assert f"error[SRG0190]: `{keyword}" in capsys.readouterr().err
     assert "SRG0190" in page
 
 

@@ -1,3 +1,4 @@
+import time
 from fractions import Fraction
 from itertools import product
 
@@ -63,3 +64,14 @@ def test_a_cube_and_its_middle():
 def test_no_points():
     with pytest.raises(ValueError, match="no points"):
         hull_rows([])
+
+
+def test_a_polygon_of_thousands_of_corners():
+    # points of a parabola are all corners; its hull is found in the time of a sort
+    cloud = [(Fraction(x), Fraction(x * x)) for x in range(-2000, 2001)]
+    inner = [(Fraction(x), Fraction(x * x + 1)) for x in range(-1999, 2000)]
+    started = time.process_time()
+    rows = hull_rows([*inner, *cloud])
+    assert time.process_time() - started < 2
+    assert len(rows) == len(cloud)
+    assert rows == hull_rows(cloud)

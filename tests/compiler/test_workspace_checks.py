@@ -1,15 +1,39 @@
+import subprocess
+import sys
+import time
+from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
 from compiler.workspace_checks import workspace_diagnostics
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Severity, Sink
-from grammar_lang.ir import Inequalities, Num, Region, StartAt, Workspace
+from grammar_lang.ir import (
+    Always,
+    And,
+    Atom,
+    Eventually,
+    Implies,
+    Inequalities,
+    Last,
+    Next,
+    Not,
+    Num,
+    Or,
+    Region,
+    Satisfy,
+    StartAt,
+    Until,
+    Window,
+    Workspace,
+)
 from grammar_lang.source import Span
 from tests.oracles.planes import bench, box, hull, row
 from tests.oracles.tasks import REACH, START, avoid, program, task
 
+ROOT = Path(__file__).parents[2]
 BOUNDS = box("bounds", "bounds", (0, 10), (0, 10), span=Span(1, 2))
 S = box("S", "region", (1, 2), (1, 2), span=Span(10, 11))
 T = box("T", "target", (8, 9), (8, 9), span=Span(12, 13))
@@ -40,8 +64,11 @@ def test_the_running_example_is_clean():
 @pytest.mark.parametrize(
     ("rows", "code"),
     [
-        ((row(1, 0, 1), row(-1, 0, -2, span=Span(33, 34))), Code.EMPTY_POLYTOPE),
-        ((row(1, 0, 1), row(-1, 0, -1, span=Span(33, 34)), row(0, 1, 1)), Code.FLAT_POLYTOPE),
+        ((row(1, 0, 1, span=Span(31, 32)), row(-1, 0, -2, span=Span(33, 34))), Code.EMPTY_POLYTOPE),
+        (
+            (row(1, 0, 1, span=Span(31, 32)), row(-1, 0, -1, span=Span(33, 34)), row(0, 1, 1)),
+            Code.FLAT_POLYTOPE,
+        ),
     ],
 )
 def test_no_point_or_no_interior(rows, code):
@@ -49,7 +76,7 @@ def test_no_point_or_no_interior(rows, code):
     assert found(S, T, bad, tasks=[task()]) == [(code, E, Span(30, 31))]
     sink = Sink()
     workspace_diagnostics(program([Workspace("W", 2, BOUNDS, (S, T, bad))], [task()]), sink)
-    assert [span for span, _ in sink.found[0].notes] == [Span(33, 34)]
+    assert [span for span, _ in sink.found[0].notes] == [Span(31, 32), Span(33, 34)]
     closed = Region("bounds", "bounds", bad.shape, Span(5, 6))
     assert found(S, T, tasks=[task()], bounds=closed) == [(code, E, Span(5, 6))]
 
@@ -90,7 +117,10 @@ def test_start_and_target_in_an_obstacle():
     larger = obstacle((7, 10), (7, 10))
     assert found(S, T, larger, tasks=[task(avoid("O"))]) == [(Code.TARGET_IN_OBSTACLE, E, REACH)]
     # not avoided, or by the body only
-    assert found(S, T, exactly, tasks=[task()]) == [(Code.UNUSED_OBSTACLE, W, Span(20, 21))]
+    assert found(S, T, exactly, tasks=[task()]) == [
+        (Code.UNUSED_OBSTACLE, W, Span(20, 21)),
+        (Code.OVERLAPPING_REGIONS, Severity.NOTE, Span(20, 21)),
+    ]
     assert found(S, T, exactly, tasks=[task(avoid("O", subject="body"))]) == [
         (Code.START_IN_OBSTACLE, W, START)
     ]
@@ -144,3 +174,90 @@ def test_space():
     assert found(s, t, o, tasks=[task(avoid("O"))], bounds=bounds, dimension=3) == [
         (Code.START_IN_OBSTACLE, E, START)
     ]
+
+
+def findings(workspace, tasks, *, complete=True):
+    sink = Sink()
+    workspace_diagnostics(program([workspace], tasks), sink, complete=complete)
+    return sink.found
+
+
+def test_a_formula_makes_use_of_an_obstacle():
+    forever = Window(Fraction(0), None)
+    names = [f"O{i}" for i in range(9)]
+    a, b, c, d, e, f, g, h, i = (Atom(name, 1) for name in names)
+    formula = Always(
+        Implies(Not(a), Or((And((b, Until(c, d))), Eventually(e, forever), Next(f)))), forever
+    )
+    last = Last(Fraction(1), Or((g, h)))
+    obstacles = tuple(
+        obstacle((4, 5), (Fraction(k, 2), Fraction(k + 1, 2)), name=name)
+        for k, name in enumerate(names)
+    )
+    formulas = replace(task(), reach=None, satisfy=(Satisfy(formula), Satisfy(last)))
+    (unused,) = findings(Workspace("W", 2, BOUNDS, (S, T, *obstacles)), [formulas])
+    assert unused.message == "no task avoids obstacle `O8`"
+    assert i.region == "O8"
+
+
+def test_a_task_without_reach_has_a_start():
+    far = box("S", "region", (11, 12), (0, 1))
+    formulas = replace(task(), reach=None)
+    assert found(far, T, tasks=[formulas]) == [(Code.REGION_OUTSIDE_BOUNDS, E, START)]
+
+
+def test_of_an_incomplete_program_unused_obstacles_and_notes_are_not_told():
+    workspace = Workspace("W", 2, BOUNDS, (S, T, obstacle((0, 3), (0, 3))))
+    assert findings(workspace, [], complete=False) == []
+    told = [d.code for d in findings(workspace, [task(avoid("O"))], complete=False)]
+    assert told == [Code.START_IN_OBSTACLE]
+
+
+def test_overlaps_count_within_the_bounds_only():
+    one = box("A", "region", (8, 14), (0, 5))
+    other = box("B", "region", (7, 9), (4, 6))
+    outside = box("C", "region", (10, 13), (0, 5))
+    messages = [d.message for d in findings(Workspace("W", 2, BOUNDS, (one, other, outside)), [])]
+    assert messages == [
+        "region `C` lies outside the bounds and has no effect",
+        "region `B` overlaps region `A`",
+    ]
+
+
+def test_many_avoided_regions_are_listed_shortly():
+    strips = [
+        obstacle((Fraction(10 + k, 10), Fraction(11 + k, 10)), (1, 2), name=f"O{k}")
+        for k in range(10)
+    ]
+    names = tuple(strip.name for strip in strips)
+    workspace = Workspace("W", 2, BOUNDS, (S, T, *strips))
+    (covered,) = findings(workspace, [task(avoid(*names))])
+    assert covered.code is Code.START_IN_OBSTACLE
+    assert "inside `O0`, `O1`, `O2`, `O3`, `O4` and 5 more, which" in covered.message
+    (partly,) = findings(workspace, [task(avoid(*names[1:]))], complete=False)
+    assert partly.code is Code.REGION_PARTLY_BLOCKED
+
+
+def test_the_union_counts_and_not_the_sum_of_the_areas():
+    # twice the same half is as large as the whole, and leaves the other half
+    twice = [obstacle((1, "1.5"), (0, 3), name=name) for name in "AB"]
+    assert found(S, T, *twice, tasks=[task(avoid("A", "B"))]) == [
+        (Code.REGION_PARTLY_BLOCKED, W, START)
+    ]
+
+
+def test_hundreds_of_regions_are_no_trouble():
+    side = 20
+    cells = [
+        box(f"R{i}_{j}", "region", (i, i + 1), (j, j + 1)) for i in range(side) for j in range(side)
+    ]
+    bounds = box("bounds", "bounds", (0, side), (0, side))
+    started = time.process_time()
+    assert findings(Workspace("W", 2, bounds, tuple(cells)), []) == []
+    assert time.process_time() - started < 1
+
+
+def test_numpy_is_not_loaded():
+    program = "import sys, compiler.workspace_checks, compiler.grammar_checks, compiler.polytope\n"
+    program += "sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=False).returncode == 0

@@ -89,3 +89,11 @@ def check() -> Callable[[str], list[tuple[str, str]]]:
         return findings(loaded)
 
     return run
+
+
+@pytest.fixture(scope="session")
+def check_fragment(
+    check: Callable[[str], list[tuple[str, str]]],
+) -> Callable[[str], list[tuple[str, str]]]:
+    """As ``check``, for a part of a file that leaves names unused."""
+    return lambda text: [found for found in check(text) if found[0] != "UNUSED_NAME"]

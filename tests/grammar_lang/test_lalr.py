@@ -33,23 +33,7 @@ TEXTS = {
         )
         if page.name != "codes.md"
     },
-    "everything": """
-    include "a/b.srg";
-    edge eps, '[', "]";
-    module M { role joint; param a in {1, 2 m} cm; const c = -2^-k.h + (3) N*m; dof q: revolute -z
-      in [-1, 1] deg rate in [0, 1] rad/s; state s N*m = 0; input v in [0, 1] V;
-      der(s) = v - s; torque(q) = rate(q) * u; }
-    grammar G { start N; a: N -> l:N eps r:N; b: N -> empty; accept matches (A | B* empty)+ C?;
-      accept not (count(A) == 2 or length < 3 and contains A B); }
-    semantics G { a { this.f = N1.f * rot(-x, 3); point(frame: world, mass: 2 kg); foo(); } b { } }
-    workspace W { space xyz; bounds hull (0, 1) m, (2, 3); region R polytope { x <= 1; y > z; } cm;
-      obstacles from 'map.yaml'; }
-    task T { robot G; workspace W; start at (1 deg, 2); start in S by effector 1 rates <= 2;
-      reach R at rest; avoid self with body, margin 2 cm; effort <= 3 norm 2; slack 1;
-      gravity (0, 1) m/s^2; horizon 3 steps of 2 s; modules <= 3; bounds with body;
-      from A eps B fixed A.h = 2 m, B1.k = 3; robust start 1 mm 2, (3) deg; robust effort 5 %;
-      satisfy not always[0 s, 3 s] A until B by effector 2 and next C or last[1] D implies A; }
-    """,
+    "everything": (ROOT / "tests" / "oracles" / "everything.srg").read_text("utf-8"),
 }
 
 

@@ -60,7 +60,7 @@ def test_degrees_of_freedom() -> None:
         ("role base; param a in [5, 0.5] m;", [("EMPTY_INTERVAL", "[5, 0.5] m")]),
         ("role base; param a in [1, 2] kg; const a = 1;", [("DUPLICATE_NAME", "a")]),
         ("role base; param a in [1 m, 2 kg];", [("UNIT_MISMATCH", "2 kg")]),
-        ("role base; param a in {1, 2, 1} m;", [("DUPLICATE_NAME", "1")]),
+        ("role base; param a in {1, 2, 1} m;", [("BAD_VALUE", "1")]),
         ("role base; param a in [b, 2]; const b = 1;", [("NOT_CONSTANT", "b")]),
         ("role base; param a in [1, 2]; param b in [a, 3];", [("NOT_CONSTANT", "a")]),
         ("role base; const a = c;", [("UNKNOWN_NAME", "c")]),
@@ -71,13 +71,8 @@ def test_degrees_of_freedom() -> None:
         ("role base; dof q: revolute z rate in [0, 1] m/s;", [("UNIT_MISMATCH", "m/s")]),
         ("role base; dof q: revolute z in [0, 90];", [("ANGLE_ABOVE_TURN", "90")]),
         ("role base; dof q: revolute z in [0, 2*pi];", []),
-        ("role base; state s m = 1;", [("NOT_SUPPORTED", "state s m = 1;")]),
-        ("role base; input v in [0, 1] V;", [("NOT_SUPPORTED", "input v in [0, 1] V;")]),
-        ("role base; der(s) = 1;", [("NOT_SUPPORTED", "der(s) = 1;")]),
-        (
-            "role base; torque(q) = u - 2*rate(q);",
-            [("NOT_SUPPORTED", "torque(q) = u - 2*rate(q);")],
-        ),
+        ("role base; param a in [u, 2];", [("UNKNOWN_NAME", "u")]),
+        ("role base; dof q: revolute z in [0, s]; state s; der(s) = 1;", [("NOT_CONSTANT", "s")]),
     ],
 )
 def test_findings(body: str, found: list[tuple[str, str]], check: Check) -> None:
@@ -88,8 +83,3 @@ def test_one_name_space(check: Check) -> None:
     assert check("module A { role base; } edge A;") == [("DUPLICATE_NAME", "A")]
     assert check("edge a, b, a;") == [("DUPLICATE_NAME", "a")]
     assert check("edge eps, 'eps';") == [("DUPLICATE_NAME", "'eps'")]
-
-
-def test_includes_are_refused(check: Check) -> None:
-    found = check('include "modules.srg";')
-    assert found == [("NOT_SUPPORTED", 'include "modules.srg";')]

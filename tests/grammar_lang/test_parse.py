@@ -49,7 +49,7 @@ def test_numbers_are_exact() -> None:
     assert value("1.5e-3") == number("3/2000")
 
 
-def test_keywords_are_contextual(check: Check) -> None:
+def test_keywords_are_contextual(check_fragment: Check) -> None:
     text = """
 module base { role base; param in2 in [1, 2] m; const rate = 1; dof dof: revolute z; }
 module link { role link; param length in [0.5, 1] m; }
@@ -73,7 +73,7 @@ workspace plane { plane xy; bounds box [0, 1] x [0, 1]; region box box [0, 1] x 
 task module { robot grammar; workspace plane; start in box at rest; reach with;
   avoid box, with with body margin 1 cm; effort <= 1 N*m; horizon 3 steps of 1 s; }
 """
-    assert check(text) == []
+    assert check_fragment(text) == []
 
 
 @pytest.mark.parametrize("word", ["and", "or", "not", "empty", "this", "world", "accept", "x"])

@@ -12,10 +12,10 @@ from grammar_lang.source import Source, Span
 def test_text_marks_the_place(arm: str) -> None:
     loaded = load_text(arm.replace("[0.5, 5] m", "[5, 0.5] m"), "arm.srg")
     assert to_text(loaded.diagnostics, loaded.sources) == (
-        "arm.srg:3:40: error[SRG0303]: "
+        "arm.srg:3:39: error[SRG0303]: "
         "this interval is empty: its lower bound exceeds its upper bound\n"
-        "    3 | module L  { role link; param length in [5, 0.5] m; const density = 1 kg/m; }\n"
-        "      |                                        ^^^^^^^^^^\n"
+        "    3 | module L { role link; param length in [5, 0.5] m; const density = 1 kg/m; }\n"
+        "      |                                       ^^^^^^^^^^\n"
         "  hint: exchange the bounds\n"
     )
 
@@ -29,9 +29,9 @@ def test_json_has_the_fields_of_the_contract(arm: str) -> None:
             "message": "this interval is empty: its lower bound exceeds its upper bound",
             "file": "arm.srg",
             "line": 3,
-            "column": 40,
+            "column": 39,
             "end_line": 3,
-            "end_column": 50,
+            "end_column": 49,
             "hint": "exchange the bounds",
         }
     ]

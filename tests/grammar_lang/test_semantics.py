@@ -191,8 +191,10 @@ CHAIN = "a: S -> B; b: S -> S e L;"
         ),
     ],
 )
-def test_findings(productions: str, text: str, found: list[tuple[str, str]], check: Check) -> None:
-    assert check(spec(productions, text)) == found
+def test_findings(
+    productions: str, text: str, found: list[tuple[str, str]], check_fragment: Check
+) -> None:
+    assert check_fragment(spec(productions, text)) == found
 
 
 def test_induced_cycles_are_found_and_printed() -> None:
@@ -206,12 +208,12 @@ def test_induced_cycles_are_found_and_printed() -> None:
     assert "T.s" in found[0].message
 
 
-def test_crossing_dependences_are_no_cycle(check: Check) -> None:
+def test_crossing_dependences_are_no_cycle(check_fragment: Check) -> None:
     text = spec(
         "a: S -> T; b: T -> B;",
         "a { T.i = 1 m; T.j = T.s; this.f = T.t; } b { this.s = this.i; this.t = this.j; }",
     )
-    assert check(text) == []
+    assert check_fragment(text) == []
 
 
 def test_dimensions_flow_against_the_order_of_the_text() -> None:
@@ -225,3 +227,24 @@ def test_dimensions_flow_against_the_order_of_the_text() -> None:
 def test_attributes_without_a_first_definition_are_refused(check: Check) -> None:
     text = spec("a: S -> B; b: S -> T; c: T -> T e;", "a { } b { } c { this.f = T.f; }")
     assert check(text) == [("UNDEFINED_ATTRIBUTE", "this.f")]
+
+
+def test_a_rule_with_a_wrong_owner_is_one_error(check_fragment: Check) -> None:
+    text = """
+module B { role base; } module J { role joint; dof q: revolute z; }
+grammar G { start N; b: N -> B; j: N -> N J; }
+semantics G {
+  b { M.frame = world; }
+  j { this.frame = N.frame * rot(z, J.q); effector(frame: N.frame); }
+}
+"""
+    assert check_fragment(text) == [("UNKNOWN_NAME", "M")]
+
+
+def test_a_wrong_rot_says_nothing_of_its_dof(check_fragment: Check) -> None:
+    text = """
+module B { role base; } module J { role joint; dof q: revolute z; }
+grammar G { start N; b: N -> B J; }
+semantics G { b { effector(frame: world * rot(J.q)); } }
+"""
+    assert check_fragment(text) == [("SORT_MISMATCH", "rot(J.q)")]

@@ -6,6 +6,8 @@ from fractions import Fraction
 import pytest
 
 from grammar_lang import ir
+from grammar_lang.codes import Code
+from grammar_lang.diagnostics import Severity
 from grammar_lang.load import load_text
 
 Check = Callable[[str], list[tuple[str, str]]]
@@ -118,25 +120,93 @@ def test_clauses(task: Callable[..., ir.Task]) -> None:
         ({"more": "modules >= 3;"}, [("BAD_VALUE", "modules >= 3;")]),
         ({"more": "avoid S with body margin -1 cm;"}, [("BAD_VALUE", "-1 cm")]),
         ({"more": "slack -1;"}, [("BAD_VALUE", "-1")]),
-        ({"more": "avoid self with body margin 1 cm;"}, [("NOT_SUPPORTED", "self")]),
-        ({"more": "from B eps JO;"}, [("NOT_SUPPORTED", "from B eps JO;")]),
-        (
-            {"reach": "satisfy eventually[0 s, 5 s] (S and not T);"},
-            [("NOT_SUPPORTED", "satisfy eventually[0 s, 5 s] (S and not T);")],
-        ),
-        (
-            {"more": "robust start 1 cm, 2 deg/s; robust effort 5 %;"},
-            [
-                ("NOT_SUPPORTED", "robust start 1 cm, 2 deg/s;"),
-                ("NOT_SUPPORTED", "robust effort 5 %;"),
-            ],
-        ),
+        ({"more": "avoid self with effector;"}, [("BAD_VALUE", "self")]),
+        ({"more": "avoid self, S with effector;"}, [("BAD_VALUE", "self")]),
+        ({"more": "avoid self with body; avoid self with body;"}, [("REPEATED_CLAUSE", "self")]),
+        ({"more": "avoid self, self with body;"}, [("REPEATED_CLAUSE", "self")]),
+        ({"more": "avoid self with body margin -1 cm;"}, [("BAD_VALUE", "-1 cm")]),
+        ({"more": "from B; from B eps JO;"}, [("REPEATED_CLAUSE", "from B eps JO;")]),
+        ({"reach": "satisfy S; reach T; reach T;"}, [("REPEATED_CLAUSE", "reach T;")]),
     ],
 )
 def test_findings(
-    other: dict[str, str], found: list[tuple[str, str]], check: Check, build: Build
+    other: dict[str, str], found: list[tuple[str, str]], check_fragment: Check, build: Build
 ) -> None:
-    assert check(build(task=clauses(**other))) == found
+    assert check_fragment(build(task=clauses(**other))) == found
+
+
+@pytest.mark.parametrize(
+    ("other", "marked", "message"),
+    [
+        ({"reach": "reach L;"}, "L", "`L` is a module, not a region of workspace `W`"),
+        ({"reach": "reach eps;"}, "eps", "`eps` is an edge, not a region of workspace `W`"),
+        ({"reach": "reach G;"}, "G", "`G` is a grammar, not a region of workspace `W`"),
+        ({"reach": "reach W;"}, "W", "`W` is a workspace, not a region of workspace `W`"),
+        ({"start": "start in P;"}, "P", "`P` is a task, not a region of workspace `W`"),
+        ({"more": "avoid N with body;"}, "N", "`N` is a nonterminal, not a region of workspace"),
+        ({"robot": "robot W;"}, "W", "`W` is a workspace, not a grammar"),
+        ({"robot": "robot S;"}, "S", "`S` is a region of workspace `W`, not a grammar"),
+        ({"workspace": "workspace G;"}, "G", "`G` is a grammar, not a workspace"),
+        ({"reach": "satisfy eventually JO;"}, "JO", "`JO` is a module, not a region of workspace"),
+    ],
+)
+def test_a_name_of_another_kind(
+    other: dict[str, str], marked: str, message: str, build: Build
+) -> None:
+    loaded = load_text(build(task=clauses(**other)), "t")
+    [found] = [d for d in loaded.diagnostics if d.severity is Severity.ERROR]
+    assert found.code is Code.WRONG_KIND
+    assert found.message.startswith(message)
+    assert found.hint
+    text = loaded.sources[0].text
+    assert text[found.span.start : found.span.end] == marked
+    [(declared, _)] = found.notes
+    assert text[declared.start : declared.end].split(":")[0] in {marked, "base"}
+
+
+def test_a_region_of_another_workspace(build: Build) -> None:
+    workspace = """
+workspace W { plane xy; bounds box [0, 5] x [0, 5] m; region S box [0, 1] x [0, 1] m; }
+workspace V { plane xy; bounds box [0, 5] x [0, 5] m; region T box [0, 1] x [0, 1] m; }
+"""
+    loaded = load_text(build(workspace=workspace), "t")
+    [found] = [d for d in loaded.diagnostics if d.severity is Severity.ERROR]
+    assert found.message == "`T` is a region of workspace `V`, not a region of workspace `W`"
+
+
+def test_the_robot_itself(task: Callable[..., ir.Task], build: Build) -> None:
+    alone = task(more="avoid self with body;")
+    assert (alone.avoid, alone.avoid_self) == ((), ir.AvoidSelf(Fraction(0)))
+    both = task(more="avoid self, S with body margin 1 cm; avoid T with effector;")
+    assert both.avoid_self == ir.AvoidSelf(Fraction(1, 100))
+    assert both.avoid == (
+        ir.Avoid(("S",), "body", Fraction(1, 100)),
+        ir.Avoid(("T",), "effector", Fraction(0)),
+    )
+    assert task().avoid_self is None
+
+
+def test_a_region_called_self(build: Build) -> None:
+    workspace = """
+workspace W { plane xy; bounds box [0, 5] x [0, 5] m;
+  region S box [0, 1] x [0, 1] m; obstacle self box [2, 3] x [0, 1] m;
+  target T box [3, 4] x [3, 4] m; }
+"""
+    text = build(workspace=workspace, task=clauses(more="avoid self with effector;"))
+    loaded = load_text(text, "t")
+    assert loaded.program is not None, loaded.diagnostics
+    found = loaded.program.tasks["P"]
+    assert found.avoid == (ir.Avoid(("self",), "effector", Fraction(0)),)
+    assert found.avoid_self is None
+
+
+def test_reach_is_optional_beside_a_formula(task: Callable[..., ir.Task]) -> None:
+    found = task(reach="satisfy eventually T; satisfy always not S;")
+    assert found.reach is None
+    assert len(found.satisfy) == 2
+    assert task(more="satisfy eventually T;").reach == ir.Reach("T", None, at_rest=False)
+    with pytest.raises(LookupError, match="task P has no reach clause"):
+        _ = found.goal
 
 
 def test_an_effort_bound_for_every_kind(check: Check, build: Build) -> None:
@@ -169,15 +239,15 @@ module SL { role joint; dof d: prismatic x; } module JO { role joint; dof q: rev
         ),
     ],
 )
-def test_the_plane_is_flat(link: str, marked: str, check: Check, build: Build) -> None:
+def test_the_plane_is_flat(link: str, marked: str, check_fragment: Check, build: Build) -> None:
     """Such semantics are fine in themselves, and wrong in a task with a plane workspace."""
     semantics = f"""
 semantics G {{
   base {{ this.frame = world; }} joint {{ this.frame = N.frame * rot(z, JO.q); }}
   link {{ {link} }} tool {{ this.frame = N.frame; effector(frame: N.frame); }}
 }}"""
-    assert check(build(semantics=semantics, task="")) == []
-    assert check(build(semantics=semantics)) == [("OUT_OF_PLANE", marked)]
+    assert check_fragment(build(semantics=semantics, task="")) == []
+    assert check_fragment(build(semantics=semantics)) == [("OUT_OF_PLANE", marked)]
 
 
 def test_inertia_in_space_has_six_numbers(check: Check, build: Build) -> None:

@@ -134,10 +134,10 @@ def test_a_wrong_parameter_is_reported_once(
 
 
 def test_a_constant_without_unit_is_dimensionless(
-    check: Check, in_move: Callable[[str, str], str]
+    check_fragment: Check, in_move: Callable[[str, str], str]
 ) -> None:
-    assert check(in_move("L.c", "const c = 2;")) == [("UNIT_MISMATCH", "L.c")]
-    assert check(in_move("L.c * 1 m", "const c = 2;")) == []
+    assert check_fragment(in_move("L.c", "const c = 2;")) == [("UNIT_MISMATCH", "L.c")]
+    assert check_fragment(in_move("L.c * 1 m", "const c = 2;")) == []
 
 
 def test_growing_constants_stop(check: Check, in_move: Callable[[str, str], str]) -> None:

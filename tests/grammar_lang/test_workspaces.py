@@ -121,7 +121,7 @@ def test_rows_have_the_points_of_the_text(
         (PLANE + "region R polytope { x <= 3 kg };", [("UNIT_MISMATCH", "3 kg")]),
         (PLANE + "region R polytope { x <= 3 deg };", [("UNIT_MISMATCH", "3 deg")]),
         (PLANE + "region R polytope { x <= pi };", [("NOT_RATIONAL", "pi")]),
-        (PLANE + 'obstacles from "map.yaml";', [("NOT_SUPPORTED", 'obstacles from "map.yaml";')]),
+        (PLANE + 'obstacles from "map.yaml";', [("UNREADABLE_REFERENCE", '"map.yaml"')]),
     ],
 )
 def test_findings(items: str, found: list[tuple[str, str]], check: Check) -> None:

@@ -38,10 +38,10 @@ def test_json_places_an_error(srgc, spec, arm_file):
     (record,) = json.loads(ran.out)
     assert list(record) == FIELDS
     line = text.splitlines().index(
-        "module L  { role link; param length in [5, 0.5] m; const density = 1 kg/m; }"
+        "module L { role link; param length in [5, 0.5] m; const density = 1 kg/m; }"
     )
-    assert (record["line"], record["end_line"], record["column"]) == (line + 1, line + 1, 40)
-    assert record["end_column"] == 50
+    assert (record["line"], record["end_line"], record["column"]) == (line + 1, line + 1, 39)
+    assert record["end_column"] == 49
     assert record["file"] == str(path)
     assert record["severity"] == "error"
     assert record["hint"]
@@ -49,7 +49,7 @@ def test_json_places_an_error(srgc, spec, arm_file):
 
 def test_columns_count_code_points(srgc, spec, arm_file):
     text = arm_file.read_text(encoding="utf-8")
-    text = text.replace("module L  {", "/* größer 🤖 */ module L {")
+    text = text.replace("module L {", "/* größer 🤖 */ module L {")
     path = spec(text.replace("[0.5, 5] m", "[0.5, 0.1] m"))
     (record,) = json.loads(srgc("check", path, "--json").out)
     line = path.read_text(encoding="utf-8").splitlines()[record["line"] - 1]

@@ -19,11 +19,11 @@ WRONG = {
     "unclosed brace": (lambda text: text.rstrip()[:-1], None, ""),
     "stray character": (lambda text: text.replace("edge eps;", "edge eps; §"), "§", ""),
     "unknown module in a production": (
-        lambda text: text.replace("link:  N -> N eps L;", "link:  N -> N eps Link;"),
+        lambda text: text.replace("link: N -> N eps L;", "link: N -> N eps Link;"),
         "Link", "Link",
     ),
     "attribute never defined": (
-        lambda text: text.replace("base  { this.frame = world; }", "base  { }"), None, "frame",
+        lambda text: text.replace("base { this.frame = world; }", "base { }"), None, "frame",
     ),
     "wrong unit": (lambda text: text.replace("[0.5, 5] m;", "[0.5, 5] kg;"), None, "length"),
     "a mass where a length is due": (

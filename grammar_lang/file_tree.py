@@ -1,0 +1,151 @@
+"""The directory tree of the file on the command line, and the paths that name files in it.
+
+A path is written with ``/`` and means a file relative to the folder of the file in which it stands,
+as that file is named, not as links resolve it: so a copy of the tree means the same.  Where links
+lead is looked at as well: nothing outside the tree is ever read.
+"""
+
+from __future__ import annotations
+
+import os
+import posixpath
+from pathlib import Path
+
+from grammar_lang.codes import Code
+from grammar_lang.node import node
+from grammar_lang.source_file import read_file, reason
+from grammar_lang.spelling import nearest
+
+_MANY = 1000
+"""So many files of a folder are compared with a misspelt name."""
+_SHOWN = 80
+
+
+class Refusal(Exception):
+    """A path that names no readable file of the tree."""
+
+    def __init__(self, code: Code, message: str, hint: str) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+        self.hint = hint
+
+
+@node
+class Place:
+    """A file of a tree: ``path`` below its top, in normal form; ``real`` without links."""
+
+    path: str
+    real: str
+
+
+def visible(path: str) -> str:
+    """A path in a message: what cannot be printed is replaced."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in path)
+
+
+def shown(path: str) -> str:
+    """A path as a message quotes it, cut where it is very long."""
+    return f"`{visible(path)}`" if len(path) <= _SHOWN else f"`{visible(path[:_SHOWN])}…`"
+
+
+def name_of(path: Path) -> str:
+    """What diagnostics call a file; bytes of its name that are no UTF-8 are replaced."""
+    return str(path).encode("utf-8", "replace").decode("utf-8")
+
+
+def _written(path: str) -> None:
+    """Refuse what no path of a file is, whatever the tree holds."""
+    if not path:
+        raise Refusal(Code.UNREADABLE_REFERENCE, "an empty path", "write the path of a file")
+    if "\\" in path:
+        better = shown(path.replace("\\", "/"))
+        hint = f"folders are separated by `/`: {better}"
+        raise Refusal(Code.UNREADABLE_REFERENCE, "a backslash in a path", hint)
+    if path.startswith("/"):
+        message = f"{shown(path)} is an absolute path"
+        hint = "write it relative to the folder of this file"
+        raise Refusal(Code.OUTSIDE_TREE, message, hint)
+    if path.endswith("/") or path == ".":
+        message = f"cannot read {shown(path)}: it is a folder"
+        raise Refusal(Code.UNREADABLE_REFERENCE, message, "write the path of a file")
+
+
+@node
+class FileTree:
+    """The tree below the folder of the main file, as the user names it and without links."""
+
+    folder: Path
+    top: str
+    main: str
+
+    def name(self, path: str) -> str:
+        """What diagnostics call a file of the tree."""
+        return name_of(self.folder / path)
+
+    def place(self, written: str, base: str) -> Place:
+        """The file that a path means.
+
+        Args:
+            written: the path as written.
+            base: the path of the file in which it stands, below the top.
+
+        Raises:
+            Refusal: it is no path, or it leads out of the tree.
+        """
+        _written(written)
+        path = posixpath.normpath(posixpath.join(posixpath.dirname(base), written))
+        if path == ".." or path.startswith("../"):
+            message = f"{shown(written)} is outside the folder of {shown(self.main)}"
+            hint = f"move it into that folder, or put {shown(self.main)} further up"
+            raise Refusal(Code.OUTSIDE_TREE, message, hint)
+        real = os.path.realpath(posixpath.join(self.top, path))
+        if real != self.top and not real.startswith(posixpath.join(self.top, "")):
+            message = (
+                f"{shown(written)} leads out of the folder of {shown(self.main)} through a link"
+            )
+            raise Refusal(Code.OUTSIDE_TREE, message, "put a copy of the file into that folder")
+        return Place(path, real)
+
+    def read(self, place: Place, written: str, limit: int, suffixes: tuple[str, ...]) -> bytes:
+        """The bytes of a file of the tree.
+
+        Args:
+            place: the file.
+            written: its path as written.
+            limit: it may have so many bytes.
+            suffixes: how the names of such files end.
+
+        Raises:
+            Refusal: it cannot be read.
+            TooLarge: it has more bytes.
+        """
+        try:
+            return read_file(Path(place.real), limit)
+        except (OSError, ValueError) as error:
+            message = f"cannot read {shown(written)}: {reason(error)}"
+            missing = isinstance(error, FileNotFoundError | NotADirectoryError)
+            hint = self._others(place, written, suffixes) if missing else _GIVE
+            raise Refusal(Code.UNREADABLE_REFERENCE, message, hint) from None
+
+    def _others(self, place: Place, written: str, suffixes: tuple[str, ...]) -> str:
+        """A hint: the file that may be meant."""
+        folder, name = posixpath.split(written)
+        kinds = " or ".join(f"`{suffix}`" for suffix in suffixes)
+        try:
+            with os.scandir(posixpath.dirname(place.real)) as entries:
+                names = (entry.name for entry in entries)
+                known = sorted(n for n in names if n.lower().endswith(suffixes) and n.isprintable())
+        except OSError:
+            return f"there is no folder {shown(folder)}" if folder else _GIVE
+        stems = {posixpath.splitext(n)[0]: n for n in reversed(known[:_MANY])}
+        close = nearest(posixpath.splitext(name)[0], sorted(stems))
+        if close is not None:
+            return f"did you mean {shown(posixpath.join(folder, stems[close]))}?"
+        if not known:
+            return f"that folder has no file that ends in {kinds}"
+        few = ", ".join(shown(posixpath.join(folder, name)) for name in known[:6])
+        return f"known: {few}{', …' if len(known) > 6 else ''}"
+
+
+_GIVE = "give the path of a file that can be read"

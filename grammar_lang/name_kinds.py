@@ -1,0 +1,92 @@
+"""What the names of a file stand for: one of the wrong kind is not called unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang import syntax_tasks as t
+from grammar_lang.codes import Code
+from grammar_lang.diagnostics import Sink
+from grammar_lang.resolve import Declarations
+from grammar_lang.source import Span
+from grammar_lang.spelling import did_you_mean
+
+
+class NameKinds:
+    """The names of a file with what they are; gathered when the first wrong name is met."""
+
+    def __init__(self, declared: Declarations) -> None:
+        self._declared = declared
+
+    @cached_property
+    def _kinds(self) -> Mapping[str, tuple[str, Span]]:
+        found: dict[str, tuple[str, Span]] = {}
+        for name, kind, span in self._all():
+            found.setdefault(name, (kind, span))
+        return found
+
+    def _all(self) -> Iterator[tuple[str, str, Span]]:
+        declared = self._declared
+        for name, span in declared.terminals.items():
+            yield name, "a module" if name in declared.modules else "an edge", span
+        for grammar in declared.grammars.values():
+            yield grammar.name.text, "a grammar", grammar.name.span
+            for item in grammar.items:
+                if isinstance(item, s.Production):
+                    yield item.left.text, "a nonterminal", item.left.span
+        for workspace in declared.workspaces.values():
+            yield workspace.name.text, "a workspace", workspace.name.span
+        for task in declared.tasks.values():
+            yield task.name.text, "a task", task.name.span
+        for workspace in declared.workspaces.values():
+            for part in workspace.items:
+                if isinstance(part, t.Region) and part.name is not None:
+                    kind = f"a region of workspace `{workspace.name.text}`"
+                    yield part.name.text, kind, part.name.span
+
+    def report(
+        self, name: s.Ident, due: str, known: Iterable[str], sink: Sink, message: str | None = None
+    ) -> None:
+        """Report a name that is not ``due``: what it is instead, or that there is none.
+
+        Args:
+            name: the name.
+            due: what is due here, with its article: ``a grammar``.
+            known: the names that would do.
+            sink: where the error goes.
+            message: what to say of a name that stands for nothing at all.
+        """
+        what = due.split(" ", 1)[1]
+        hint = did_you_mean(name.text, known, what)
+        if name.text in self._kinds:
+            kind, span = self._kinds[name.text]
+            sink.error(
+                Code.WRONG_KIND,
+                f"`{name.text}` is {kind}, not {due}",
+                name.span,
+                hint,
+                [(span, "declared here")],
+            )
+        else:
+            unknown = message or f"unknown {what} `{name.text}`"
+            sink.error(Code.UNKNOWN_NAME, unknown, name.span, hint)
+
+
+class RegionNames:
+    """The names of the regions of a workspace."""
+
+    def __init__(self, workspace: ir.Workspace, kinds: NameKinds) -> None:
+        self._workspace = workspace.name
+        self._kinds = kinds
+        self.names = frozenset(region.name for region in workspace.regions)
+        self._ordered = tuple(region.name for region in workspace.regions)
+
+    def check(self, name: s.Ident, sink: Sink) -> None:
+        """Report a name that is no region of the workspace."""
+        if name.text not in self.names:
+            message = f"workspace `{self._workspace}` has no region `{name.text}`"
+            due = f"a region of workspace `{self._workspace}`"
+            self._kinds.report(name, due, self._ordered, sink, message)

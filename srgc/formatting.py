@@ -1,0 +1,132 @@
+"""``srgc fmt``: the canonical form of files and of standard input."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from grammar_lang.diagnostics import Sink
+from grammar_lang.formatter import canonical
+from grammar_lang.source import Source
+from grammar_lang.source_file import LIMIT, TooLarge, decoded, read_file
+from srgc.line_difference import unified
+from srgc.session import Checked, SpecErrors, UsageFault, check_file
+
+STDIN = "<stdin>"
+
+_WRITABLE = 0o222
+
+
+@dataclass(frozen=True, slots=True)
+class Formatted:
+    """A text and its canonical form, both as bytes."""
+
+    name: str
+    before: bytes
+    after: bytes
+
+    @property
+    def changes(self) -> bool:
+        """Whether the text is not canonical."""
+        return self.before != self.after
+
+    def difference(self, *, colour: bool) -> str:
+        """A unified diff, in colour if so asked; empty where the text is canonical."""
+        before, after = self.before.decode("utf-8"), self.after.decode("utf-8")
+        return unified(before, after, self.name, colour=colour)
+
+
+def formatted(data: bytes, name: str) -> Formatted:
+    """The canonical form of a text given as bytes.
+
+    Raises:
+        SpecErrors: it has syntax errors, or is no text.
+        NotFaithful: the formatter is at fault.
+    """
+    sink = Sink()
+    text, sound = decoded(data, 0, sink)
+    after = canonical(text, sink) if sound else None
+    if after is None:
+        raise SpecErrors(Checked(None, sink.sorted(), (Source(name, text),)))
+    return Formatted(name, data, after.encode("utf-8"))
+
+
+def formatted_file(path: Path) -> Formatted:
+    """The canonical form of a file, which is not touched.
+
+    Raises:
+        UsageFault: it cannot be read.
+        SpecErrors: it is missing, has syntax errors or is no text.
+        NotFaithful: the formatter is at fault.
+    """
+    try:
+        data = read_file(path, LIMIT)
+    except (OSError, ValueError, TooLarge):
+        checked = check_file(path)
+        if checked.program is not None:
+            raise UsageFault(f"{path} changes while it is read") from None
+        raise SpecErrors(checked) from None
+    return formatted(data, str(path))
+
+
+def formatted_stdin() -> Formatted:
+    """The canonical form of standard input.
+
+    Raises:
+        UsageFault: it cannot be read, or is larger than a file may be.
+        SpecErrors: it has syntax errors or is no text.
+        NotFaithful: the formatter is at fault.
+    """
+    try:
+        with open(0, "rb", closefd=False) as stdin:
+            data = stdin.read(LIMIT + 1)
+    except OSError as error:
+        raise UsageFault(f"standard input: {error.strerror}") from None
+    if len(data) > LIMIT:
+        raise UsageFault(f"standard input has more than {LIMIT} bytes")
+    return formatted(data, STDIN)
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Give a file new content at one stroke: no reader, and no crash, ever sees half of it.
+
+    A link stays, and what it leads to is replaced; the mode stays, and where that is allowed the
+    owner.
+
+    Raises:
+        UsageFault: the file or its folder cannot be written.
+    """
+    target = path.resolve()
+    try:
+        _refuse_read_only(path, target)
+        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".fmt-", delete=False) as file:
+            fresh = Path(file.name)
+            try:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+                _take_over(target, fresh)
+                fresh.replace(target)
+            except BaseException:
+                fresh.unlink(missing_ok=True)
+                raise
+    except OSError as error:
+        raise UsageFault(f"{path}: cannot write it: {error.strerror}") from None
+
+
+def _refuse_read_only(path: Path, target: Path) -> None:
+    """Also where the user may override the mode, as root may: a read-only file is meant to stay."""
+    for place, what in ((target, "it is read-only"), (target.parent, "its folder is read-only")):
+        if not place.stat().st_mode & _WRITABLE or not os.access(place, os.W_OK):
+            raise UsageFault(f"{path}: cannot write it: {what}")
+
+
+def _take_over(old: Path, new: Path) -> None:
+    status = old.stat()
+    with suppress(PermissionError):
+        os.chown(new, status.st_uid, status.st_gid)
+    shutil.copymode(old, new)

@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+from compiler.supported import unsupported
+from grammar_lang import ir
+from grammar_lang.codes import Code
+from grammar_lang.diagnostics import Severity
+from tests.oracles.formulas import SHAPES, program, spec
+
+CLAUSES = "start at (0); reach A; avoid C with body;"
+
+
+def marked(clauses: str) -> list[tuple[str, str]]:
+    """What is said not to be compiled, and the text of each place."""
+    text = spec(CLAUSES + clauses, SHAPES["disjoint"])
+    found = program(text)
+    errors = unsupported(found, found.tasks["P"])
+    for error in errors:
+        assert error.code is Code.NOT_SUPPORTED
+        assert error.severity is Severity.ERROR
+        assert error.hint
+        assert not error.notes
+    return [
+        (error.message.split(" cannot")[0], text[error.span.start : error.span.end])
+        for error in errors
+    ]
+
+
+@pytest.mark.parametrize(
+    ("clauses", "found"),
+    [
+        ("bounds with body; gravity (0, -9.81); modules <= 3;", []),
+        ("avoid self with body;", [("`avoid self`", "avoid self with body;")]),
+        ("avoid self, C with body;", [("`avoid self`", "avoid self, C with body;")]),
+        ("from B;", [("`from`", "from B;")]),
+        (
+            "satisfy always not C; satisfy eventually A;",
+            [("`satisfy`", "satisfy always not C;"), ("`satisfy`", "satisfy eventually A;")],
+        ),
+        (
+            "robust start 1 mm; robust effort 5 %;",
+            [("`robust`", "robust start 1 mm;"), ("`robust`", "robust effort 5 %;")],
+        ),
+    ],
+)
+def test_clauses(clauses: str, found: list[tuple[str, str]]) -> None:
+    assert marked(clauses) == found
+
+
+def test_obstacles_from_a_file() -> None:
+    found = program(spec(CLAUSES, SHAPES["disjoint"]))
+    place = ir.NOWHERE
+    maps = (ir.ObstacleMap("map.geojson", "geojson", "{}", place),)
+    workspace = replace(found.workspaces["W"], maps=maps)
+    [error] = unsupported(replace(found, workspaces={"W": workspace}), found.tasks["P"])
+    assert error.message.startswith("`obstacles from` of workspace `W`")
+    assert error.notes == ((found.tasks["P"].span, "task `P` needs it"),)
+
+
+STATE = ir.State("w", "m", None, ir.Num(Fraction(0)))
+INPUT = ir.Input("v", ir.Interval(ir.Num(Fraction(0)), ir.Num(Fraction(1))), "m")
+TORQUE = ir.Torque("q", ir.EffortOf(ir.THIS, "q"))
+
+
+@pytest.mark.parametrize(
+    "add",
+    [
+        lambda module: replace(module, states=(STATE,)),
+        lambda module: replace(module, inputs=(INPUT,)),
+        lambda module: replace(module, torques=(TORQUE,)),
+    ],
+    ids=["state", "input", "torque"],
+)
+def test_own_dynamics(add: Callable[[ir.Module], ir.Module]) -> None:
+    """Of modules that some word of the grammar has, and of no others."""
+    text = spec(CLAUSES, SHAPES["disjoint"])
+    text = text.replace("base: N -> B;", "base: N -> B; idle: N -> N Q R; dead: Q -> Q B;")
+    text = text.replace("edge eps;", "edge eps; module R { role link; } module U { role link; }")
+    found = program(text.replace("  tool ", "  idle { this.frame = N.frame; } dead { }\n  tool "))
+    for name, used in (("J", True), ("R", False), ("U", False)):
+        changed = replace(found, modules={**found.modules, name: add(found.modules[name])})
+        messages = [error.message for error in unsupported(changed, found.tasks["P"])]
+        expected = f"the own dynamics of module `{name}` cannot be compiled by this version"
+        assert messages == ([expected] if used else [])
