@@ -74,7 +74,7 @@ def test_severities_and_places() -> None:
     assert finding.span == Span(103, 104)
     (unused,) = findings(grammar("N -> B eps L eps EN | N eps L", ARM_TERMINALS))
     assert unused.span == Span(1, 2)
-    assert unused.message == "module JO is used in no production"
+    assert unused.message == "module `JO` is used in no production"
 
 
 def test_an_accept_condition_may_leave_nothing() -> None:
@@ -126,7 +126,7 @@ def at_productions(g: ir.Grammar) -> ir.Grammar:
 
 def test_an_unused_edge_has_its_place() -> None:
     (unused,) = findings(grammar("N -> B JO L EN | N L", ARM_TERMINALS))
-    assert unused.message == "edge eps is used in no production"
+    assert unused.message == "edge `eps` is used in no production"
     assert unused.span == Span(4, 5)
 
 
@@ -134,11 +134,11 @@ def test_a_cycle_is_printed_and_its_productions_are_shown() -> None:
     g = grammar("N -> B JO L EN eps | N eps L | M | K\nM -> L | K\nK -> N", ARM_TERMINALS)
     (finding,) = findings(at_productions(g))
     assert finding.code is Code.CYCLIC_GRAMMAR
-    assert finding.message.endswith(": N -> M -> K -> N")
+    assert finding.message.endswith(": `N -> M -> K -> N`")
     assert finding.span == Span(102, 103)
     assert finding.notes == (
-        (Span(105, 106), "M -> K by this production"),
-        (Span(106, 107), "K -> N by this production"),
+        (Span(105, 106), "`M -> K` by this production"),
+        (Span(106, 107), "`K -> N` by this production"),
     )
     assert finding.hint is not None
     assert "`p2`, `p5`, `p6`" in finding.hint
