@@ -24,7 +24,7 @@ from grammar_lang.sorts import (
     scale,
 )
 from grammar_lang.spelling import did_you_mean
-from grammar_lang.typecheck import Checker
+from grammar_lang.typecheck import FUNCTIONS, Checker
 from grammar_lang.units import DENSITY, INERTIA, LENGTH, MASS, Dimension
 
 _ARGUMENTS: dict[str, tuple[str, ...]] = {
@@ -46,6 +46,11 @@ class Emissions:
     def lower(self, emission: s.Emission) -> ir.Emission | None:
         """The emission; None where an error was reported."""
         kind = emission.kind.text
+        if kind in FUNCTIONS:
+            message = f"`{kind}(…)` is a value, not an emission"
+            hint = "give it to an attribute: `this.frame = …;`"
+            self.sink.error(Code.SORT_MISMATCH, message, emission.kind.span, hint)
+            return None
         if kind not in _ARGUMENTS:
             hint = did_you_mean(kind, _ARGUMENTS, "emission")
             self.sink.error(

@@ -41,6 +41,7 @@ _SCALAR_FUNCTIONS: dict[str, ir.Function] = {
     "abs": "abs",
 }
 FUNCTIONS = (*_SCALAR_FUNCTIONS, "rot", "move")
+EMISSIONS = ("rod", "point", "solid", "effector")
 
 
 def read_unit(ident: s.Ident, sink: Sink) -> Unit | None:
@@ -171,11 +172,22 @@ class Checker:
             case name if name in self.functions:
                 return self.functions[name](call)
             case name:
-                hint = did_you_mean(name, (*FUNCTIONS, *self.functions), "function")
-                self.sink.error(
-                    Code.UNKNOWN_NAME, f"unknown function `{name}`", call.function.span, hint
-                )
+                self._unknown_function(name, call)
                 return UNKNOWN
+
+    def _unknown_function(self, name: str, call: s.Call) -> None:
+        """Report a name that is no function; mistakes in its arguments are told as well."""
+        at = call.function.span
+        if name in EMISSIONS:
+            message = f"`{name}(…)` is an emission, not a value"
+            hint = f"it is a statement of its own: `{name}(…);`"
+            self.sink.error(Code.SORT_MISMATCH, message, at, hint)
+            return
+        hint = did_you_mean(name, (*FUNCTIONS, *self.functions), "function")
+        self.sink.error(Code.UNKNOWN_NAME, f"unknown function `{name}`", at, hint)
+        for argument in call.arguments:
+            if not isinstance(argument.value, s.AxisName):
+                self.elaborate(argument.value)
 
     def _function(self, function: ir.Function, call: s.Call) -> Typed:
         if len(call.arguments) != 1 or call.arguments[0].name is not None:

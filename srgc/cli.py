@@ -17,6 +17,7 @@ from pathlib import Path
 import click
 
 from grammar_lang.render import records, to_text
+from srgc.check_summary import summary
 from srgc.session import (
     Checked,
     SpecErrors,
@@ -72,11 +73,7 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
     else:
         for result in results:
             _show(result, stderr=False)
-        errors = sum(result.program is None for result in results)
-        warnings = sum(len(r.diagnostics) for r in results if r.program is not None)
-        if not errors:
-            suffix = f", {warnings} warning{'s' if warnings != 1 else ''}" if warnings else ""
-            click.echo(f"{len(files)} file{'s' if len(files) != 1 else ''} without errors{suffix}")
+        click.echo(summary(results))
     return 0 if all(result.program is not None for result in results) else 1
 
 

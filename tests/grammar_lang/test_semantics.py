@@ -5,8 +5,9 @@ from fractions import Fraction
 
 import pytest
 
-from grammar_lang import ir
+from grammar_lang import emissions, ir
 from grammar_lang.load import load_text
+from grammar_lang.typecheck import EMISSIONS
 
 Check = Callable[[str], list[tuple[str, str]]]
 
@@ -248,3 +249,21 @@ grammar G { start N; b: N -> B J; }
 semantics G { b { effector(frame: world * rot(J.q)); } }
 """
     assert check_fragment(text) == [("SORT_MISMATCH", "rot(J.q)")]
+
+
+def test_bodies_are_no_values_and_values_no_bodies(check_fragment: Check) -> None:
+    text = """
+module B { role base; }
+grammar G { start N; b: N -> B; }
+semantics G { b { this.a = rod(frame: world); rot(z, 1); this.c = sine(no); } }
+"""
+    assert check_fragment(text) == [
+        ("SORT_MISMATCH", "rod"),
+        ("SORT_MISMATCH", "rot"),
+        ("UNKNOWN_NAME", "sine"),
+        ("UNKNOWN_NAME", "no"),
+    ]
+
+
+def test_every_emission_is_known_as_one() -> None:
+    assert set(EMISSIONS) == set(emissions._ARGUMENTS)
