@@ -165,3 +165,13 @@ def test_an_internal_fault_is_one_message(monkeypatch, capsys, arm_file):
     err = capsys.readouterr().err
     assert err.startswith("internal error: RuntimeError: broken\n")
     assert "Traceback" not in err
+
+
+def test_the_last_line_counts(srgc, spec, arm_file):
+    text = arm_file.read_text(encoding="utf-8")
+    two = text.replace("robot PlanarArm;", "robot PlanarAm;").replace("[0.5, 5] m", "[5, 1] m")
+    ran = srgc("check", spec(two), arm_file)
+    assert ran.status == 1
+    assert ran.out.splitlines()[-1].startswith("2 files: 2 errors;")
+    loose = text + "module Loose { role link; const weight = 2 kg; }\n"
+    assert srgc("check", spec(loose)).out.splitlines()[-1] == "1 file without errors, 1 warning"
