@@ -24,8 +24,8 @@ test-slow: .venv/installed
 
 # Rewrites what the pages of codes and of tests/golden show; read the difference before you keep it.
 golden: .venv/installed
-	-UPDATE_GOLDEN=1 $(BIN)/pytest tests/test_golden.py
-	$(BIN)/pytest tests/test_golden.py
+	-UPDATE_GOLDEN=1 $(BIN)/pytest tests/test_golden.py tests/test_language_reference.py
+	$(BIN)/pytest tests/test_golden.py tests/test_language_reference.py
 
 # The parser's tables, after a change of grammar_lang/srg.lark.
 grammar: .venv/installed

@@ -211,7 +211,8 @@ class Parser:
         if rule.transparent and len(children) == 1:
             made = children[0]
         elif rule.builder:
-            depth += 1
+            # Statements end with one of these; what is nested in them does not count outside.
+            depth = 0 if tokens.kinds[stack.ends[-1]] in {";", "}"} else depth + 1
             if depth > MAX_DEPTH:
                 return False
             start, end = tokens.starts[stack.firsts[base]], tokens.ends[stack.ends[-1]]

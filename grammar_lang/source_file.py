@@ -1,16 +1,20 @@
 """One file: from its path to its bytes, and from its bytes to a text.
 
-A specification is UTF-8 text, with a byte order mark or without, with any line ends.
+A specification is UTF-8 text, with a byte order mark or without.  Its lines end with LF or CR LF;
+a CR alone counts as LF.
 """
 
 from __future__ import annotations
 
+import re
 import stat
 from pathlib import Path
 
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
 from grammar_lang.source import Span
+
+_LONE_RETURN = re.compile(r"\r(?!\n)")
 
 LIMIT = 8 * 2**20
 """So many bytes may the texts of a program have, all together."""
@@ -69,7 +73,7 @@ def decoded(data: bytes, file: int, sink: Sink) -> tuple[str, bool]:
         message = f"the file is not UTF-8: byte 0x{data[error.start]:02x}"
         sink.error(Code.NOT_UTF8, message, Span(start, start + 1, file), "save it as UTF-8")
         return data.decode("utf-8-sig", errors="replace"), False
-    return text, is_text(text, file, sink)
+    return _LONE_RETURN.sub("\n", text), is_text(text, file, sink)
 
 
 def is_text(text: str, file: int, sink: Sink) -> bool:

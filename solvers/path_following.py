@@ -10,7 +10,7 @@ import numpy as np
 from compiler.abstraction import Abstraction
 from compiler.float_reading import Array, FloatReading, scalar_floats
 from compiler.polytope import Polytope, polytope_of
-from compiler.robot import RobotModel, RodBody
+from compiler.robot import Body, RobotModel, RodBody
 from grammar_lang import ir
 from grammar_lang.constants import to_float
 from solvers.control import FULL, WORST, ControlOutcome, ControlProblem, Effort, synthesise_control
@@ -126,9 +126,11 @@ class Follower:
             dwells.append(Dwell(self.effector, first, last, region))
         count = len(self.model.effectors)
         inside = [e for e in range(count) if entries is None or e != self.effector]
-        if self.task.bounds_body:
-            inside += [count + i for hull in self.reading.graph.hulls for i in hull]
         dwells += [Dwell(point, 0, k, bounds) for point in inside]
+        if self.task.bounds_body:
+            for body, hull in zip(self.model.bodies, self.reading.graph.hulls, strict=True):
+                within = replace(bounds, offsets=bounds.offsets - self._thickness(body))
+                dwells += [Dwell(count + i, 0, k, within) for i in hull]
         if isinstance(self.task.start, ir.StartIn) and self.start_effector != self.effector:
             region = _convex(self._region(self.task.start.region))
             dwells.append(Dwell(self.start_effector, 0, 0, region))
@@ -156,13 +158,14 @@ class Follower:
                     found += [Separation((e,), obstacle, distance) for e in range(count)]
                     continue
                 for body, hull in zip(self.model.bodies, self.reading.graph.hulls, strict=True):
-                    thick = isinstance(body, RodBody) and body.radius is not None
-                    reach = distance + (self._largest_radius() if thick else 0.0)
+                    reach = distance + self._thickness(body)
                     found.append(Separation(tuple(count + i for i in hull), obstacle, reach))
         return found
 
-    def _largest_radius(self) -> float:
-        """A bound on the radius of capsules: search only, the proof reads each one exactly."""
+    def _thickness(self, body: Body) -> float:
+        """A bound on the radius of a body: search only, the proof reads each one exactly."""
+        if not isinstance(body, RodBody) or body.radius is None:
+            return 0.0
         upper = np.array([bounds[1] for bounds in parameter_bounds(self.model)])
         values = scalar_floats(self.model.scalars, upper)
         radii = [b.radius for b in self.model.bodies if isinstance(b, RodBody)]

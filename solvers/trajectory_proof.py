@@ -160,8 +160,11 @@ def _always(scene: Scene, tail: Sequence[arb]) -> list[Inside | Apart]:
     effectors = tuple(range(len(graph.model.effectors)))
     bodies = [tuple(len(effectors) + i for i in hull) for hull in graph.hulls]
     bounds = _rows(scene.polytope(workspace.bounds))
-    inside = effectors + (tuple(i for body in bodies for i in body) if task.bounds_body else ())
-    found: list[Inside | Apart] = [Inside("bounds", points=inside, rows=bounds)]
+    radii = [_radius(graph.model, i, tail) for i in range(len(bodies))]
+    found: list[Inside | Apart] = [Inside("bounds", points=effectors, rows=bounds)]
+    if task.bounds_body:
+        for points, radius in zip(bodies, radii, strict=True):
+            found.append(Inside("bounds of body", points=points, rows=bounds, distance=radius))
     for avoid in task.avoid:
         for name in avoid.regions:
             polytope = scene.polytope(workspace.region(name))
@@ -170,7 +173,6 @@ def _always(scene: Scene, tail: Sequence[arb]) -> list[Inside | Apart]:
                 vertices = tuple(tuple(ball(x) for x in v) for v in polytope.vertices)
             groups: list[tuple[tuple[int, ...], arb]] = [((e,), arb(0)) for e in effectors]
             if avoid.subject == "body":
-                radii = [_radius(graph.model, i, tail) for i in range(len(bodies))]
                 groups = list(zip(bodies, radii, strict=True))
             rows = _rows(polytope)
             for points, radius in groups:

@@ -83,25 +83,26 @@ def row(normal: Sequence[Fraction], offset: Fraction) -> Row:
 
 @dataclass(slots=True)
 class Inside(Constraint):
-    """Points stay strictly inside a polytope."""
+    """Points stay inside a polytope, farther than a distance from its facets."""
 
     points: tuple[int, ...] = ()
     rows: tuple[Row, ...] = ()
+    distance: arb = field(default_factory=lambda: arb(0))
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
-        """The least distance to a facet: over the slice, and at its middle."""
+        """The least distance to a facet, less what is asked: over the slice, and at its middle."""
         worst, middle = arb("inf"), arb("inf")
         for point in self.points:
             for item in self.rows:
                 value, centre = over.form(item.normal, point)
                 worst = worst.min((item.offset - value) / item.length)
                 middle = middle.min((item.offset - centre) / item.length)
-        return worst, middle
+        return worst - self.distance, middle - self.distance
 
     def violated(self, over: Slice) -> bool:
         """Whether the condition certainly fails at the middle of the slice."""
         return any(
-            bool(over.form(item.normal, point)[1] > item.offset)
+            bool(over.form(item.normal, point)[1] > item.offset - self.distance * item.length)
             for point in self.points
             for item in self.rows
         )

@@ -13,25 +13,28 @@ from pathlib import Path
 import pytest
 
 import srgc.cli
-from grammar_lang.code_pages import examples
+from tests.oracles import pages
 
 ROOT = Path(__file__).parents[1]
-RUN_ELSEWHERE = ("docs/codes.md",)  # its examples are to fail: tests/test_golden.py runs them
+RUN_ELSEWHERE = (
+    "docs/codes.md",  # its examples are to fail: tests/test_golden.py runs them
+    "docs/language.md",  # tests/test_language_reference.py
+)
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("benchmarks/*.md")])
 DECISIONS = sorted(ROOT.glob("docs/decisions/*.md"))
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
-FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 DECIMAL = re.compile(r"-?\d+\.\d+(?:e-?\d+)?")
 LONG = ("synth", "verify")
 
 
 def blocks(kind: str) -> list[tuple[str, str]]:
-    """The page and the content of every block of a kind."""
+    """The page and the content of every block of a kind, but for files."""
     return [
-        (page, content)
+        (page, block.body)
         for page, text in TEXTS.items()
-        for found, content in FENCE.findall(text)
-        if found == kind and page not in RUN_ELSEWHERE
+        if page != "docs/codes.md"
+        for block in pages.blocks(text)
+        if block.kind == kind and not block.name
     ]
 
 
@@ -63,58 +66,12 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize(("page", "content"), blocks("srg"))
-def test_examples_check(page: str, content: str, tmp_path: Path) -> None:
-    file = tmp_path / "example.srg"
-    file.write_text(content, encoding="utf-8")
-    assert srgc.cli.run(["check", str(file)]) == 0, page
-
-
-def test_examples_of_several_files_check(tmp_path: Path) -> None:
-    number = 0
-    for page in TEXTS.keys() - RUN_ELSEWHERE:
-        for example in examples(TEXTS[page]):
-            if len(example.files) == 1 or example.expected is not None:
-                continue
-            number += 1
-            for name, content in example.files:
-                file = tmp_path / str(number) / name
-                file.parent.mkdir(parents=True, exist_ok=True)
-                file.write_text(content, encoding="utf-8")
-            checked = tmp_path / str(number) / example.checked
-            assert srgc.cli.run(["check", str(checked)]) == 0, page
-    assert number > 0
-
-
-def test_the_language_page_has_an_example_of_every_part() -> None:
-    text = "".join(content for page, content in blocks("srg") if page == "docs/language.md")
-    for keyword in ("module", "edge", "grammar", "semantics", "workspace", "task", "hull", "space"):
-        assert re.search(rf"^\s*(region \w+ )?{keyword}\b", text, re.MULTILINE), keyword
-
-
-def test_what_is_said_not_to_be_supported_is_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Each clause, in the language's first complete example: read by check, refused by synth."""
-    monkeypatch.chdir(tmp_path)
-    page = TEXTS["docs/language.md"]
-    complete = next(c for p, c in blocks("srg") if p == "docs/language.md" and "\ntask " in c)
-    listed = next(c for p, c in blocks("text") if p == "docs/language.md")
-    statements = [part.strip() for part in re.sub(r"\s{3,}.*", "", listed).split("\n")]
-    clauses = [f"{clause.strip()};" for line in statements for clause in line.split(";") if clause]
-    assert len(clauses) == 4
-    place = "task Turn {\n"
-    assert place in complete
-    for clause in clauses:
-        keyword = clause.split("(")[0].split()[0]
-        assert f"`{keyword}" in TEXTS["README.md"] or f"{keyword}`" in TEXTS["README.md"], clause
-        file = tmp_path / "example.srg"
-        file.write_text(complete.replace(place, f"{place} {clause}", 1), encoding="utf-8")
-        assert srgc.cli.run(["check", str(file)]) == 0, clause
-        capsys.readouterr()
-        assert srgc.cli.run(["synth", str(file)]) == 5, clause
-        assert f"error[SRG0190]: `{keyword}" in capsys.readouterr().err
-    assert "SRG0190" in page
+def test_examples_check(tmp_path: Path) -> None:
+    for page, content in blocks("srg"):
+        if page not in RUN_ELSEWHERE:
+            file = tmp_path / "example.srg"
+            file.write_text(content, encoding="utf-8")
+            assert srgc.cli.run(["check", str(file)]) == 0, page
 
 
 @pytest.mark.parametrize(("page", "arguments", "output"), QUICK, ids=name)
@@ -125,6 +82,9 @@ def test_commands_print_what_is_shown(
     checkout: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
+    for file, content in pages.files(TEXTS[page]).items():
+        (checkout / file).parent.mkdir(parents=True, exist_ok=True)
+        (checkout / file).write_text(content, encoding="utf-8")
     assert srgc.cli.run(arguments) == 0, page
     assert capsys.readouterr().out == output
     if "-o" in arguments:
@@ -189,10 +149,18 @@ def test_targets_named_exist() -> None:
     assert {"demo", "test"} <= named
 
 
-def test_links_lead_somewhere() -> None:
-    for page, text in TEXTS.items():
-        for link in re.findall(r"\]\((?!https?://|#)([^)#]+)", text):
-            assert (ROOT / page).parent.joinpath(link).exists(), (page, link)
+LINK = re.compile(r"(?:\]\(|^\[[^\]]+\]: )(?!https?://)([^)\s]+)", re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_links_lead_somewhere(page: str) -> None:
+    """To a file, and where they have a fragment, to a heading in it."""
+    for link in LINK.findall(pages.prose(TEXTS[page])):
+        path, _, fragment = link.partition("#")
+        target = (ROOT / page).parent / path if path else ROOT / page
+        assert target.exists(), link
+        if fragment:
+            assert fragment in pages.anchors(target.read_text(encoding="utf-8")), link
 
 
 def test_files_named_exist() -> None:

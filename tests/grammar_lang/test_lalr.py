@@ -157,3 +157,10 @@ def test_lost_words_are_noted() -> None:
     file = parse("module A { param a in [1; }\nmodule 3 { const b = 2; }", Sink())
     assert {"a", "b"} <= file.skipped
     assert len(file.broken) == 2
+
+
+@pytest.mark.parametrize("terms", [90, 97, 98, 99, 100, 101, 150, 3000])
+def test_long_sums_are_one_value_or_one_error(terms: int) -> None:
+    sink = Sink()
+    parse(f"module A {{ const c = {' + '.join(['1'] * terms)}; }}", sink)
+    assert len(sink.found) == (terms > lalr.MAX_DEPTH)

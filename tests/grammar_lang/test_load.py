@@ -209,3 +209,11 @@ def test_a_file_is_kept_byte_for_byte(tmp_path: Path) -> None:
     path.write_bytes(data)
     (source,) = load(path).sources
     assert (source.path, source.data, source.text) == ("a.srg", data, "edge eps;\r\n")
+
+
+def test_a_return_alone_ends_a_line(tmp_path: Path) -> None:
+    file = tmp_path / "old.srg"
+    file.write_bytes(b"// a comment\rmodule A { role bas; }\r\nmodule C { role bas; }\r")
+    loaded = load(file)
+    places = [loaded.sources[0].position(d.span.start) for d in loaded.diagnostics]
+    assert places == [(2, 17), (3, 17)]

@@ -102,3 +102,14 @@ def test_too_near_is_a_violation(point: tuple[str, str], distance: str) -> None:
 
 def test_the_margin_is_the_distance_without_one_asked_for_too() -> None:
     assert margin(apart(1, 2), still(("1.3", "1.4"))) == pytest.approx(0.5)
+
+
+def test_a_thick_body_keeps_its_radius_from_the_bounds() -> None:
+    """A point 0.3 from a tilted facet: a disc of radius 0.25 fits, one of 0.35 does not."""
+    slope = row([Fraction(3), Fraction(4)], Fraction(5))
+    for radius, room in [("0.25", 0.05), ("0.35", -0.05)]:
+        disc = Inside("bounds", points=(0,), rows=(slope,), distance=ball(Fraction(radius)))
+        over = still(("0.3", "0.65"))
+        assert margin(disc, over) == pytest.approx(room)
+        with working_precision(80):
+            assert disc.violated(over) == (room < 0)
