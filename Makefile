@@ -44,6 +44,7 @@ types: .venv/installed
 	$(BIN)/mypy
 
 bench: .venv/installed
+	$(BIN)/python benchmarks/language.py
 	$(BIN)/python benchmarks/run.py
 
 # Needs pip-tools and the network; every other target uses what it wrote.

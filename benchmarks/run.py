@@ -1,124 +1,30 @@
-"""Measure srgc: whole processes, and the stages that the time goes to.
+"""Measure srgc on the case study: whole processes, and the stages that the time goes to.
 
-Times are medians.  Pairs are measured in turn (a, b, a, b, ...) and the ratio is the median of the
-ratios of the pairs, so that a machine that is busy for a while troubles both alike.
+``language.py`` measures the front end.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
-import platform
-import resource
 import shutil
-import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
-from statistics import median
 from typing import Any
 from unittest import mock
 
-ROOT = Path(__file__).resolve().parents[1]
+from timing import HEAD, ROOT, SPEC, SRGC, Line, machine, paired, process, summary
+
 sys.path.insert(0, str(ROOT))  # the reference formulations are among the tests' oracles
-SPEC = ROOT / "specs" / "planar_arm.srg"
-SRGC = [sys.executable, "-c", "from srgc.cli import main; main()"]
 ARM = ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
 SIDE = 20
 
 
-@dataclass(frozen=True)
-class Process:
-    """One run of a process: seconds, seconds, MiB."""
-
-    wall: float
-    cpu: float
-    peak: float
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line of the report."""
-
-    what: str
-    runs: int
-    wall: float
-    cpu: float | None = None
-    peak: float | None = None
-    note: str = ""
-
-    def __str__(self) -> str:
-        cpu = "" if self.cpu is None else f"{self.cpu:.3f}"
-        peak = "" if self.peak is None else f"{self.peak:.0f}"
-        return f"{self.what:<44}{self.runs:>5}{self.wall:>11.4f}{cpu:>10}{peak:>8}  {self.note}"
-
-
-HEAD = f"{'what':<44}{'runs':>5}{'wall s':>11}{'cpu s':>10}{'MiB':>8}"
-
-
-def process(command: list[str], expected: int = 0) -> Process:
-    """Run a process to its end; its children count as they were waited for."""
-    started = time.perf_counter()
-    child = subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    _, status, usage = os.wait4(child.pid, 0)
-    wall = time.perf_counter() - started
-    child.returncode = os.waitstatus_to_exitcode(status)
-    if child.returncode != expected:
-        raise SystemExit(f"{' '.join(command[2:])}: exit status {child.returncode}")
-    # ru_maxrss counts kilobytes on Linux, bytes on macOS.
-    unit = 2**20 if sys.platform == "darwin" else 2**10
-    return Process(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / unit)
-
-
-def summary(what: str, runs: list[Process], note: str = "") -> Line:
-    """The medians of some runs; the peak is the largest."""
-    wall, cpu = median(r.wall for r in runs), median(r.cpu for r in runs)
-    return Line(what, len(runs), wall, cpu, max(r.peak for r in runs), note)
-
-
-def seconds(action: Callable[[], object]) -> float:
-    """The wall time of a call."""
-    started = time.perf_counter()
-    action()
-    return time.perf_counter() - started
-
-
-def paired(
-    names: tuple[str, str], actions: tuple[Callable[[], object], Callable[[], object]], runs: int
-) -> list[Line]:
-    """Two calls in turn, with the ratio of the second to the first; one round to warm up."""
-    for action in actions:
-        action()
-    pairs = [(seconds(actions[0]), seconds(actions[1])) for _ in range(runs)]
-    ratio = median(b / a for a, b in pairs)
-    first, second = (median(pair[i] for pair in pairs) for i in (0, 1))
-    return [
-        Line(names[0], runs, first),
-        Line(names[1], runs, second, note=f"{ratio:.1f} times the line above"),
-    ]
-
-
 # --- whole processes -----------------------------------------------------------------------------
-
-
-def measure_check(runs: int) -> list[Line]:
-    """``check`` against the import of its parser, which no checker in Python could undercut."""
-    lark, check = [], []
-    for _ in range(runs):
-        lark.append(process([sys.executable, "-c", "import lark"]))
-        check.append(process([*SRGC, "check", str(SPEC)]))
-    ratio = median(b.wall / a.wall for a, b in zip(lark, check, strict=True))
-    return [
-        summary("python -c 'import lark'", lark),
-        summary("srgc check", check, f"{ratio:.1f} times the line above"),
-    ]
 
 
 def measure_synth(runs: int, folder: Path) -> list[Line]:
@@ -291,14 +197,11 @@ def main() -> None:
     options = parser.parse_args()
     if options.runs < 1 or options.synth_runs < 1:
         parser.error("at least one run")
-    page = resource.getpagesize()
-    memory = os.sysconf("SC_PHYS_PAGES") * page / 2**30
-    print(f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, ", end="")
-    print(f"{os.cpu_count()} cores, {memory:.0f} GiB, load {os.getloadavg()[0]:.1f}")
+    print(machine())
     print(HEAD, flush=True)
     with tempfile.TemporaryDirectory() as scratch:
         folder = options.result or Path(scratch) / "arm"
-        stages: list[Callable[[], list[Line]]] = [lambda: measure_check(options.runs)]
+        stages: list[Callable[[], list[Line]]] = []
         if options.result is None:
             stages.append(lambda: measure_synth(options.synth_runs, folder))
         stages += [

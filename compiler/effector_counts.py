@@ -12,7 +12,12 @@ from __future__ import annotations
 from compiler.acceptance import accept_dfa
 from compiler.finite_automaton import AutomatonTooLargeError, Dfa
 from compiler.grammar import Cfg, Rule, srg
-from compiler.intersection import binary_normal_form, intersect
+from compiler.intersection import (
+    CHECKED_RULES,
+    IntersectionTooLargeError,
+    binary_normal_form,
+    intersect,
+)
 from grammar_lang import ir
 
 SEVERAL = 2
@@ -35,7 +40,10 @@ def several_effectors(program: ir.Program, grammar: ir.Grammar) -> bool | None:
     except AutomatonTooLargeError:
         return None
     marked = binary_normal_form(_marked(cfg, emitted))
-    return not intersect(marked, _with_marks(accept)).is_empty()
+    try:
+        return not intersect(marked, _with_marks(accept), CHECKED_RULES).is_empty()
+    except IntersectionTooLargeError:
+        return None
 
 
 def _emitted(block: ir.SemanticBlock | None) -> int:

@@ -17,6 +17,7 @@ from compiler.ambiguity_checks import ambiguity_diagnostics
 from compiler.finite_automaton import AutomatonTooLargeError, intersection
 from compiler.finite_language import longest_word, number_of_words
 from compiler.grammar import Srg, productive, reachable, srg
+from compiler.intersection import CHECKED_RULES, IntersectionTooLargeError
 from compiler.language import Language, restrict
 from compiler.production_cycles import ProductionCycle, production_cycles
 from grammar_lang import ir
@@ -95,12 +96,8 @@ def _grammar(context: _Context, grammar: ir.Grammar, sink: Sink) -> None:
     cycles = production_cycles(rules)
     for cycle in cycles:
         _cycle(cycle, sink)
-    try:
-        language = restrict(rules, accept_dfa(grammar.accept, rules.terminals))
-    except AutomatonTooLargeError as error:
-        sink.error(
-            Code.NOT_SUPPORTED, str(error), grammar.span, hint="use smaller bounds in accept"
-        )
+    language = _language(grammar, rules, sink)
+    if language is None:
         return
     if not _has_robot(language):
         _empty_language(grammar, rules, sink)
@@ -115,6 +112,24 @@ def _grammar(context: _Context, grammar: ir.Grammar, sink: Sink) -> None:
     if longest is not None and context.complete:
         words = number_of_words(language, longest, unambiguous=unambiguous)
         _finite(grammar, words, longest, sink)
+
+
+def _language(grammar: ir.Grammar, rules: Srg, sink: Sink) -> Language | None:
+    """The accepted words; None, and a finding, where they cannot be looked at."""
+    try:
+        return restrict(rules, accept_dfa(grammar.accept, rules.terminals), CHECKED_RULES)
+    except AutomatonTooLargeError as error:
+        hint = "use smaller bounds in accept"
+        sink.error(Code.NOT_SUPPORTED, str(error), grammar.span, hint=hint)
+    except IntersectionTooLargeError:
+        sink.note(
+            Code.NOT_SUPPORTED,
+            f"the words of grammar `{grammar.name}` are not checked: with its accept condition it "
+            f"has over {CHECKED_RULES:,} rules",
+            grammar.span,
+            hint="smaller bounds in `accept` make them fewer",
+        )
+    return None
 
 
 def _cycle(cycle: ProductionCycle, sink: Sink) -> None:
@@ -203,7 +218,11 @@ def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: 
     alphabet = language.srg.terminals
     tools = [name for name in context.tools if name in alphabet]
     with_tool = accept_dfa(ir.AnyOf(tuple(ir.Contains((tool,)) for tool in tools)), alphabet)
-    if not _has_robot(restrict(language.srg, intersection(language.accept, with_tool))):
+    try:
+        equipped = restrict(language.srg, intersection(language.accept, with_tool), CHECKED_RULES)
+    except IntersectionTooLargeError:
+        return
+    if not _has_robot(equipped):
         listed = ", ".join(context.tools[:LISTED_TOOLS])
         more = ", …" if len(context.tools) > LISTED_TOOLS else ""
         sink.warning(

@@ -124,6 +124,13 @@ def _reached(start: int, edges: list[list[int]]) -> list[int]:
 
 Call: TypeAlias = tuple[int, int]
 
+CHECKED_RULES = 200_000
+"""So many rules of a product are looked at by the checks of a file."""
+
+
+class IntersectionTooLargeError(ValueError):
+    """A product of more rules than were asked for; their number grows with cubes of states."""
+
 
 @dataclass(slots=True)
 class _Summaries:
@@ -135,15 +142,21 @@ class _Summaries:
     grammar: BinaryGrammar
     dfa: Dfa
     live: tuple[bool, ...]
+    limit: int | None = None
     returns: dict[Call, dict[int, None]] = field(default_factory=dict)
     waiting: dict[Call, list[tuple[Call, int | None]]] = field(default_factory=dict)
+    middles: dict[tuple[int, RightSide], dict[int, list[int]]] = field(default_factory=dict)
 
     def tabulate(self, start: int) -> None:
         """Close the table under the rules, from the call of ``start`` in state 0."""
         todo: list[tuple[int, int, Call, int | None]] = []
         done: list[tuple[Call, int | None, int]] = []
         self._call((start, 0), todo)
+        steps = 0
         while todo or done:
+            steps += 1
+            if self.limit is not None and steps > self.limit:
+                raise IntersectionTooLargeError
             if done:
                 owner, rest, state = done.pop()
                 if rest is not None:
@@ -186,17 +199,33 @@ class _Summaries:
         p, _, q = triple
         if len(right) == 1:
             return [((p, right[0], q),)] if q in self.after(right[0], p) else []
-        return [
-            ((p, right[0], s), (s, right[1], q))
-            for s in self.after(right[0], p)
-            if q in self.after(right[1], s)
-        ]
+        middles = self._middles(p, right).get(q, ())
+        return [((p, right[0], s), (s, right[1], q)) for s in middles]
+
+    def _middles(self, p: int, right: RightSide) -> dict[int, list[int]]:
+        """For each state to which two symbols lead from p, the states between them."""
+        known = self.middles.get((p, right))
+        if known is None:
+            known = self.middles[p, right] = {}
+            for s in self.after(right[0], p):
+                for q in self.after(right[1], s):
+                    known.setdefault(q, []).append(s)
+        return known
 
 
-def intersect(grammar: BinaryGrammar, dfa: Dfa) -> BinaryGrammar:
-    """The words of the grammar that the automaton accepts; all nonterminals are useful."""
+def intersect(grammar: BinaryGrammar, dfa: Dfa, limit: int | None = None) -> BinaryGrammar:
+    """The words of the grammar that the automaton accepts; all nonterminals are useful.
+
+    Args:
+        grammar: the grammar.
+        dfa: the automaton, over its terminals.
+        limit: the most rules, and steps towards them; None: as many as there are.
+
+    Raises:
+        IntersectionTooLargeError: there are more.
+    """
     live = dfa.live()
-    summaries = _Summaries(grammar, dfa, live)
+    summaries = _Summaries(grammar, dfa, live, limit)
     empty_word = grammar.empty_word and dfa.accepting[0]
     if not live[0]:
         return BinaryGrammar(grammar.terminals, (), (), empty_word)
@@ -218,10 +247,14 @@ def intersect(grammar: BinaryGrammar, dfa: Dfa) -> BinaryGrammar:
         ends = sorted(q for q in summaries.returns[start, 0] if dfa.accepting[q])
         starts += [code((0, start, q)) for q in ends]
     rules: list[tuple[RightSide, ...]] = []
+    size = 0
     for triple in order:
         sides: dict[RightSide, None] = {}
         for right in grammar.rules[triple[1] - first]:
             for split in summaries.splits(triple, right):
                 sides[tuple(map(code, split))] = None
         rules.append(tuple(sides))
+        size += len(sides)
+        if limit is not None and size > limit:
+            raise IntersectionTooLargeError
     return BinaryGrammar(first, tuple(rules), tuple(starts), empty_word)

@@ -120,12 +120,16 @@ def language(
     return restrict(rules, accept_dfa(grammar.accept, program_terminals))
 
 
-def restrict(rules: Srg, accept: Dfa) -> Language:
-    """The words of an SRG that an automaton over the same symbols accepts."""
+def restrict(rules: Srg, accept: Dfa, limit: int | None = None) -> Language:
+    """The words of an SRG that an automaton over the same symbols accepts.
+
+    Raises:
+        IntersectionTooLargeError: their grammar has more than ``limit`` rules.
+    """
     if accept.alphabet != rules.terminals:
         raise ValueError("the accept condition and the grammar have different alphabets")
     normal = binary_normal_form(rules.cfg)
-    return Language(rules, accept, normal, intersect(normal, accept))
+    return Language(rules, accept, normal, intersect(normal, accept, limit))
 
 
 def _of_length(residuals: Residuals, length: int) -> Iterator[tuple[int, ...]]:

@@ -7,7 +7,7 @@ occurrence.  The start symbol inherits only ``frame``, which is ``world``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from grammar_lang import ir
@@ -70,15 +70,16 @@ def occurrence_of(owner: s.Ident, info: ProductionInfo, sink: Sink) -> int | Non
         return None
     label = info.production.label
     if owner.text in info.repeated:
-        names = ", ".join(f"`{n}`" for n in info.repeated[owner.text])
+        names = [f"`{n}`" for n in info.repeated[owner.text] if n in info.names]
         message = f"`{owner.text}` occurs more than once in production `{label}`"
-        sink.error(Code.AMBIGUOUS_OCCURRENCE, message, owner.span, f"write {names}")
+        hint = f"write {', '.join(names)}" if names else "an edge has no attributes"
+        sink.error(Code.AMBIGUOUS_OCCURRENCE, message, owner.span, hint)
         return None
     message = f"no symbol is called `{owner.text}` on the right side of production `{label}`"
     if owner.text == info.production.left:
         hint = "the left side is called `this`"
     else:
-        hint = did_you_mean(owner.text, ("this", *info.names), "symbol")
+        hint = did_you_mean(owner.text, ("this", *info.names), "symbol", sink)
     sink.error(Code.UNKNOWN_NAME, message, owner.span, hint)
     return None
 
@@ -186,30 +187,33 @@ def collect_attributes(
     return found
 
 
+def _by_nonterminal(keys: Iterable[Key]) -> dict[str, list[str]]:
+    names: dict[str, list[str]] = {}
+    for nonterminal, name in keys:
+        names.setdefault(nonterminal, []).append(name)
+    return names
+
+
 def check_complete(
     grammar: GrammarInfo, blocks: Mapping[str, s.Block], found: Attributes, sink: Sink
 ) -> None:
     """Report the attributes that a production leaves undefined."""
     given = {(placed.label, placed.target) for placed in found.rules}
+    synthesized, inherited = _by_nonterminal(found.synthesized), _by_nonterminal(found.inherited)
     for label, block in blocks.items():
         info = grammar.productions[label]
         if info.broken or label in found.failed:
             continue
-        due = [
-            (ir.THIS, "this", key) for key in found.synthesized if key[0] == info.production.left
-        ]
+        due = [(ir.THIS, "this", name) for name in synthesized.get(info.production.left, ())]
+        called_by: dict[int, str] = {}
+        for name, place in info.names.items():
+            called_by.setdefault(place, name)
         for position, symbol in enumerate(info.production.right):
-            if symbol.kind == "nonterminal":
-                called = _called(info, position)
-                due += [(position, called, k) for k in found.inherited if k[0] == symbol.name]
-        for occurrence, called, (_, name) in due:
+            if symbol.kind == "nonterminal" and symbol.name in inherited:
+                called = symbol.alias or called_by.get(position, symbol.name)
+                due += [(position, called, name) for name in inherited[symbol.name]]
+        for occurrence, called, name in due:
             if (label, ir.AttributeOf(occurrence, name)) not in given:
                 message = f"production `{label}` does not define `{called}.{name}`"
                 hint = f"add `{called}.{name} = …;`"
                 sink.error(Code.UNDEFINED_ATTRIBUTE, message, block.label.span, hint)
-
-
-def _called(info: ProductionInfo, position: int) -> str:
-    symbol = info.production.right[position]
-    names = [name for name, place in info.names.items() if place == position]
-    return symbol.alias or (names[0] if names else symbol.name)

@@ -32,9 +32,14 @@ class Diagnostic:
 
 @dataclass(slots=True)
 class Sink:
-    """Collects diagnostics; passed to every pass that may find something."""
+    """Collects diagnostics; passed to every pass that may find something.
+
+    ``comparisons`` are how many names may still be compared for hints: a file full of unknown
+    names would keep the search for similar ones busy for minutes.
+    """
 
     found: list[Diagnostic] = field(default_factory=list[Diagnostic])
+    comparisons: int = 50_000
 
     def error(
         self,

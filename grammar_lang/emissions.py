@@ -52,7 +52,7 @@ class Emissions:
             self.sink.error(Code.SORT_MISMATCH, message, emission.kind.span, hint)
             return None
         if kind not in _ARGUMENTS:
-            hint = did_you_mean(kind, _ARGUMENTS, "emission")
+            hint = did_you_mean(kind, _ARGUMENTS, "emission", self.sink)
             self.sink.error(
                 Code.BAD_EMISSION, f"unknown emission `{kind}`", emission.kind.span, hint
             )
@@ -124,7 +124,8 @@ class Emissions:
             return f"an argument of `{kind}` has no name", f"write `{kind}({form})`"
         name = argument.name.text
         if name not in known:
-            return f"`{kind}` has no argument `{name}`", did_you_mean(name, known, "argument")
+            hint = did_you_mean(name, known, "argument", self.sink)
+            return f"`{kind}` has no argument `{name}`", hint
         if name in found:
             return f"the argument `{name}` occurs twice", "remove one"
         return None

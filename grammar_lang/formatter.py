@@ -11,6 +11,7 @@ from grammar_lang.comments import Written, written
 from grammar_lang.diagnostics import Sink
 from grammar_lang.layout import lay_out
 from grammar_lang.parse import parse_tokens
+from grammar_lang.paused_collection import without_collection
 from grammar_lang.syntax_tasks import File
 
 
@@ -39,6 +40,7 @@ def _compare(before: tuple[File, Written], after: tuple[File, Written]) -> None:
         raise NotFaithful("other syntax than the text")
 
 
+@without_collection
 def canonical(text: str, sink: Sink) -> str | None:
     """The canonical form of a text, None where it has syntax errors; it takes linear time.
 

@@ -15,6 +15,7 @@ from grammar_lang.file_tree import FileTree, name_of
 from grammar_lang.inclusion import include_all
 from grammar_lang.lower import lower
 from grammar_lang.partial import sound_part
+from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Source, Span
 from grammar_lang.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
 
@@ -36,6 +37,7 @@ class Loaded:
     sound: ir.Program | None = None
 
 
+@without_collection
 def load_text(text: str, name: str, folder: Path | None = None) -> Loaded:
     """Check a text.
 
@@ -55,6 +57,7 @@ def load_text(text: str, name: str, folder: Path | None = None) -> Loaded:
     return _checked(source, tree, sink, sound=is_text(text, 0, sink))
 
 
+@without_collection
 def load(path: Path) -> Loaded:
     """Check a file with all it includes.
 

@@ -23,7 +23,7 @@ from grammar_lang.workspaces import lower_workspace
 def _check_semantics(declared: Declarations, sink: Sink) -> None:
     for name, semantics in declared.semantics.items():
         if name not in declared.grammars:
-            hint = did_you_mean(name, declared.grammars, "grammar")
+            hint = did_you_mean(name, declared.grammars, "grammar", sink)
             message = f"semantics of an unknown grammar `{name}`"
             sink.error(Code.UNKNOWN_NAME, message, semantics.grammar.span, hint)
 

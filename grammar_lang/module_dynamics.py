@@ -153,14 +153,14 @@ class _Scope:
         name, kind = ident.text, self.kinds.get(ident.text)
         if kind is None:
             message = f"no degree of freedom is called `{name}`"
-            hint = did_you_mean(name, self.dofs, "degree of freedom")
+            hint = did_you_mean(name, self.dofs, "degree of freedom", sink)
             sink.error(Code.UNKNOWN_NAME, message, ident.span, hint)
             return
         message = f"`{name}` is a {kind}, not a degree of freedom: it has no `rate`"
         if kind == "state":
             hint = f"how it changes is what `der({name}) = …` says; write that value"
         else:
-            hint = did_you_mean(name, self.dofs, "degree of freedom")
+            hint = did_you_mean(name, self.dofs, "degree of freedom", sink)
         sink.error(Code.BAD_DYNAMICS, message, ident.span, hint)
 
 
@@ -270,7 +270,7 @@ class _Reader:
         if kind is None:
             known = [state for state, what in self.module.kinds.items() if what == "state"]
             message = f"no state is called `{name.text}`"
-            hint = did_you_mean(name.text, known, "state")
+            hint = did_you_mean(name.text, known, "state", self.sink)
             self.sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
             return
         message = f"`{name.text}` is {_a(kind)}, not a state: it has no `der`"
@@ -284,11 +284,11 @@ class _Reader:
         kind = self.module.kinds.get(name.text)
         if kind is None:
             message = f"no degree of freedom is called `{name.text}`"
-            hint = did_you_mean(name.text, self.dofs, "degree of freedom")
+            hint = did_you_mean(name.text, self.dofs, "degree of freedom", self.sink)
             self.sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
             return
         message = f"`{name.text}` is {_a(kind)}, not a degree of freedom: it bears no `torque`"
-        hint = did_you_mean(name.text, self.dofs, "degree of freedom")
+        hint = did_you_mean(name.text, self.dofs, "degree of freedom", self.sink)
         if kind == "state":
             hint = f"how a state changes is `der({name.text}) = …;`"
         self.sink.error(Code.BAD_DYNAMICS, message, name.span, hint)
@@ -312,7 +312,7 @@ def _check_derivatives(statements: Statements, sink: Sink) -> None:
     """Report the states that no ``der`` belongs to, unless a misspelt one was meant for them."""
     given = {item.name.text for item in statements.derivatives}
     states = [state.name.text for state in statements.states]
-    meant = {nearest(name, states) for name in given.difference(states)}
+    meant = {nearest(name, states, sink) for name in given.difference(states)}
     for state in statements.states:
         name = state.name.text
         if name not in given and name not in meant:

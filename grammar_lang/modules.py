@@ -104,7 +104,7 @@ class _Reader:
         role = _ROLES.get(item.name.text)
         if role is None:
             message = f"unknown role `{item.name.text}`"
-            hint = did_you_mean(item.name.text, _ROLES, "role")
+            hint = did_you_mean(item.name.text, _ROLES, "role", self.sink)
             self.sink.error(Code.UNKNOWN_NAME, message, item.name.span, hint)
             role = "link"
         if self.roles:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
 
 from grammar_lang import ir
@@ -48,7 +48,12 @@ class NameKinds:
                     yield part.name.text, kind, part.name.span
 
     def report(
-        self, name: s.Ident, due: str, known: Iterable[str], sink: Sink, message: str | None = None
+        self,
+        name: s.Ident,
+        due: str,
+        known: Collection[str],
+        sink: Sink,
+        message: str | None = None,
     ) -> None:
         """Report a name that is not ``due``: what it is instead, or that there is none.
 
@@ -60,7 +65,7 @@ class NameKinds:
             message: what to say of a name that stands for nothing at all.
         """
         what = due.split(" ", 1)[1]
-        hint = did_you_mean(name.text, known, what)
+        hint = did_you_mean(name.text, known, what, sink)
         if name.text in self._kinds:
             kind, span = self._kinds[name.text]
             sink.error(

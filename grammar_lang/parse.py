@@ -8,6 +8,7 @@ from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
 from grammar_lang.items import KEYWORDS, RawItem, cut
 from grammar_lang.lalr import Parser
+from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Span
 from grammar_lang.syntax_errors import explain, stray
 from grammar_lang.syntax_tasks import File, Item
@@ -68,6 +69,7 @@ class _Reader:
             self.broken.append(self.tokens.span(raw.first, raw.stop - 1))
 
 
+@without_collection
 def parse_tokens(text: str, sink: Sink, file: int = 0) -> tuple[File, Tokens]:
     """As :func:`parse`; also the tokens, each with the terminal that it is."""
     tokens = tokenise(text, file)

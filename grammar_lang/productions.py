@@ -81,7 +81,7 @@ class _Reader:
             self.sink.error(Code.REPEATED_CLAUSE, "a second start symbol", item.span, hint, notes)
         elif item.name.text not in self.nonterminals and not self.clash(item.name.text):
             message = f"the start symbol `{item.name.text}` has no production"
-            hint = did_you_mean(item.name.text, self.nonterminals, "nonterminal")
+            hint = did_you_mean(item.name.text, self.nonterminals, "nonterminal", self.sink)
             self.sink.error(Code.UNKNOWN_NAME, message, item.name.span, hint)
         self.starts.append(item)
 
@@ -91,7 +91,8 @@ class _Reader:
             message = f"`{name.text}` is a nonterminal; words are made of modules and edges"
             self.sink.error(Code.WRONG_KIND, message, name.span, "name a module or an edge")
         elif kind is None:
-            hint = did_you_mean(name.text, self.declared.terminals, "module or edge")
+            known = self.declared.terminals
+            hint = did_you_mean(name.text, known, "module or edge", self.sink)
             self.sink.error(
                 Code.UNKNOWN_NAME, f"unknown module or edge `{name.text}`", name.span, hint
             )
@@ -108,7 +109,7 @@ class _Reader:
                 Code.UNKNOWN_NAME,
                 f"unknown symbol `{name.text}`: no module, edge or nonterminal has this name",
                 name.span,
-                did_you_mean(name.text, known, "symbol"),
+                did_you_mean(name.text, known, "symbol", self.sink),
             )
             return None
         alias = None if occurrence.alias is None else occurrence.alias.text

@@ -58,7 +58,7 @@ class _Names:
             sink.error(Code.AMBIGUOUS_OCCURRENCE, message, name.span, f"write one of {names}")
         else:
             message = f"the word has no occurrence `{name.text}`"
-            hint = did_you_mean(name.text, self.places, "occurrence")
+            hint = did_you_mean(name.text, self.places, "occurrence", sink)
             sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
         return None
 
@@ -98,7 +98,7 @@ class _Reader:
         name = item.name
         if name.text in known:
             return known[name.text]
-        hint = did_you_mean(name.text, known, "parameter")
+        hint = did_you_mean(name.text, known, "parameter", self.sink)
         if name.text in info.names:
             kind = "a degree of freedom" if name.text in info.dofs else "no parameter"
             message = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Sequence
 
 from grammar_lang.diagnostics import Diagnostic, Severity
@@ -17,6 +18,9 @@ _COLOUR = {
 }
 _FAINT = "\033[36m"
 
+_QUOTED = re.compile(r"`([^`]{60})[^`]+`")
+_BY_SEVERITY = {severity: rank for rank, severity in enumerate(Severity)}
+
 MAX_LINE = 160
 """So many characters of a source line are shown."""
 
@@ -28,6 +32,11 @@ def _paint(text: str, code: str, *, colour: bool) -> str:
 def _shown(text: str) -> str:
     """The text with one visible character, or a tab, for each of its own."""
     return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def _brief(text: str) -> str:
+    """The text on one line, without the ends of very long names in it."""
+    return _shown(_QUOTED.sub(r"`\1…`", text) if len(text) > MAX_LINE else text)
 
 
 def _window(text: str, column: int) -> tuple[str, int]:
@@ -57,29 +66,49 @@ def _excerpt(source: Source, span: Span, paint: str, *, colour: bool) -> list[st
 
 def _place(source: Source, span: Span) -> str:
     line, column = source.position(span.start)
-    return f"{source.name}:{line}:{column}"
+    return f"{_shown(source.name)}:{line}:{column}"
+
+
+def _foremost(diagnostics: Sequence[Diagnostic], most: int) -> list[Diagnostic]:
+    """So many of them in their order: errors rather than warnings, warnings rather than notes."""
+    ranks = [_BY_SEVERITY[found.severity] for found in diagnostics]
+    chosen = sorted(range(len(ranks)), key=ranks.__getitem__)[:most]
+    return [diagnostics[index] for index in sorted(chosen)]
 
 
 def to_text(
-    diagnostics: Iterable[Diagnostic], sources: Sequence[Source], *, colour: bool = False
+    diagnostics: Sequence[Diagnostic],
+    sources: Sequence[Source],
+    *,
+    colour: bool = False,
+    most: int | None = None,
 ) -> str:
     """Every diagnostic with its place, source line, caret and hint; ends with a line break.
 
-    ``sources[span.file]`` is the text that a span points into.
+    Args:
+        diagnostics: what was found.
+        sources: ``sources[span.file]`` is the text that a span points into.
+        colour: whether for a terminal that knows colours.
+        most: so many are shown, errors first, and the number of the others.
     """
     lines: list[str] = []
-    for found in diagnostics:
+    left_out = 0 if most is None else max(0, len(diagnostics) - most)
+    shown = diagnostics if most is None or not left_out else _foremost(diagnostics, most)
+    for found in shown:
         source, paint = sources[found.span.file], _COLOUR[found.severity]
         kind = _paint(f"{found.severity.value}[{found.code.value}]", paint, colour=colour)
-        message = _paint(found.message, _BOLD, colour=colour)
+        message = _paint(_brief(found.message), _BOLD, colour=colour)
         lines.append(f"{_place(source, found.span)}: {kind}: {message}")
         lines += _excerpt(source, found.span, paint, colour=colour)
         for span, text in found.notes:
             there = sources[span.file]
-            lines.append(f"{_place(there, span)}: {_paint('note', _FAINT, colour=colour)}: {text}")
+            note = _paint("note", _FAINT, colour=colour)
+            lines.append(f"{_place(there, span)}: {note}: {_brief(text)}")
             lines += _excerpt(there, span, _FAINT, colour=colour)
         if found.hint is not None:
-            lines.append(f"  {_paint('hint', _FAINT, colour=colour)}: {found.hint}")
+            lines.append(f"  {_paint('hint', _FAINT, colour=colour)}: {_brief(found.hint)}")
+    if left_out:
+        lines.append(f"and {left_out:,} more; `srgc check --json` prints them all")
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -96,13 +125,13 @@ def records(
             {
                 "code": diagnostic.code.value,
                 "severity": diagnostic.severity.value,
-                "message": diagnostic.message,
+                "message": _brief(diagnostic.message),
                 "file": source.name,
                 "line": line,
                 "column": column,
                 "end_line": end_line,
                 "end_column": end_column,
-                "hint": diagnostic.hint,
+                "hint": None if diagnostic.hint is None else _brief(diagnostic.hint),
             }
         )
     return found

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from heapq import heappop, heappush
 from typing import TypeAlias
 
 from grammar_lang import ir
@@ -25,6 +26,7 @@ from grammar_lang.emissions import Emissions
 from grammar_lang.extent import too_large
 from grammar_lang.modules import ModuleInfo, duplicate
 from grammar_lang.productions import GrammarInfo, ProductionInfo
+from grammar_lang.readings import readings
 from grammar_lang.sorts import (
     UNKNOWN,
     ZERO,
@@ -40,6 +42,9 @@ from grammar_lang.typecheck import Checker, plain_name
 from grammar_lang.units import ONE
 
 Types: TypeAlias = dict[Key, Typed]
+
+_ENDS = 3
+"""So many attributes are named at either end of a long cycle."""
 
 
 @dataclass(slots=True)
@@ -106,7 +111,7 @@ class ProductionScope:
             return UNKNOWN
         if name not in module.members:
             message = f"module `{module.module.name}` has no `{name}`"
-            hint = did_you_mean(name, module.names, "parameter or constant")
+            hint = did_you_mean(name, module.names, "parameter or constant", sink)
             sink.error(Code.UNKNOWN_NAME, message, member.name.span, hint)
             return UNKNOWN
         value = module.at(occurrence, name)
@@ -122,7 +127,7 @@ class ProductionScope:
         if not self.attributes.has((nonterminal, name)):
             message = f"nothing defines the attribute `{name}` of `{nonterminal}`"
             known = self.attributes.of(nonterminal)
-            hint = did_you_mean(name, known, "attribute")
+            hint = did_you_mean(name, known, "attribute", sink)
             sink.error(Code.UNDEFINED_ATTRIBUTE, message, member.name.span, hint)
             return UNKNOWN
         found = self.types.get((nonterminal, name), UNKNOWN)
@@ -133,44 +138,102 @@ class ProductionScope:
 
 
 @dataclass(slots=True)
+class _Rounds:
+    """The numbers of rules that are to be looked at: in their order, in a round each only once."""
+
+    now: list[int]
+    later: set[int] = field(default_factory=set[int])
+    last: int = -1
+
+    def take(self) -> int | None:
+        """The next number; the later ones are a new round."""
+        while self.now or self.later:
+            if not self.now:
+                self.now, self.later, self.last = sorted(self.later), set(), -1
+            index = heappop(self.now)
+            if index != self.last:
+                self.last = index
+                return index
+        return None
+
+    def add(self, indices: Iterable[int]) -> None:
+        """Look at these again."""
+        for index in indices:
+            if index > self.last:
+                heappush(self.now, index)
+            else:
+                self.later.add(index)
+
+
+@dataclass(slots=True)
 class Inference:
-    """Sorts and dimensions of attributes, to a fixpoint; bare ones are dimensionless in the end."""
+    """Sorts and dimensions of attributes, to a fixpoint; bare ones are dimensionless in the end.
+
+    A rule is looked at again only after something that it reads has become known.
+    """
 
     grammar: GrammarInfo
     modules: Mapping[str, ModuleInfo]
     attributes: Attributes
     types: Types = field(default_factory=dict[Key, Typed])
+    _bare: dict[int, Typed] = field(default_factory=dict[int, Typed])
+    _undecided: list[int] = field(default_factory=list[int])
 
     def run(self) -> Types:
         """The type of every attribute that can be inferred."""
         root = (self.grammar.grammar.start, ROOT_ATTRIBUTE)
         if root in self.attributes.inherited:
             self.types[root] = Typed(ir.World(), Sort.FRAME, None)
+        rules, readers = self.attributes.rules, self._readers()
+        rounds = _Rounds(list(range(len(rules))))
         while True:
-            bare = self._pass()
-            if bare is None:
-                continue
-            if not bare:
-                return self.types
-            key, value = next(iter(bare.items()))
-            self.types[key] = replace(value, dimension=ONE)
-
-    def _pass(self) -> dict[Key, Typed] | None:
-        """One round: None where something new was learnt, else what is known to be bare."""
-        bare: dict[Key, Typed] = {}
-        learnt = False
-        for placed in self.attributes.rules:
-            if placed.key in self.types:
-                continue
-            value = self._infer(placed)
-            if value.sort is Sort.UNKNOWN:
-                continue
-            if value.bare:
-                bare.setdefault(placed.key, value)
+            index = rounds.take()
+            if index is not None:
+                found = self._dimensioned(index)
+            elif self._undecided:
+                index = heappop(self._undecided)
+                found = self._dimensionless(index)
             else:
-                self.types[placed.key] = replace(value, declared=None, angular=False)
-                learnt = True
-        return None if learnt else bare
+                return self.types
+            if found is not None:
+                self.types[rules[index].key] = found
+                rounds.add(readers.get(rules[index].key, ()))
+
+    def _readers(self) -> dict[Key, list[int]]:
+        """For each attribute the numbers of the rules that read it."""
+        readers: dict[Key, list[int]] = {}
+        for index, placed in enumerate(self.attributes.rules):
+            info = self.grammar.productions[placed.label]
+            for found in readings([placed.rule.value]):
+                if isinstance(found, s.Member):
+                    owner = found.owner.text
+                    occurrence = ir.THIS if owner == "this" else info.names.get(owner)
+                    if occurrence is not None:
+                        key = (nonterminal_at(info, occurrence) or "", found.name.text)
+                        readers.setdefault(key, []).append(index)
+        return readers
+
+    def _dimensioned(self, index: int) -> Typed | None:
+        """The type of what a rule defines, if it is new and not bare."""
+        placed = self.attributes.rules[index]
+        self._bare.pop(index, None)
+        if placed.key in self.types:
+            return None
+        value = self._infer(placed)
+        if value.sort is Sort.UNKNOWN:
+            return None
+        if value.bare:
+            self._bare[index] = value
+            heappush(self._undecided, index)
+            return None
+        return replace(value, declared=None, angular=False)
+
+    def _dimensionless(self, index: int) -> Typed | None:
+        """The same, where nothing else tells more."""
+        value = self._bare.pop(index, None)
+        if value is None or self.attributes.rules[index].key in self.types:
+            return None
+        return replace(value, dimension=ONE)
 
     def _infer(self, placed: PlacedRule) -> Typed:
         info = self.grammar.productions[placed.label]
@@ -248,9 +311,9 @@ def _blocks(grammar: GrammarInfo, semantics: s.Semantics, sink: Sink) -> dict[st
     for block in semantics.blocks:
         label = block.label
         if label.text not in grammar.productions:
-            meant.add(nearest(label.text, grammar.productions))
+            meant.add(nearest(label.text, grammar.productions, sink))
             message = f"grammar `{grammar.grammar.name}` has no production `{label.text}`"
-            hint = did_you_mean(label.text, grammar.productions, "production")
+            hint = did_you_mean(label.text, grammar.productions, "production", sink)
             sink.error(Code.UNKNOWN_NAME, message, label.span, hint)
         elif label.text in found:
             duplicate(label, found[label.text].label.span, sink)
@@ -286,7 +349,10 @@ def _check_cycle(grammar: GrammarInfo, blocks: Mapping[str, ir.SemanticBlock], s
         f"{'this' if n.occurrence == ir.THIS else production.right[n.occurrence].name}.{n.name}"
         for n in nodes
     ]
-    here = [rule.span for rule in blocks[production.label].rules if rule.target in nodes]
+    if len(names) > 2 * _ENDS + 1:
+        names[_ENDS:-_ENDS] = [f"… {len(names) - 2 * _ENDS} more …"]
+    around = frozenset(nodes)
+    here = [rule.span for rule in blocks[production.label].rules if rule.target in around]
     message = f"circular attributes in production `{production.label}`: "
     hint = "an attribute cannot depend on itself"
     sink.error(
@@ -306,13 +372,15 @@ def lower_semantics(
     attributes = collect_attributes(grammar, blocks, sink)
     check_complete(grammar, blocks, attributes, sink)
     types = Inference(grammar, modules, attributes).run()
+    rules: dict[str, list[PlacedRule]] = {}
+    for placed in attributes.rules:
+        rules.setdefault(placed.label, []).append(placed)
     lowered: dict[str, ir.SemanticBlock] = {}
     uses: list[DimensionUse] = []
     for label, info in grammar.productions.items():
         if label in blocks:
             scope = ProductionScope(info, modules, attributes, types)
-            rules = [placed for placed in attributes.rules if placed.label == label]
-            lowered[label] = _block(blocks[label], rules, scope, sink)
+            lowered[label] = _block(blocks[label], rules.get(label, []), scope, sink)
             uses.extend(scope.uses)
     if Sink(sink.found[before:]).has_errors:
         return SemanticsInfo(lowered, ())

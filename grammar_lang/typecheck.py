@@ -57,7 +57,7 @@ def plain_name(ident: s.Ident, known: tuple[str, ...], sink: Sink) -> Typed:
     """The value of a name that no declaration in scope gives: ``pi`` or an error."""
     if ident.text == "pi":
         return Typed(ir.Pi(), Sort.SCALAR, None)
-    hint = did_you_mean(ident.text, (*known, "pi"), "name")
+    hint = did_you_mean(ident.text, (*known, "pi"), "name", sink)
     sink.error(Code.UNKNOWN_NAME, f"unknown name `{ident.text}`", ident.span, hint)
     return UNKNOWN
 
@@ -183,7 +183,7 @@ class Checker:
             hint = f"it is a statement of its own: `{name}(…);`"
             self.sink.error(Code.SORT_MISMATCH, message, at, hint)
             return
-        hint = did_you_mean(name, (*FUNCTIONS, *self.functions), "function")
+        hint = did_you_mean(name, (*FUNCTIONS, *self.functions), "function", self.sink)
         self.sink.error(Code.UNKNOWN_NAME, f"unknown function `{name}`", at, hint)
         for argument in call.arguments:
             if not isinstance(argument.value, s.AxisName):

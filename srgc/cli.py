@@ -35,6 +35,9 @@ PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
 """Of the statuses of several files the first of these is that of the command."""
 VERDICT_STATUS = {"found": FOUND, "impossible": IMPOSSIBLE, "unknown": UNKNOWN}
 
+MOST_FINDINGS = 200
+"""So many findings about a file are printed for people, and all of them as JSON."""
+
 FILE = click.argument("file", type=click.Path(path_type=Path))
 
 
@@ -57,7 +60,7 @@ def _show(checked: Checked, *, stderr: bool) -> None:
     """Print diagnostics, in colour on a terminal only."""
     stream = sys.stderr if stderr else sys.stdout
     colour = stream.isatty() and "NO_COLOR" not in os.environ
-    text = to_text(checked.diagnostics, checked.sources, colour=colour)
+    text = to_text(checked.diagnostics, checked.sources, colour=colour, most=MOST_FINDINGS)
     click.echo(text, err=stderr, nl=False)
 
 

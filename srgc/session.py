@@ -12,6 +12,7 @@ from compiler.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
 from grammar_lang.diagnostics import Diagnostic, Severity, Sink
 from grammar_lang.load import Loaded, load
+from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Source
 
 Item = TypeVar("Item")
@@ -54,6 +55,7 @@ def check_file(path: Path) -> Checked:
     return check_loaded(load(path))
 
 
+@without_collection
 def check_loaded(loaded: Loaded) -> Checked:
     """All checks on what was read; with errors, on what of it is sound."""
     if loaded.sound is None:

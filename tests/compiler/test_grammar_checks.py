@@ -247,3 +247,12 @@ def test_the_time_is_linear_in_the_grammars() -> None:
 
     seconds(5)
     assert seconds(160) < 12 * seconds(40)
+
+
+def test_a_product_that_is_too_large_is_not_looked_at() -> None:
+    """A branching grammar with counted words has a product of cubic size: a note, in no time."""
+    branching = grammar("N -> [ N ] N | B", ("B", "[", "]"), ir.Count(None, "<=", 900))
+    (found,) = findings(branching, terminals=("B", "[", "]"))
+    assert (found.code, found.severity) == (Code.NOT_SUPPORTED, Severity.NOTE)
+    small = grammar("N -> [ N ] N | B", ("B", "[", "]"), ir.Count(None, "<=", 9))
+    assert Code.NOT_SUPPORTED not in codes(small, terminals=("B", "[", "]"))

@@ -123,3 +123,27 @@ def test_deep_conditions(check: Check, build: Callable[..., str]) -> None:
     grammar = "grammar G { start N; a: N -> B; " + accept + " }"
     found = check(build(grammar=grammar, semantics="", task=""))
     assert [code for code, _ in found] == ["TOO_DEEP"]
+
+
+def test_a_file_of_errors_is_not_read_to_its_end() -> None:
+    """What follows is not known to be wrong: its names are noted, so that nobody misses them."""
+    sink = Sink()
+    file = parse("module A { role; }\n" * 200 + "module Late { role base; }", sink)
+    assert len(sink.found) == 100
+    assert "Late" in file.skipped
+    assert len(file.broken) == 101
+
+
+def test_an_item_of_errors_is_not_read_to_its_end() -> None:
+    sink = Sink()
+    file = parse("module A {" + "role;" * 200 + "const late = 1; }\nedge e;", sink)
+    assert len(sink.found) == 100
+    assert "late" in file.skipped
+    assert not file.items
+
+
+def test_junk_between_items_is_one_span() -> None:
+    text = "; ; role base; } module A { role base; } ;;;"
+    file = parse(text, Sink())
+    assert [text[s.start : s.end] for s in file.broken] == ["; ; role base; }", ";;;"]
+    assert file.skipped == {"role", "base"}

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 from grammar_lang.codes import Code
 from grammar_lang.diagnostics import Sink
@@ -70,3 +71,45 @@ def test_of_a_long_line_the_part_about_the_caret_is_shown() -> None:
     assert len(line) < 200
     assert line[8] == line[-1] == "…"
     assert line[carets.index("^") : carets.rindex("^") + 1] == "'a b'"
+
+
+def test_of_many_findings_the_foremost_are_shown_in_their_order() -> None:
+    source, sink = Source("a", "x" * 60), Sink()
+    for place in range(50):
+        sink.warning(Code.UNUSED_SYMBOL, f"w{place}", Span(place, place + 1), "h")
+    sink.error(Code.SYNTAX, "wrong", Span(55, 56), "h")
+    text = to_text(sink.sorted(), [source], most=3)
+    assert re.findall(r": (\w+)\[.*: (\w+)$", text, re.M) == [
+        ("warning", "w0"),
+        ("warning", "w1"),
+        ("error", "wrong"),
+    ]
+    assert text.endswith("\nand 48 more; `srgc check --json` prints them all\n")
+    assert "more;" not in to_text(sink.sorted(), [source], most=51)
+    assert len(json.loads(to_json(sink.sorted(), [source]))) == 51
+
+
+def test_control_characters_of_names_are_not_printed() -> None:
+    text = "edge 'a\rb', 'c\x1b[31m';"
+    loaded = load_text(text, "t.srg")
+    assert [d.span.start for d in loaded.diagnostics] == [5, 12]
+    sink = Sink()
+    sink.error(Code.UNKNOWN_NAME, "unknown `a\r\x1b[2J`", Span(0, 1), "known: `b\n`")
+    shown = to_text([*loaded.diagnostics, *sink.found], loaded.sources)
+    assert shown.replace("\n", "").isprintable()
+    assert len(shown.splitlines()) == 12
+    (record,) = json.loads(to_json(sink.found, loaded.sources))
+    assert record["message"].isprintable()
+    assert record["hint"].isprintable()
+
+
+def test_long_names_are_cut_short() -> None:
+    name = "a" * 1000
+    sink = Sink()
+    sink.error(Code.UNKNOWN_NAME, f"unknown name `{name}`", Span(0, 1), f"known: `b`, `{name}`")
+    text = to_text(sink.sorted(), [Source("a", name)])
+    (record,) = json.loads(to_json(sink.sorted(), [Source("a", name)]))
+    for shown in (text, record["message"], record["hint"]):
+        assert f"`{name[:60]}…`" in shown
+        assert name[:100] not in shown.replace(text.splitlines()[1], "")
+    assert record["hint"].startswith("known: `b`, `aaa")

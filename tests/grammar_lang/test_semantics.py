@@ -267,3 +267,21 @@ semantics G { b { this.a = rod(frame: world); rot(z, 1); this.c = sine(no); } }
 
 def test_every_emission_is_known_as_one() -> None:
     assert set(EMISSIONS) == set(emissions._ARGUMENTS)
+
+
+def test_a_long_chain_of_attributes_has_one_type() -> None:
+    """From its end back to its beginning, whichever way it is written; bare ones come last."""
+    for order in (range(300), range(299, -1, -1)):
+        chain = " ".join(f"this.a{i} = this.a{i + 1};" for i in order)
+        found = load_text(spec("a: S -> B;", f"a {{ {chain} this.a300 = 2 m; }}"), "t")
+        assert found.program is not None
+        text = spec("a: S -> B;", f"a {{ {chain} this.a300 = 2; this.w = this.a0 + 1 kg; }}")
+        found = load_text(text, "t")
+        assert {d.code.name for d in found.diagnostics} == {"UNIT_MISMATCH"}
+
+
+def test_a_long_cycle_is_printed_by_its_ends(check: Check) -> None:
+    chain = " ".join(f"this.a{i} = this.a{(i + 1) % 50} + 0 m;" for i in range(50))
+    (found,) = load_text(spec("a: S -> B;", f"a {{ {chain} this.a50 = 1 m; }}"), "t").diagnostics
+    assert found.message.count("->") == 7
+    assert "-> … 44 more … ->" in found.message

@@ -175,3 +175,12 @@ def test_the_last_line_counts(srgc, spec, arm_file):
     assert ran.out.splitlines()[-1].startswith("2 files: 2 errors;")
     loose = text + "module Loose { role link; const weight = 2 kg; }\n"
     assert srgc("check", spec(loose)).out.splitlines()[-1] == "1 file without errors, 1 warning"
+
+
+def test_of_many_findings_some_are_printed_and_all_as_json(srgc, spec):
+    path = spec("edge e;\n" * 1000)
+    ran = srgc("check", path)
+    assert ran.status == 1
+    assert ran.out.count("error[SRG0202]") == 200
+    assert "\nand 799 more; `srgc check --json` prints them all\n" in ran.out
+    assert len(json.loads(srgc("check", path, "--json").out)) == 999
