@@ -27,9 +27,9 @@ golden: .venv/installed
 	-UPDATE_GOLDEN=1 $(BIN)/pytest tests/test_golden.py tests/test_language_reference.py
 	$(BIN)/pytest tests/test_golden.py tests/test_language_reference.py
 
-# The parser's tables, after a change of grammar_lang/srg.lark.
+# The parser's tables, after a change of grammar_lang/parsing/srg.lark.
 grammar: .venv/installed
-	$(BIN)/python -m grammar_lang.table_generator
+	$(BIN)/python -m grammar_lang.parsing.table_generator
 
 fmt: .venv/installed
 	$(BIN)/ruff format .

@@ -18,10 +18,10 @@ from statistics import linear_regression, median
 from large_spec import large_spec
 from timing import HEAD, ROOT, SPEC, SRGC, Line, machine, process, summary
 
-from grammar_lang.diagnostics import Sink
-from grammar_lang.formatter import canonical
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.formatting.formatter import canonical
 from grammar_lang.load import load_text
-from grammar_lang.parse import parse
+from grammar_lang.parsing.parse import parse
 from srgc.session import check_loaded
 
 MEGABYTE = 2**20
@@ -47,7 +47,7 @@ def measure_cold_start(runs: int) -> list[Line]:
 def _lark_parser() -> Callable[[str], object]:
     from lark import Lark
 
-    rules = (ROOT / "grammar_lang" / "srg.lark").read_text(encoding="utf-8")
+    rules = (ROOT / "grammar_lang" / "parsing" / "srg.lark").read_text(encoding="utf-8")
     grammar = f"file: item*\n{rules}"
     return Lark(grammar, start="file", parser="lalr", lexer="contextual").parse
 

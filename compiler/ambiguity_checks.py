@@ -10,8 +10,8 @@ from compiler.ambiguity import Ambiguity
 from compiler.derivation import Derivation, derivations_of
 from compiler.language import Language
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 
 if TYPE_CHECKING:
     from compiler.robot import RobotModel

@@ -14,8 +14,8 @@ from itertools import islice
 from compiler.overlaps import interiors_meet
 from compiler.partition import remainder
 from compiler.polytope import Polytope
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.ir import Region, StartIn, Task
 from grammar_lang.source import Span
 

@@ -21,8 +21,8 @@ from compiler.intersection import CHECKED_RULES, IntersectionTooLargeError
 from compiler.language import Language, restrict
 from compiler.production_cycles import ProductionCycle, production_cycles
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.source import Span
 
 EXACT_BELOW = 10**9

@@ -7,8 +7,8 @@ from itertools import islice
 
 from compiler.overlaps import candidates, interiors_meet
 from compiler.polytope import Polytope
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.ir import Region, Workspace
 
 REPORTED = 20

@@ -8,8 +8,8 @@ from typing import Literal
 from compiler.double_description import Point
 from compiler.irreducible_rows import irreducible_rows
 from compiler.polytope import AXES, Polytope, polytope_of
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region
 from grammar_lang.source import Span
 

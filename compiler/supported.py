@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 from compiler.grammar import srg, useful_rules
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Diagnostic, Severity
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Diagnostic, Severity
 from grammar_lang.source import Span
 
 

@@ -11,8 +11,8 @@ from compiler.language import Language, restrict
 from compiler.residuals import Residual, Residuals
 from compiler.task_demands import subformulas
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 
 
 def task_diagnostics(program: ir.Program, sink: Sink) -> None:

@@ -10,8 +10,8 @@ from compiler.overlap_checks import overlap_diagnostics
 from compiler.polytope import Polytope
 from compiler.shape_checks import sound_polytope
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 
 
 def workspace_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:

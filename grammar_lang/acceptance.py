@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.closed import Constants
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.diagnostics import Sink
 
 
 @dataclass(frozen=True, slots=True)

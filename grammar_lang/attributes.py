@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.spelling import did_you_mean
 from grammar_lang.productions import GrammarInfo, ProductionInfo
 from grammar_lang.readings import readings
 from grammar_lang.source import Span
-from grammar_lang.spelling import did_you_mean
 
 Key = tuple[str, str]
 ROOT_ATTRIBUTE = "frame"

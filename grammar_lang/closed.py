@@ -8,8 +8,8 @@ from typing import Literal
 
 from grammar_lang import constants, ir
 from grammar_lang import syntax as s
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.plausibility import warn_implausible
 from grammar_lang.sorts import (
     UNKNOWN,

@@ -10,8 +10,8 @@ from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
 from grammar_lang.readings import readings
 from grammar_lang.sorts import (

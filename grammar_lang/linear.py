@@ -11,8 +11,8 @@ from grammar_lang import constants, ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import NO_UNIT, Constants, ListUnit, not_rational
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.plausibility import warn_implausible
 from grammar_lang.sorts import Sort, Typed, mismatch
 from grammar_lang.source import Span

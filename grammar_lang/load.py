@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grammar_lang import ir
-from grammar_lang.cascades import without_followers
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Diagnostic, Sink
-from grammar_lang.file_set import FileSet, too_large
-from grammar_lang.file_tree import FileTree, name_of
-from grammar_lang.inclusion import include_all
+from grammar_lang.files.file_set import FileSet, too_large
+from grammar_lang.files.file_tree import FileTree, name_of
+from grammar_lang.files.inclusion import include_all
+from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
+from grammar_lang.findings.cascades import without_followers
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Diagnostic, Sink
 from grammar_lang.lower import lower
 from grammar_lang.partial import sound_part
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Source, Span
-from grammar_lang.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
 
 _START = Span(0, 0)
 

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 from grammar_lang import ir
 from grammar_lang import syntax_tasks as t
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.spelling import did_you_mean
 from grammar_lang.modules import ModuleInfo
 from grammar_lang.productions import GrammarInfo, lower_grammar
 from grammar_lang.resolve import Declarations, declarations
 from grammar_lang.semantics import SemanticsInfo, lower_semantics
 from grammar_lang.source import Source, Span
-from grammar_lang.spelling import did_you_mean
 from grammar_lang.tasks import Family, Surroundings, lower_task
 from grammar_lang.unused import report_unused
 from grammar_lang.workspaces import lower_workspace

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.sorts import UNKNOWN, DimensionUse, Typed
 from grammar_lang.typecheck import plain_name
 

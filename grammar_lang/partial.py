@@ -9,8 +9,8 @@ from typing import TypeVar
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
-from grammar_lang.cascades import Spans
-from grammar_lang.diagnostics import Diagnostic, Severity
+from grammar_lang.findings.cascades import Spans
+from grammar_lang.findings.diagnostics import Diagnostic, Severity
 
 Item = TypeVar("Item")
 

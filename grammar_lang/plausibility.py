@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from grammar_lang import constants, ir
 from grammar_lang import syntax as s
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.sorts import Sort, Typed
 from grammar_lang.units import (
     DENSITY,

@@ -9,12 +9,12 @@ from grammar_lang import constants, ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import Constants
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.spelling import did_you_mean
 from grammar_lang.modules import ModuleInfo
 from grammar_lang.name_kinds import NameKinds
 from grammar_lang.source import Span
-from grammar_lang.spelling import did_you_mean
 from grammar_lang.units import ONE
 
 

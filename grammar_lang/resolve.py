@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.modules import ModuleInfo, duplicate, lower_module
 from grammar_lang.source import Span
 

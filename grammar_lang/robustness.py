@@ -10,8 +10,8 @@ from grammar_lang import constants, ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import Constants, not_rational
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.sorts import Sort, Typed
 from grammar_lang.source import Span
 from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, Dimension, describe

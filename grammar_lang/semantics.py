@@ -20,10 +20,11 @@ from grammar_lang.attributes import (
     occurrence_of,
 )
 from grammar_lang.circularity import cycle
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
 from grammar_lang.emissions import Emissions
 from grammar_lang.extent import too_large
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.spelling import did_you_mean, nearest
 from grammar_lang.modules import ModuleInfo, duplicate
 from grammar_lang.productions import GrammarInfo, ProductionInfo
 from grammar_lang.readings import readings
@@ -37,7 +38,6 @@ from grammar_lang.sorts import (
     wrong_sort,
 )
 from grammar_lang.source import Span
-from grammar_lang.spelling import did_you_mean, nearest
 from grammar_lang.typecheck import Checker, plain_name
 from grammar_lang.units import ONE
 

@@ -15,8 +15,8 @@ from typing import Literal, Protocol
 
 from grammar_lang import constants, ir
 from grammar_lang import syntax as s
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.source import Span
 from grammar_lang.units import ONE, Dimension, Unit, describe, symbol
 

@@ -11,9 +11,9 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import Constants, coordinates, list_unit
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
 from grammar_lang.efforts import lower_efforts
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.name_kinds import NameKinds, RegionNames
 from grammar_lang.resolve import Declarations
 from grammar_lang.sorts import DimensionUse, Sort, Typed, mismatch, warn_turn, wrong_sort

@@ -8,8 +8,9 @@ from typing import Literal
 
 from grammar_lang import constants, ir
 from grammar_lang import syntax as s
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.spelling import did_you_mean
 from grammar_lang.frames import frame_call
 from grammar_lang.sorts import (
     UNKNOWN,
@@ -27,7 +28,6 @@ from grammar_lang.sorts import (
     wrong_sort,
 )
 from grammar_lang.source import Span
-from grammar_lang.spelling import did_you_mean
 from grammar_lang.units import ONE, UNIT_NAMES, Dimension, Unit
 from grammar_lang.units import unit as parse_unit
 

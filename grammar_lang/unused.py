@@ -16,8 +16,8 @@ from grammar_lang import syntax as s
 from grammar_lang import syntax_formulas as f
 from grammar_lang import syntax_tasks as t
 from grammar_lang.attributes import Key, members, nonterminal_at
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.module_scope import kinds
 from grammar_lang.productions import GrammarInfo, ProductionInfo
 from grammar_lang.readings import bounds, readings

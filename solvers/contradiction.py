@@ -14,8 +14,8 @@ import numpy as np
 
 from compiler.task_demands import Demand, task_demands
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
 from grammar_lang.source import Span
 from solvers.sat import SatSolver
 from solvers.verdict import Fails

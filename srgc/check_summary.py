@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from grammar_lang.diagnostics import Severity
+from grammar_lang.findings.diagnostics import Severity
 from srgc.session import Checked
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import click
 
-from grammar_lang.render import records, to_text
+from grammar_lang.findings.render import records, to_text
 from srgc.check_summary import summary
 from srgc.session import (
     Checked,

@@ -9,10 +9,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from grammar_lang.diagnostics import Sink
-from grammar_lang.formatter import canonical
+from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, read_file
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.formatting.formatter import canonical
 from grammar_lang.source import Source
-from grammar_lang.source_file import LIMIT, TooLarge, decoded, read_file
 from srgc.line_difference import unified
 from srgc.session import Checked, SpecErrors, UsageFault, check_file
 

@@ -10,7 +10,7 @@ from typing import TypeVar
 from compiler.grammar_checks import cycle_diagnostics, grammar_diagnostics
 from compiler.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
-from grammar_lang.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
 from grammar_lang.load import Loaded, load
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Source

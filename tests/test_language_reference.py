@@ -19,16 +19,17 @@ from lark import Lark, Token, Tree
 
 import srgc.cli
 from compiler.finite_automaton import STATE_LIMIT
-from grammar_lang import emissions, extent, lalr, parse, tree_builder, typecheck
-from grammar_lang.code_pages import page_text, read_page
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
-from grammar_lang.file_set import IMAGE_LIMIT
-from grammar_lang.formatter import canonical
+from grammar_lang import emissions, extent, typecheck
+from grammar_lang.files.file_set import IMAGE_LIMIT
+from grammar_lang.files.source_file import LIMIT
+from grammar_lang.findings.code_pages import page_text, read_page
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.render import to_text
+from grammar_lang.formatting.formatter import canonical
+from grammar_lang.parsing import lalr, parse, tree_builder
+from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.plausibility import PLAUSIBLE
-from grammar_lang.render import to_text
-from grammar_lang.source_file import LIMIT
-from grammar_lang.tables import RESERVED
 from grammar_lang.units import MAX_EXPONENT, UNIT_NAMES, unit
 from solvers.conclusion import DEFAULT_MODULES
 from srgc.session import check_file
@@ -37,7 +38,7 @@ from tests.oracles.pages import Block, blocks, files, prose
 ROOT = Path(__file__).parents[1]
 FILE = ROOT / "docs" / "language.md"
 PAGE = FILE.read_text(encoding="utf-8")
-LARK = (ROOT / "grammar_lang" / "srg.lark").read_text(encoding="utf-8")
+LARK = (ROOT / "grammar_lang" / "parsing" / "srg.lark").read_text(encoding="utf-8")
 BLOCKS = blocks(PAGE)
 PROGRAMS = [block for block in BLOCKS if block.kind == "srg"]
 SPEC = "spec.srg"

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.code_pages import examples
-from grammar_lang.diagnostics import Diagnostic, Severity
-from grammar_lang.items import cut
+from grammar_lang.findings.code_pages import examples
+from grammar_lang.findings.diagnostics import Diagnostic, Severity
 from grammar_lang.load import load_text
-from grammar_lang.tokens import tokenise
+from grammar_lang.parsing.items import cut
+from grammar_lang.parsing.tokens import tokenise
 from srgc.session import check_loaded
 
 PAGE = Path(__file__).parent / "golden" / "twenty-mistakes.md"

@@ -11,8 +11,8 @@ from compiler.finite_language import longest_word
 from compiler.grammar_checks import grammar_diagnostics
 from compiler.language import language
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
 from grammar_lang.load import load
 from tests.oracles.grammars import grammar
 

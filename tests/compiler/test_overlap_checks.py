@@ -4,8 +4,8 @@ from fractions import Fraction
 
 from compiler.overlap_checks import CANDIDATE_LIMIT, REPORTED, overlap_diagnostics
 from compiler.polytope import polytope_of
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Severity, Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Severity, Sink
 from grammar_lang.ir import Workspace
 from grammar_lang.source import Span
 from tests.oracles.planes import box, hull

@@ -8,8 +8,8 @@ import pytest
 
 from compiler.supported import unsupported
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Severity
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Severity
 from tests.oracles.formulas import SHAPES, program, spec
 
 CLAUSES = "start at (0); reach A; avoid C with body;"

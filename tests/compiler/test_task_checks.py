@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from compiler.task_checks import task_diagnostics
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
 from tests.oracles.formulas import ONE_ARM, SHAPES, TWO_ARMS, program, spec
 
 START = "start at (0);"

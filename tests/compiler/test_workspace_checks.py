@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from compiler.workspace_checks import workspace_diagnostics
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Severity, Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Severity, Sink
 from grammar_lang.ir import (
     Always,
     And,

@@ -11,11 +11,11 @@ from lark import Token, Transformer_NonRecursive, UnexpectedInput
 from lark.grammar import Rule
 from lark.tree import Meta
 
-from grammar_lang import lalr
-from grammar_lang.diagnostics import Sink
-from grammar_lang.parse import parse
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.parsing import lalr
+from grammar_lang.parsing.parse import parse
+from grammar_lang.parsing.tree_builder import BUILDERS
 from grammar_lang.source import Span
-from grammar_lang.tree_builder import BUILDERS
 from tests.oracles.programs import POOLS, grammar, random_item
 
 FAST_BLOCKS, SLOW_BLOCKS, SIZE = 8, 100, 150

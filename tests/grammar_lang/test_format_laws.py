@@ -14,10 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lark.grammar import Rule
 
-from grammar_lang.diagnostics import Sink
-from grammar_lang.formatter import canonical
-from grammar_lang.parse import parse
-from grammar_lang.tables import tables
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.formatting.formatter import canonical
+from grammar_lang.parsing.parse import parse
+from grammar_lang.parsing.tables import tables
 from tests.oracles.programs import (
     NAMES,
     grammar,
@@ -36,7 +36,7 @@ PAGES = [
     *ROOT.glob("*.md"),
     *ROOT.glob("docs/**/*.md"),
     *ROOT.glob("tests/golden/*.md"),
-    *ROOT.glob("grammar_lang/catalogue/*.md"),
+    *ROOT.glob("grammar_lang/findings/catalogue/*.md"),
 ]
 
 

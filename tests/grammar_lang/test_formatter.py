@@ -6,12 +6,12 @@ import time
 
 import pytest
 
-from grammar_lang import formatter
-from grammar_lang.comments import written
-from grammar_lang.diagnostics import Sink
-from grammar_lang.formatter import NotFaithful, canonical
-from grammar_lang.parse import parse_tokens
-from grammar_lang.spacing import spacing
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.formatting import formatter
+from grammar_lang.formatting.comments import written
+from grammar_lang.formatting.formatter import NotFaithful, canonical
+from grammar_lang.formatting.spacing import spacing
+from grammar_lang.parsing.parse import parse_tokens
 
 
 def formatted(text: str) -> str:

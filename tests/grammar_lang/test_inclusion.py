@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from grammar_lang.findings.render import records, to_text
 from grammar_lang.load import Loaded, load, load_text
-from grammar_lang.render import records, to_text
 
 Write = Callable[[Mapping[str, str | bytes]], Path]
 

@@ -10,15 +10,15 @@ import pytest
 from lark import Lark, Token, Transformer_NonRecursive, UnexpectedInput
 from lark.tree import Meta
 
-from grammar_lang import lalr
-from grammar_lang.diagnostics import Sink
-from grammar_lang.items import cut
-from grammar_lang.parse import parse
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.parsing import lalr
+from grammar_lang.parsing.items import cut
+from grammar_lang.parsing.parse import parse
+from grammar_lang.parsing.table_generator import parser, tables
+from grammar_lang.parsing.tables import tables as read
+from grammar_lang.parsing.tokens import tokenise
+from grammar_lang.parsing.tree_builder import BUILDERS
 from grammar_lang.source import Source, Span
-from grammar_lang.table_generator import parser, tables
-from grammar_lang.tables import tables as read
-from grammar_lang.tokens import tokenise
-from grammar_lang.tree_builder import BUILDERS
 from tests.grammar_lang.conftest import PARTS
 
 ROOT = Path(__file__).parents[2]
@@ -76,7 +76,7 @@ def test_every_builder_is_a_rule_and_used() -> None:
 
 
 def test_the_tables_are_those_of_the_grammar() -> None:
-    assert (ROOT / "grammar_lang" / "tables.json").read_text("utf-8") == tables()
+    assert (ROOT / "grammar_lang" / "parsing" / "tables.json").read_text("utf-8") == tables()
 
 
 @pytest.mark.parametrize("name", TEXTS)

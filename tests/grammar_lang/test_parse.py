@@ -6,8 +6,8 @@ from fractions import Fraction
 import pytest
 
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics import Sink
-from grammar_lang.parse import parse
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.parsing.parse import parse
 
 Check = Callable[[str], list[tuple[str, str]]]
 

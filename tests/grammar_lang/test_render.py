@@ -3,10 +3,10 @@ from __future__ import annotations
 import json
 import re
 
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.render import to_json, to_text
 from grammar_lang.load import load_text
-from grammar_lang.render import to_json, to_text
 from grammar_lang.source import Source, Span
 
 

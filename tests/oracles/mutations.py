@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from grammar_lang.load import load_text
-from grammar_lang.tables import RESERVED, tables
+from grammar_lang.parsing.tables import RESERVED, tables
 
 ROOT = Path(__file__).parents[2]
 TOKEN = re.compile(r"\s+|//[^\n]*|[A-Za-z_]\w*|[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?|->|[<>=]=|.", re.S)
@@ -63,7 +63,7 @@ def seeds() -> tuple[str, ...]:
     ``everything.srg`` holds each in the forms that the parser knows, with many other mistakes;
     ``complete.srg`` is valid.
     """
-    folders = ("grammar_lang/catalogue", "tests/golden", "docs")
+    folders = ("grammar_lang/findings/catalogue", "tests/golden", "docs")
     pages = [page for folder in folders for page in sorted((ROOT / folder).rglob("*.md"))]
     blocks = [block for page in pages for block in BLOCK.findall(page.read_text("utf-8"))]
     files = [*(ROOT / "specs").glob("*.srg"), *Path(__file__).parent.glob("*.srg")]

@@ -14,7 +14,7 @@ from lark import Lark
 from lark.grammar import NonTerminal, Rule, Symbol
 from lark.lexer import PatternStr
 
-from grammar_lang.table_generator import parser
+from grammar_lang.parsing.table_generator import parser
 from tests.oracles.sentences import Sentences
 
 NAMES = (

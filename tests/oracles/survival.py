@@ -9,12 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from grammar_lang.diagnostics import Diagnostic, Severity, Sink
-from grammar_lang.formatter import canonical
+from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.findings.render import to_json, to_text
+from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir import Program
 from grammar_lang.load import load_text
-from grammar_lang.parse import parse
-from grammar_lang.render import to_json, to_text
+from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Source, Span
 from srgc.session import check_file, check_loaded
 

@@ -272,7 +272,7 @@ def test_a_write_that_fails_leaves_the_file(
 def test_a_fault_of_the_formatter_writes_nothing(
     spec: Spec, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from grammar_lang import formatter
+    from grammar_lang.formatting import formatter
 
     right = formatter.lay_out
     monkeypatch.setattr(
@@ -322,7 +322,7 @@ def test_the_worst_status_is_that_of_the_command(
     def broken(_: object) -> str:
         raise RuntimeError("broken")
 
-    monkeypatch.setattr("grammar_lang.formatter.lay_out", broken)
+    monkeypatch.setattr("grammar_lang.formatting.formatter.lay_out", broken)
     arguments = ["fmt", "--check", str(bad), str(tmp_path), str(ugly)]
     assert cli.run(arguments) == 70
 

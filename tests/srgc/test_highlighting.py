@@ -32,7 +32,7 @@ from tests.oracles.sentences import Sentences
 from tests.oracles.textmate import Grammar
 
 ROOT = Path(__file__).parents[2]
-LARK = (ROOT / "grammar_lang" / "srg.lark").read_text(encoding="utf-8")
+LARK = (ROOT / "grammar_lang" / "parsing" / "srg.lark").read_text(encoding="utf-8")
 TEXTMATE = json.loads((ROOT / "editors" / "srg.tmLanguage.json").read_text(encoding="utf-8"))
 SPECS = {
     str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")
@@ -41,7 +41,7 @@ SPECS = {
 FENCE = re.compile(r"^```srg(?: [^\n]*)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PAGES = {
     str(path.relative_to(ROOT)): FENCE.findall(path.read_text(encoding="utf-8"))
-    for folder in ("docs", "tests/golden", "grammar_lang/catalogue")
+    for folder in ("docs", "tests/golden", "grammar_lang/findings/catalogue")
     for path in sorted((ROOT / folder).rglob("*.md"))
 }
 PAGES = {page: blocks for page, blocks in PAGES.items() if blocks}

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grammar_lang.comments import Boundary, Comment, Written, boundary
-from grammar_lang.line_breaking import WIDTH, Atom, Line, broken, flat
-from grammar_lang.outline import Statement, outline
-from grammar_lang.spacing import Spacing, spacing
+from grammar_lang.formatting.comments import Boundary, Comment, Written, boundary
+from grammar_lang.formatting.line_breaking import WIDTH, Atom, Line, broken, flat
+from grammar_lang.formatting.outline import Statement, outline
+from grammar_lang.formatting.spacing import Spacing, spacing
 
 INDENT = 2
 ALIGNED_WIDTH = 72

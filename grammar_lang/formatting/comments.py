@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from grammar_lang.tokens import SKIPPED, Tokens
+from grammar_lang.parsing.tokens import SKIPPED, Tokens
 
 BLANKS = " \t\r\f\v"
 

@@ -10,8 +10,8 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Diagnostic
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Diagnostic
 from grammar_lang.source import Span
 from grammar_lang.syntax_tasks import File
 

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from grammar_lang import syntax as s
 from grammar_lang import syntax_formulas as f
 from grammar_lang import syntax_tasks as t
-from grammar_lang.lalr import Builder, Token
+from grammar_lang.parsing.lalr import Builder, Token
 from grammar_lang.source import Span
 
 MAX_LITERAL = 300

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from grammar_lang.tokens import WORD, Tokens
+from grammar_lang.parsing.tokens import WORD, Tokens
 
 BLOCK_KEYWORDS = frozenset({"module", "grammar", "semantics", "workspace", "task"})
 KEYWORDS = BLOCK_KEYWORDS | {"edge", "include"}

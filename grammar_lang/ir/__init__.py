@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from grammar_lang.ir_expressions import (
+from grammar_lang.ir.expressions import (
     NOWHERE,
     THIS,
     AttributeOf,
@@ -35,7 +35,7 @@ from grammar_lang.ir_expressions import (
     Vector,
     World,
 )
-from grammar_lang.ir_family import (
+from grammar_lang.ir.family import (
     Accept,
     AllOf,
     AnyOf,
@@ -74,7 +74,7 @@ from grammar_lang.ir_family import (
     SymbolKind,
     Torque,
 )
-from grammar_lang.ir_formulas import (
+from grammar_lang.ir.formulas import (
     Always,
     And,
     Atom,
@@ -88,7 +88,7 @@ from grammar_lang.ir_formulas import (
     Until,
     Window,
 )
-from grammar_lang.ir_task import (
+from grammar_lang.ir.task import (
     Avoid,
     AvoidSelf,
     Effort,

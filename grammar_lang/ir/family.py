@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from grammar_lang.ir_expressions import NOWHERE, AttributeOf, Axis, Expr
+from grammar_lang.ir.expressions import NOWHERE, AttributeOf, Axis, Expr
 from grammar_lang.node import node
 from grammar_lang.source import Span
 

@@ -11,11 +11,11 @@ import re
 from typing import Literal, NoReturn, TypeAlias
 
 from grammar_lang import ir
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
-from grammar_lang.file_set import FileSet
+from grammar_lang.files.file_set import FileSet
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.spelling import nearest
 from grammar_lang.source import Source, Span
-from grammar_lang.spelling import nearest
 from grammar_lang.syntax import Ident
 
 Kind: TypeAlias = Literal["map_server", "geojson"]

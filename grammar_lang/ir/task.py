@@ -6,9 +6,9 @@ from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from grammar_lang.ir_expressions import NOWHERE, Expr
-from grammar_lang.ir_family import DofKind
-from grammar_lang.ir_formulas import Formula
+from grammar_lang.ir.expressions import NOWHERE, Expr
+from grammar_lang.ir.family import DofKind
+from grammar_lang.ir.formulas import Formula
 from grammar_lang.node import node
 from grammar_lang.source import Span
 

@@ -10,7 +10,7 @@ from dataclasses import field
 from fractions import Fraction
 from typing import TypeAlias
 
-from grammar_lang.ir_expressions import NOWHERE
+from grammar_lang.ir.expressions import NOWHERE
 from grammar_lang.node import node
 from grammar_lang.source import Span
 

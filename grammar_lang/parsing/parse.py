@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
-from grammar_lang.items import KEYWORDS, RawItem, cut
-from grammar_lang.lalr import Parser
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.parsing.items import KEYWORDS, RawItem, cut
+from grammar_lang.parsing.lalr import Parser
+from grammar_lang.parsing.syntax_errors import explain, stray
+from grammar_lang.parsing.tables import tables
+from grammar_lang.parsing.tokens import Tokens, tokenise, unclosed_comment
+from grammar_lang.parsing.tree_builder import BUILDERS, item_of
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Span
-from grammar_lang.syntax_errors import explain, stray
 from grammar_lang.syntax_tasks import File, Item
-from grammar_lang.tables import tables
-from grammar_lang.tokens import Tokens, tokenise, unclosed_comment
-from grammar_lang.tree_builder import BUILDERS, item_of
 
 MAX_ERRORS = 100
 """So many syntax errors of one file are reported; who has more has another kind of file."""

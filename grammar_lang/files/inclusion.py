@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax_tasks as t
-from grammar_lang.codes import Code
-from grammar_lang.file_set import FileSet
-from grammar_lang.file_tree import visible
+from grammar_lang.files.file_set import FileSet
+from grammar_lang.files.file_tree import visible
+from grammar_lang.findings.codes import Code
 from grammar_lang.node import node
-from grammar_lang.parse import parse
+from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Span
 
 _ENDS = 3
@@ -109,7 +109,7 @@ class _Traversal:
     def _maps(self, workspace: t.Workspace, base: int) -> None:
         for item in workspace.items:
             if isinstance(item, t.ObstaclesFrom):
-                from grammar_lang.obstacle_maps import read_map
+                from grammar_lang.files.obstacle_maps import read_map
 
                 found = read_map(item.path, base, self.files)
                 if found is not None:

@@ -11,10 +11,10 @@ import os
 import posixpath
 from pathlib import Path
 
-from grammar_lang.codes import Code
+from grammar_lang.files.source_file import read_file, reason
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.spelling import nearest
 from grammar_lang.node import node
-from grammar_lang.source_file import read_file, reason
-from grammar_lang.spelling import nearest
 
 _MANY = 1000
 """So many files of a folder are compared with a misspelt name."""

@@ -7,10 +7,10 @@ is worse than none.
 
 from __future__ import annotations
 
-from grammar_lang.comments import Written, written
-from grammar_lang.diagnostics import Sink
-from grammar_lang.layout import lay_out
-from grammar_lang.parse import parse_tokens
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.formatting.comments import Written, written
+from grammar_lang.formatting.layout import lay_out
+from grammar_lang.parsing.parse import parse_tokens
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.syntax_tasks import File
 

@@ -12,10 +12,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
-from grammar_lang.items import RawItem
+from grammar_lang.parsing.items import RawItem
+from grammar_lang.parsing.tables import END, RESERVED, Reduction, Tables
+from grammar_lang.parsing.tokens import SKIPPED, WORD, Tokens
 from grammar_lang.source import Span
-from grammar_lang.tables import END, RESERVED, Reduction, Tables
-from grammar_lang.tokens import SKIPPED, WORD, Tokens
 from grammar_lang.units import UNIT_NAMES
 
 MAX_DEPTH = 100

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from grammar_lang.spacing import NEVER
+from grammar_lang.formatting.spacing import NEVER
 
 WIDTH = 100
 CONTINUATION = 4

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from grammar_lang.codes import Code
-from grammar_lang.diagnostics import Sink
-from grammar_lang.items import KEYWORDS, RawItem
-from grammar_lang.lalr import TOO_DEEP
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.findings.spelling import nearest
+from grammar_lang.parsing.items import KEYWORDS, RawItem
+from grammar_lang.parsing.lalr import TOO_DEEP
+from grammar_lang.parsing.tables import RESERVED, tables
+from grammar_lang.parsing.tokens import BAD, Tokens
 from grammar_lang.source import Span
-from grammar_lang.spelling import nearest
-from grammar_lang.tables import RESERVED, tables
-from grammar_lang.tokens import BAD, Tokens
 from grammar_lang.units import UNIT_NAMES
 
 MAX_SHOWN = 40

@@ -1,0 +1,1 @@
+"""Files: read, included, never outside their tree."""

@@ -1,0 +1,1 @@
+"""What is found wrong: codes, their pages, diagnostics and how they are shown."""

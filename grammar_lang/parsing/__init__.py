@@ -1,0 +1,1 @@
+"""Text to abstract syntax, and the grammar that both follow."""
