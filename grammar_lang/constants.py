@@ -121,8 +121,20 @@ def apply(function: ir.Function, value: Monomial) -> Monomial | None:
             return _sine(turns if function == "sin" else turns + Fraction(1, 4))
 
 
+def evident(expr: ir.Expr) -> Monomial | None:
+    """As :func:`monomial`, None also where its numbers are too large to be written down."""
+    try:
+        return monomial(expr)
+    except MagnitudeError:
+        return None
+
+
 def monomial(expr: ir.Expr) -> Monomial | None:
-    """The value of a closed scalar expression where it is seen to be a monomial."""
+    """The value of a closed scalar expression where it is seen to be a monomial.
+
+    Raises:
+        MagnitudeError: its numbers are too large to be written down.
+    """
     match expr:
         case ir.Num(value=q):
             return q, 0
@@ -156,10 +168,7 @@ def rational(expr: ir.Expr) -> Fraction | None:
 
     Roots of squares and the rational sines of rational angles are seen, sums of unlike surds not.
     """
-    try:
-        value = monomial(expr)
-    except MagnitudeError:
-        return None
+    value = evident(expr)
     return value[0] if value is not None and (not value[1] or not value[0]) else None
 
 
@@ -249,7 +258,7 @@ def less(a: ir.Expr, b: ir.Expr) -> bool:
     Raises:
         ValueError: as :func:`to_float`.
     """
-    p, q = monomial(a), monomial(b)
+    p, q = evident(a), evident(b)
     if p is not None and q is not None and (p[1] == q[1] or not p[0] or not q[0]):
         return p[0] < q[0]
     return to_float(a) < to_float(b)

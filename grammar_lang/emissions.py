@@ -154,7 +154,7 @@ class Emissions:
     def _positive(self, expr: s.Expr, dimension: Dimension) -> ir.Expr:
         """A scalar that, if it is a constant, is not negative."""
         value = self._scalar(expr, dimension)
-        known = constants.monomial(value)
+        known = constants.evident(value)
         if known is not None and known[0] < 0:
             self.sink.error(
                 Code.BAD_EMISSION, "this value is negative", expr.span, "write a positive value"

@@ -80,7 +80,7 @@ class _Reader:
             self.sink.error(Code.REPEATED_CLAUSE, message, expr.span, "remove one", notes)
             return
         # A larger disturbance is bounded than the one written, where that one is irrational.
-        exact = constants.monomial(value.expr)
+        exact = constants.evident(value.expr)
         if exact is None:
             not_rational(expr.span, self.sink)
         elif exact[0] <= 0:

@@ -228,7 +228,7 @@ class Checker:
     def _unary(
         self, function: ir.Function, operand: ir.Expr, dimension: Dimension | None, at: Span
     ) -> Typed:
-        known = constants.monomial(operand)
+        known = constants.evident(operand)
         if function == "sqrt" and known is not None and known[0] < 0:
             self.sink.error(
                 Code.BAD_NUMBER, "the root of a negative number", at, "numbers below 0 have no root"

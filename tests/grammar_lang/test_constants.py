@@ -67,7 +67,10 @@ def test_trigonometry_at_rational_angles(function: ir.Function) -> None:
 
 
 def test_large_powers_are_no_rationals() -> None:
-    assert constants.rational(ir.Binary("^", num(10), num(10**12))) is None
+    huge = ir.Binary("^", num(10), num(10**12))
+    assert constants.rational(huge) is None
+    assert constants.evident(huge) is None
+    assert constants.evident(ir.Binary("*", num(2), PI)) == (2, 1)
     with pytest.raises(constants.MagnitudeError):
         constants.binary("^", num(10), num(10**12))
 

@@ -285,3 +285,12 @@ def test_a_long_cycle_is_printed_by_its_ends(check: Check) -> None:
     (found,) = load_text(spec("a: S -> B;", f"a {{ {chain} this.a50 = 1 m; }}"), "t").diagnostics
     assert found.message.count("->") == 7
     assert "-> … 44 more … ->" in found.message
+
+
+@pytest.mark.parametrize(
+    "value", ["m^1e300", "-(m^1e300)", "sqrt(m^1e300)", "tan(m^1e300)", "m^1e300 + 1 kg"]
+)
+def test_a_huge_power_of_an_unknown_name_is_an_unknown_name(value: str) -> None:
+    text = f"a {{ point(frame: world, mass: {value}); }}"
+    found = load_text(spec("a: S -> B;", text), "t").diagnostics
+    assert "UNKNOWN_NAME" in {d.code.name for d in found}
