@@ -80,7 +80,8 @@ def _unused_symbols(program: ir.Program, sink: Sink) -> None:
         if symbol.kind != "nonterminal"
     }
     for name in program.terminals:
-        if name not in used:
+        # An included file is a library, of which nobody uses everything.
+        if name not in used and program.terminal_spans.get(name, ir.NOWHERE).file == 0:
             sink.warning(
                 Code.UNUSED_SYMBOL,
                 f"{'module' if program.is_module(name) else 'edge'} `{name}` is used in no "
@@ -210,7 +211,19 @@ def _empty_language(grammar: ir.Grammar, rules: Srg, sink: Sink) -> None:
 
 
 def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: Sink) -> None:
-    """Words without a tool; nothing where an effector may be among what was left out."""
+    """Words without a tool; nothing where an effector may be among what was left out.
+
+    A tool is a module of role effector; where the semantics says which productions emit an
+    effector, it is what these productions place.
+    """
+    if grammar.semantics is not None and not _emitters(grammar):
+        message = f"the semantics of grammar `{grammar.name}` emits no effector"
+        hint = "add `effector(frame: …);` to the block that places the tool"
+        sink.warning(Code.NO_EFFECTOR, message, grammar.span, hint=hint)
+        return
+    tools_of = set(context.tools)
+    if any(not tools_of & {x.name for x in p.right} for p in _emitters(grammar)):
+        return
     used = (x.name for p in grammar.productions for x in p.right if x.kind == "module")
     known = all(map(context.program.is_module, used))
     if not context.complete and not (context.tools and known):
@@ -233,6 +246,17 @@ def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: 
             if listed
             else "declare a module with `role effector;` and derive it",
         )
+
+
+def _emitters(grammar: ir.Grammar) -> list[ir.Production]:
+    """The productions whose semantics emit an effector."""
+    blocks = grammar.semantics or {}
+    return [
+        production
+        for production in grammar.productions
+        if production.label in blocks
+        and any(isinstance(e, ir.Effector) for e in blocks[production.label].emissions)
+    ]
 
 
 def _finite(grammar: ir.Grammar, words: int | None, longest: int, sink: Sink) -> None:

@@ -276,11 +276,12 @@ def _rule(placed: PlacedRule, scope: ProductionScope, sink: Sink) -> ir.Attribut
 def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
     """Each degree of freedom of each module occurrence is used exactly once."""
     production = scope.info.production
+    called_by = {place: name for name, place in scope.info.names.items()}
     for position, symbol in enumerate(production.right):
         module = scope.modules.get(symbol.name)
         for name in () if module is None else module.dofs:
             places = scope.dofs.get(ir.DofOf(position, name), [])
-            called = f"`{symbol.alias or symbol.name}.{name}`"
+            called = f"`{symbol.alias or called_by.get(position, symbol.name)}.{name}`"
             if not places:
                 message = f"production `{production.label}` does not use {called}"
                 hint = f"use {called} once, in a `rot` or `move`"

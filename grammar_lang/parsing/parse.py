@@ -10,7 +10,7 @@ from grammar_lang.parsing.items import KEYWORDS, RawItem, cut
 from grammar_lang.parsing.lalr import Parser
 from grammar_lang.parsing.syntax_errors import explain, stray
 from grammar_lang.parsing.tables import tables
-from grammar_lang.parsing.tokens import Tokens, tokenise, unclosed_comment
+from grammar_lang.parsing.tokens import WORD, Tokens, tokenise, unclosed_comment
 from grammar_lang.parsing.tree_builder import BUILDERS, item_of
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Span
@@ -40,12 +40,20 @@ class _Reader:
                 self._lose(astray, raw.first)
                 astray = None
                 self._item(raw)
-            elif astray is None:
-                astray = raw.first
+            elif astray is None or self._looks_like_item(raw):
+                astray = raw.first if astray is None else astray
                 stray(self.tokens, raw, self.sink)
                 self.errors += 1
         self._lose(astray, len(self.tokens))
         return File(tuple(self.found), tuple(self.broken), frozenset(self.skipped))
+
+    def _looks_like_item(self, raw: RawItem) -> bool:
+        """Whether ``WORD NAME {`` stands there: an item whose keyword is misspelt."""
+        return raw.stop - raw.first > 3 and self.tokens.kinds[raw.first : raw.first + 3] == [
+            WORD,
+            WORD,
+            "{",
+        ]
 
     def _lose(self, first: int | None, stop: int) -> None:
         """Give up the tokens before ``stop`` from ``first`` on, if there are such."""

@@ -164,3 +164,8 @@ def test_long_sums_are_one_value_or_one_error(terms: int) -> None:
     sink = Sink()
     parse(f"module A {{ const c = {' + '.join(['1'] * terms)}; }}", sink)
     assert len(sink.found) == (terms > lalr.MAX_DEPTH)
+
+
+def test_every_misspelt_item_is_told() -> None:
+    text = "grammer G { start S; }\nsemantic G { g { } }\nworkspce W { }\nrole base;\ntusk T { }\n"
+    assert [line for line, _ in errors(text)] == [1, 2, 3, 5]

@@ -294,3 +294,17 @@ def test_a_huge_power_of_an_unknown_name_is_an_unknown_name(value: str) -> None:
     text = f"a {{ point(frame: world, mass: {value}); }}"
     found = load_text(spec("a: S -> B;", text), "t").diagnostics
     assert "UNKNOWN_NAME" in {d.code.name for d in found}
+
+
+def test_an_occurrence_is_called_as_in_its_production(check_fragment: Check) -> None:
+    text = """
+module B { role base; } module J { role joint; dof q: revolute z; }
+grammar G { start N; b: N -> B J J; }
+semantics G { b { effector(frame: rot(z, J1.q) * rot(z, J1.q)); } }
+"""
+    sink = load_text(text, "t.srg").diagnostics
+    assert [d.message for d in sink] == [
+        "production `b` does not use `J2.q`",
+        "`J1.q` is used more than once",
+    ]
+    assert len(check_fragment(text)) == 2

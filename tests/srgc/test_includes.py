@@ -285,3 +285,17 @@ def test_a_name_that_is_no_text(srgc, tmp_path):
     path.write_text("module")
     assert srgc("check", path).status == 1
     assert srgc("check", path, "--json").status == 1
+
+
+def test_a_library_need_not_be_used_up(srgc, tmp_path):
+    (tmp_path / "parts.srg").write_text(
+        "module B { role base; }\nmodule L { role link; }\nedge e;\n"
+    )
+    main = tmp_path / "main.srg"
+    main.write_text(
+        'include "parts.srg";\nmodule M { role link; }\ngrammar G { start N; b: N -> B; }\n'
+    )
+    found = json.loads(srgc("check", main, "--json").out)
+    assert [e["message"] for e in found if e["code"] == "SRG0403"] == [
+        "module `M` is used in no production"
+    ]
