@@ -1,8 +1,8 @@
 """Tasks that no motion can fulfil, whatever the robot: which clauses exclude each other.
 
-The demands of a task (:mod:`compiler.task_demands`) go to the SAT solver under assumptions; of an
-unsatisfiable core as many are left out as can be (deletion-based extraction of a minimal core,
-Chinneck & Dravnieks 1991).  Nothing is said where the solver's budget runs out.
+The demands of a task (:mod:`compiler.encodings.task_demands`) go to the SAT solver under
+assumptions; of an unsatisfiable core as many are left out as can be (deletion-based extraction of a
+minimal core, Chinneck & Dravnieks 1991).  Nothing is said where the solver's budget runs out.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from itertools import groupby
 
 import numpy as np
 
-from compiler.task_demands import Demand, task_demands
+from compiler.encodings.task_demands import Demand, task_demands
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink

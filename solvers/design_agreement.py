@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from compiler.abstraction import Abstraction
-from compiler.robot import RobotModel
+from compiler.geometry.abstraction import Abstraction
+from compiler.robots.robot import RobotModel
 from solvers.certificate import Claim, FoundClaim, ImpossibleClaim, exact
 
 

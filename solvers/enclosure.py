@@ -21,8 +21,8 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat, arb_series, ctx
 
-from compiler.balls import BallArithmetic, SeriesArithmetic
-from compiler.tape import Tape
+from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic
+from compiler.dynamics.tape import Tape
 
 Coefficients = list[arb]
 

@@ -16,9 +16,9 @@ from multiprocessing import get_context, parent_process
 from threading import Thread, current_thread, main_thread
 from types import TracebackType
 
-from compiler.dynamics import robot_graph
-from compiler.float_reading import Array, FloatReading
-from compiler.robot import RobotModel
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.robots.robot import RobotModel
 from solvers.control import SURVEY, ControlOutcome, Effort
 from solvers.path_following import Follower
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from compiler.attributes import SemanticsError
-from compiler.derivation import InfiniteAmbiguityError, structures
-from compiler.family import RobotFamily, family_of
-from compiler.normalise import robot_key
-from compiler.reachability_smt import pose_question, refutation_script
+from compiler.encodings.reachability_smt import pose_question, refutation_script
+from compiler.languages.derivation import InfiniteAmbiguityError, structures
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.normalise import robot_key
 from grammar_lang import ir
 from solvers.certificate import ImpossibleClaim, StructureClaim
 from solvers.smt_subprocess import run_z3_subprocess

@@ -12,8 +12,8 @@ from fractions import Fraction
 import numpy as np
 from scipy.stats.qmc import Sobol
 
-from compiler.float_reading import Array
-from compiler.robot import RobotModel
+from compiler.dynamics.float_reading import Array
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.constants import rational, to_float
 from solvers.acquisition import Acquisition, gp_acb

@@ -7,10 +7,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.abstraction import Abstraction
-from compiler.float_reading import Array, FloatReading, scalar_floats
-from compiler.polytope import Polytope, polytope_of
-from compiler.robot import Body, RobotModel, RodBody
+from compiler.dynamics.float_reading import Array, FloatReading, scalar_floats
+from compiler.geometry.abstraction import Abstraction
+from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.robots.robot import Body, RobotModel, RodBody
 from grammar_lang import ir
 from grammar_lang.constants import to_float
 from solvers.control import FULL, WORST, ControlOutcome, ControlProblem, Effort, synthesise_control

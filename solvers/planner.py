@@ -13,9 +13,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compiler.abstraction import Abstraction
-from compiler.specification import path_problem
-from compiler.unroll import CellGraph, Unrolling
+from compiler.encodings.specification import path_problem
+from compiler.encodings.unroll import CellGraph, Unrolling
+from compiler.geometry.abstraction import Abstraction
 from grammar_lang.ir import StartAt, Task
 from solvers.sat import SatSolver
 from solvers.verdict import Fails, Holds, Unknown

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.balls import closed_ball
-from compiler.float_reading import Array, FloatReading
-from compiler.reachability_smt import PoseQuestion, effector_choices
+from compiler.arithmetic.balls import closed_ball
+from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.encodings.reachability_smt import PoseQuestion, effector_choices
 from grammar_lang import ir
 
 RESTARTS = 12

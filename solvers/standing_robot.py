@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats.qmc import Sobol
 
-from compiler.abstraction import Abstraction
-from compiler.float_reading import Array, FloatReading
-from compiler.polytope import polytope_of
+from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.geometry.abstraction import Abstraction
+from compiler.geometry.polytope import polytope_of
 from grammar_lang import ir
 from solvers.configuration_search import Configuration
 from solvers.control import ControlOutcome, input_margin

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.float_reading import FloatReading
-from compiler.reachability_smt import pose_question, refutation_script
-from compiler.robot import RobotModel
+from compiler.dynamics.float_reading import FloatReading
+from compiler.encodings.reachability_smt import pose_question, refutation_script
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.pose_search import find_poses
 from solvers.progress import Conduct

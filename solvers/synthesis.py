@@ -14,14 +14,14 @@ from typing import Literal
 
 import numpy as np
 
-from compiler.abstraction import Abstraction, abstract
-from compiler.attributes import SemanticsError
-from compiler.derivation import Derivation, structures
-from compiler.dynamics import robot_graph
-from compiler.family import RobotFamily, family_of
-from compiler.float_reading import FloatReading
-from compiler.normalise import robot_key
-from compiler.robot import RobotModel
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.float_reading import FloatReading
+from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.languages.derivation import Derivation, structures
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.normalise import robot_key
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.certificate import ParameterClaim, decimal
 from solvers.conclusion import (

@@ -13,9 +13,7 @@ from fractions import Fraction
 import casadi as ca
 from flint import arb
 
-from compiler.absolute_angles import absolute_angles
-from compiler.abstraction import Abstraction
-from compiler.balls import (
+from compiler.arithmetic.balls import (
     BallArithmetic,
     ball,
     closed_ball,
@@ -23,10 +21,12 @@ from compiler.balls import (
     scalar_balls,
     working_precision,
 )
-from compiler.dynamics import RobotGraph, robot_graph
-from compiler.polytope import Polytope, polytope_of
-from compiler.robot import RobotModel, RodBody
-from compiler.tape import tape
+from compiler.dynamics.absolute_angles import absolute_angles
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.dynamics.tape import tape
+from compiler.geometry.abstraction import Abstraction
+from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.robots.robot import RobotModel, RodBody
 from grammar_lang import ir
 from solvers.enclosure import Accuracy, EnclosureFailure, VectorField, tube
 from solvers.tube_checks import (

@@ -18,8 +18,8 @@ from itertools import combinations
 
 from flint import arb, arb_series, ctx
 
-from compiler.balls import BallArithmetic, SeriesArithmetic, ball
-from compiler.tape import Tape
+from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic, ball
+from compiler.dynamics.tape import Tape
 from solvers.enclosure import TubeSegment, VectorField
 
 MOST_SPLITS = 12

@@ -14,14 +14,14 @@ from pathlib import Path
 
 from flint import arb
 
-from compiler.abstraction import Abstraction, abstract
-from compiler.attributes import SemanticsError
-from compiler.balls import ball, closed_ball, working_precision
-from compiler.derivation import BadDerivation, Derivation
-from compiler.family import RobotFamily, family_of
-from compiler.robot import RobotModel
-from compiler.specification import path_problem
-from compiler.supported import unsupported
+from compiler.arithmetic.balls import ball, closed_ball, working_precision
+from compiler.encodings.specification import path_problem
+from compiler.encodings.supported import unsupported
+from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.languages.derivation import BadDerivation, Derivation
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.constants import rational
 from solvers.certificate import (

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from compiler.automaton import Configuration, accepting_run, accepts, configurations, sra
-from compiler.derivation import Derivation, replay
-from compiler.language import language
+from compiler.automata.pushdown_automaton import (
+    Configuration,
+    accepting_run,
+    accepts,
+    configurations,
+    sra,
+)
+from compiler.languages.derivation import Derivation, replay
+from compiler.languages.language import language
 from grammar_lang import ir
 
 

@@ -131,7 +131,7 @@ def words(
     """List the words of a robot family, shortest first."""
     from itertools import islice
 
-    from compiler.language import language
+    from compiler.languages.language import language
 
     program = program_of(file)
     chosen_grammar = chosen(program.grammars, grammar, "grammar")

@@ -8,8 +8,8 @@ import json
 from fractions import Fraction
 from typing import Any
 
-from compiler.dynamics import robot_graph
-from compiler.float_reading import FloatReading
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.float_reading import FloatReading
 from grammar_lang import ir
 from solvers.certificate import (
     FoundClaim,

@@ -12,10 +12,10 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from compiler.dynamics import robot_graph
-from compiler.float_reading import Array, FloatReading
-from compiler.polytope import polytope_of
-from compiler.robot import WORLD
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.geometry.polytope import polytope_of
+from compiler.robots.robot import WORLD
 from grammar_lang import ir
 from solvers.synthesis import Design, Synthesis
 

@@ -6,12 +6,12 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from compiler.abstraction import abstract
-from compiler.acceptance import accept_dfa
-from compiler.automaton import sra
-from compiler.language import Language, language, restrict
-from compiler.views import dfa_dot, grammar_dot, sra_dot, words_dot
-from compiler.workspace_dot import workspace_dot
+from compiler.automata.acceptance import accept_dfa
+from compiler.automata.pushdown_automaton import sra
+from compiler.geometry.abstraction import abstract
+from compiler.languages.language import Language, language, restrict
+from compiler.views.automaton_dot import dfa_dot, grammar_dot, sra_dot, words_dot
+from compiler.views.workspace_dot import workspace_dot
 from grammar_lang import ir
 from srgc.session import UsageFault, chosen
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from compiler.abstraction import abstract
+from compiler.geometry.abstraction import abstract
 from grammar_lang import ir
 from solvers.planner import path_planner
 from solvers.verdict import Holds, Unknown

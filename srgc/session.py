@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from compiler.grammar_checks import cycle_diagnostics, grammar_diagnostics
-from compiler.workspace_checks import workspace_diagnostics
+from compiler.checks.grammar_checks import cycle_diagnostics, grammar_diagnostics
+from compiler.checks.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
 from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
 from grammar_lang.load import Loaded, load
@@ -66,7 +66,7 @@ def check_loaded(loaded: Loaded) -> Checked:
     workspace_diagnostics(loaded.sound, sink, complete=complete)
     tasks = loaded.sound.tasks.values()
     if any(task.satisfy or task.origin for task in tasks):
-        from compiler.task_checks import task_diagnostics
+        from compiler.checks.task_checks import task_diagnostics
 
         task_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):
@@ -111,7 +111,7 @@ def refuse_unsupported(program: ir.Program, task: ir.Task) -> None:
     Raises:
         SpecErrors: the task, or a module or workspace of it, has one.
     """
-    from compiler.supported import unsupported
+    from compiler.encodings.supported import unsupported
 
     errors = unsupported(program, task)
     if errors:

@@ -18,7 +18,7 @@ import pytest
 from lark import Lark, Token, Tree
 
 import srgc.cli
-from compiler.finite_automaton import STATE_LIMIT
+from compiler.automata.finite_automaton import STATE_LIMIT
 from grammar_lang import emissions, extent, typecheck
 from grammar_lang.files.file_set import IMAGE_LIMIT
 from grammar_lang.files.source_file import LIMIT
@@ -360,7 +360,7 @@ def assert_read_and_refused(
 
 def test_every_clause_that_is_refused_is_listed() -> None:
     """Each keyword of the code's own list is on the page, and no other."""
-    source = (ROOT / "compiler" / "supported.py").read_text(encoding="utf-8")
+    source = (ROOT / "compiler" / "encodings" / "supported.py").read_text(encoding="utf-8")
     clauses = source[source.index("def _clauses") :]
     named = {name.split()[0] for name in re.findall(r'"`(\w[\w ]*)`"', clauses)}
     assert {clause.split()[0] for clause in refused_clauses()} == named

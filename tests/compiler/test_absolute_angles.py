@@ -7,9 +7,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.absolute_angles import absolute_angles, own_coordinates
-from compiler.dynamics import robot_graph
-from compiler.robot import WORLD, RobotModel
+from compiler.dynamics.absolute_angles import absolute_angles, own_coordinates
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.robots import Builder, evaluate, rod_chain
 
 PULL = (Fraction(1, 3), Fraction("-9.81"))

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.abstraction import abstract
-from compiler.polytope import polytope_of
+from compiler.geometry.abstraction import abstract
+from compiler.geometry.polytope import polytope_of
 from grammar_lang.ir import Inequalities, Region, Workspace
 from tests.oracles.planes import (
     bench,
@@ -257,8 +257,8 @@ def test_two_hundred_obstacles():
 
 
 SCRIPT = """
-from compiler.abstraction import abstract
-from compiler.workspace_dot import workspace_dot
+from compiler.geometry.abstraction import abstract
+from compiler.views.workspace_dot import workspace_dot
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import box, hull
 shapes = [("B", "region", (0, 0), (3, 1), (1, 3)), ("A", "target", (2, 0), (4, 4), (1, 2)),

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from hypothesis import given
 
-from compiler.alphabet import alphabet_of
-from compiler.language import language
+from compiler.grammars.alphabet import alphabet_of
+from compiler.languages.language import language
 from grammar_lang import ir
 from tests.oracles.grammars import ALPHABET, grammar, random_grammars
 

@@ -3,11 +3,11 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from compiler.ambiguity import LENGTH_LIMIT, Ambiguity
-from compiler.ambiguity import ambiguity as ambiguity_of
-from compiler.finite_language import longest_word
-from compiler.grammar import cyclic, trimmed
-from compiler.language import Language, language
+from compiler.grammars.grammar import cyclic, trimmed
+from compiler.languages.ambiguity import LENGTH_LIMIT, Ambiguity
+from compiler.languages.ambiguity import ambiguity as ambiguity_of
+from compiler.languages.finite_language import longest_word
+from compiler.languages.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, arm, grammar, random_grammars

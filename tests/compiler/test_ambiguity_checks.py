@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from compiler.ambiguity import ambiguity
-from compiler.derivation import derivations_of
-from compiler.finite_language import longest_word
-from compiler.grammar_checks import grammar_diagnostics
-from compiler.language import language
+from compiler.checks.grammar_checks import grammar_diagnostics
+from compiler.languages.ambiguity import ambiguity
+from compiler.languages.derivation import derivations_of
+from compiler.languages.finite_language import longest_word
+from compiler.languages.language import language
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink

@@ -8,10 +8,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.attributes import SemanticsError, evaluate
-from compiler.derivation import Derivation, DerivationNode
-from compiler.dynamics import robot_graph
-from compiler.robot import RobotModel
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.languages.derivation import Derivation, DerivationNode
+from compiler.robots.attributes import SemanticsError, evaluate
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from tests.oracles.robots import evaluate as reading
 from tests.oracles.robots import interval, rod_chain

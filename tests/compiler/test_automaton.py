@@ -5,8 +5,8 @@ from itertools import islice
 import pytest
 from hypothesis import assume, given, settings
 
-from compiler.acceptance import accept_dfa
-from compiler.automaton import (
+from compiler.automata.acceptance import accept_dfa
+from compiler.automata.pushdown_automaton import (
     Configuration,
     Pda,
     Transition,
@@ -16,8 +16,8 @@ from compiler.automaton import (
     linear_automaton,
     sra,
 )
-from compiler.grammar import linearity, srg, trimmed
-from compiler.language import language
+from compiler.grammars.grammar import linearity, srg, trimmed
+from compiler.languages.language import language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import (

@@ -10,14 +10,14 @@ from flint import arb, arb_series, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.balls import (
+from compiler.arithmetic.balls import (
     SeriesArithmetic,
     ball,
     closed_ball,
     constant_ball,
     working_precision,
 )
-from compiler.scalars import Constant, PiConstant
+from compiler.arithmetic.scalars import Constant, PiConstant
 from grammar_lang import ir
 from tests.oracles.exact_chain import DIGITS, contains
 

@@ -5,7 +5,8 @@ from itertools import islice
 import pytest
 from hypothesis import assume, given, settings
 
-from compiler.derivation import (
+from compiler.grammars.grammar import cyclic, trimmed
+from compiler.languages.derivation import (
     BadDerivation,
     Derivation,
     InfiniteAmbiguityError,
@@ -13,8 +14,7 @@ from compiler.derivation import (
     replay,
     structures,
 )
-from compiler.grammar import cyclic, trimmed
-from compiler.language import language
+from compiler.languages.language import language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, derivations, satisfies, words_of
 from tests.oracles.grammars import (

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compiler.dynamics import robot_graph
-from compiler.robot import WORLD
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.robot import WORLD
 from tests.oracles.lagrangian import PointCloud, rod_points
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder, evaluate, point_chain, rod_chain

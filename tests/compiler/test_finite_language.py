@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 
-from compiler.finite_language import MOVE_LIMIT, longest_word, number_of_words
-from compiler.language import language
+from compiler.languages.finite_language import MOVE_LIMIT, longest_word, number_of_words
+from compiler.languages.language import language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import satisfies, words_of
 from tests.oracles.grammars import ALPHABET, grammar, random_grammars

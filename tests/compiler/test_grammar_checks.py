@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from compiler.grammar_checks import cycle_diagnostics, grammar_diagnostics
+from compiler.checks.grammar_checks import cycle_diagnostics, grammar_diagnostics
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
-from compiler.hull import hull_rows
-from compiler.polytope import Polytope
+from compiler.geometry.hull import hull_rows
+from compiler.geometry.polytope import Polytope
 
 coordinate = st.integers(-6, 6).map(lambda n: Fraction(n, 3))
 

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from compiler.acceptance import accept_dfa
-from compiler.grammar import srg
-from compiler.intersection import IntersectionTooLargeError, binary_normal_form, intersect
+from compiler.automata.acceptance import accept_dfa
+from compiler.grammars.grammar import srg
+from compiler.languages.intersection import IntersectionTooLargeError, binary_normal_form, intersect
 from grammar_lang import ir
 from tests.oracles.grammars import grammar
 

@@ -5,9 +5,9 @@ from itertools import islice
 import pytest
 from hypothesis import given, settings
 
-from compiler import residuals
-from compiler.automaton import accepts, sra
-from compiler.language import Language, language
+from compiler.automata.pushdown_automaton import accepts, sra
+from compiler.languages import residuals
+from compiler.languages.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, sentential_words, words_of
 from tests.oracles.grammars import (

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from compiler.balls import closed_ball
-from compiler.dynamics import robot_graph
-from compiler.normalise import normalise, robot_key
-from compiler.robot import WORLD, FrameNode, Joint, RobotModel
+from compiler.arithmetic.balls import closed_ball
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.normalise import normalise, robot_key
+from compiler.robots.robot import WORLD, FrameNode, Joint, RobotModel
 from grammar_lang import ir
 from tests.oracles.robots import Builder, evaluate, interval
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from compiler.overlap_checks import CANDIDATE_LIMIT, REPORTED, overlap_diagnostics
-from compiler.polytope import polytope_of
+from compiler.checks.overlap_checks import CANDIDATE_LIMIT, REPORTED, overlap_diagnostics
+from compiler.geometry.polytope import polytope_of
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Severity, Sink
 from grammar_lang.ir import Workspace

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from compiler.overlaps import candidates, interiors_meet
-from compiler.polytope import Polytope, polytope_of
+from compiler.geometry.overlaps import candidates, interiors_meet
+from compiler.geometry.polytope import Polytope, polytope_of
 from tests.oracles.planes import box_rows, boxes, hull, polygons, row
 
 SETTINGS = settings(max_examples=80, deadline=None)

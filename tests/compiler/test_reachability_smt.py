@@ -14,8 +14,8 @@ import pytest
 from pysmt.environment import Environment
 from pysmt.smtlib.parser import SmtLibParser
 
-from compiler.normalise import normalise
-from compiler.reachability_smt import effector_choices, pose_question, refutation_script
+from compiler.encodings.reachability_smt import effector_choices, pose_question, refutation_script
+from compiler.robots.normalise import normalise
 from grammar_lang import ir
 from solvers.smt import solve_script
 from tests.oracles.arms import ArmBuilder, number, planar_arm
@@ -337,7 +337,7 @@ def test_scripts_parse(seed):
 
 PROGRAM = """
 import numpy as np
-from compiler.reachability_smt import refutation_script
+from compiler.encodings.reachability_smt import refutation_script
 from tests.oracles.questions import question, random_robot
 asked = question(((0, 1),) * 3, ((1, 2),) * 3, ((-9, 9),) * 3)
 for seed in range(5):

@@ -9,8 +9,8 @@ from math import hypot
 import numpy as np
 import pytest
 
-from compiler.normalise import normalise
-from compiler.reachability_smt import refutation_script
+from compiler.encodings.reachability_smt import refutation_script
+from compiler.robots.normalise import normalise
 from grammar_lang import ir
 from solvers.smt import solve_script
 from tests.oracles.arms import ArmBuilder, effector_positions, interval, planar_arm

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from compiler.acceptance import accept_dfa
-from compiler.grammar import srg, trimmed
-from compiler.regular_ambiguity import STEP_LIMIT, Decision, decide_ambiguity
-from compiler.transition_network import transition_network
+from compiler.automata.acceptance import accept_dfa
+from compiler.grammars.grammar import srg, trimmed
+from compiler.grammars.transition_network import transition_network
+from compiler.languages.regular_ambiguity import STEP_LIMIT, Decision, decide_ambiguity
 from grammar_lang import ir
 from tests.oracles.grammars import ALPHABET, EVERY, grammar
 

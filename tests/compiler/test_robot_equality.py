@@ -5,7 +5,8 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.robot import (
+from compiler.arithmetic.scalars import ScalarTable
+from compiler.robots.robot import (
     FrameNode,
     Joint,
     Offset,
@@ -14,8 +15,7 @@ from compiler.robot import (
     RobotModel,
     RobotParameter,
 )
-from compiler.robot_equality import provably_different
-from compiler.scalars import ScalarTable
+from compiler.robots.robot_equality import provably_different
 from grammar_lang import ir
 
 

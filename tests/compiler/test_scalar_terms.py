@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.balls import working_precision
-from compiler.real_terms import RealScript, between
-from compiler.scalar_terms import ScalarTerms
+from compiler.arithmetic.balls import working_precision
+from compiler.encodings.real_terms import RealScript, between
+from compiler.encodings.scalar_terms import ScalarTerms
 from grammar_lang import ir
 from solvers.smt import solve_script
 from solvers.verdict import Fails, Holds

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.scalars import (
+from compiler.arithmetic.scalars import (
     Apply,
     Constant,
     ParameterLeaf,

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from compiler.shape_checks import sound_polytope
+from compiler.checks.shape_checks import sound_polytope
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
 from grammar_lang.ir import Inequalities, Region

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from compiler.grammar import cyclic, srg, trimmed
-from compiler.short_words import short_words
+from compiler.grammars.grammar import cyclic, srg, trimmed
+from compiler.grammars.short_words import short_words
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars

@@ -2,8 +2,8 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.abstraction import abstract
-from compiler.specification import path_problem
+from compiler.encodings.specification import path_problem
+from compiler.geometry.abstraction import abstract
 from grammar_lang.ir import Num, StartAt, Workspace
 from tests.oracles.planes import bench, box
 from tests.oracles.tasks import avoid, task

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.supported import unsupported
+from compiler.encodings.supported import unsupported
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Severity

@@ -9,10 +9,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from compiler.balls import BallArithmetic, ball, constant_ball, working_precision
-from compiler.dynamics import RobotGraph, robot_graph
-from compiler.robot import WORLD, RobotModel
-from compiler.tape import tape
+from compiler.arithmetic.balls import BallArithmetic, ball, constant_ball, working_precision
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.dynamics.tape import tape
+from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.exact_chain import DIGITS, Multiprecision, contains, exact
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder, constants_of, rod_chain

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from compiler.task_checks import task_diagnostics
+from compiler.checks.task_checks import task_diagnostics
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from tests.oracles.formulas import ONE_ARM, SHAPES, TWO_ARMS, program, spec

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.unroll import UNREACHABLE, Unrolling, distances
+from compiler.encodings.unroll import UNREACHABLE, Unrolling, distances
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from itertools import islice
 
 import pytest
 
-from compiler.automaton import linear_automaton, sra
-from compiler.language import language
-from compiler.views import dfa_dot, grammar_dot, sra_dot, words_dot
+from compiler.automata.pushdown_automaton import linear_automaton, sra
+from compiler.languages.language import language
+from compiler.views.automaton_dot import dfa_dot, grammar_dot, sra_dot, words_dot
 from tests.oracles.grammars import (
     ALPHABET,
     ARM_MODULES,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from compiler.workspace_checks import workspace_diagnostics
+from compiler.checks.workspace_checks import workspace_diagnostics
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Severity, Sink
 from grammar_lang.ir import (
@@ -258,6 +258,7 @@ def test_hundreds_of_regions_are_no_trouble():
 
 
 def test_numpy_is_not_loaded():
-    program = "import sys, compiler.workspace_checks, compiler.grammar_checks, compiler.polytope\n"
+    program = "import sys, compiler.checks.workspace_checks, compiler.geometry.polytope\n"
+    program += "import compiler.checks.grammar_checks\n"
     program += "sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=False).returncode == 0

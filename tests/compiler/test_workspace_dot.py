@@ -1,7 +1,7 @@
 import re
 
-from compiler.abstraction import abstract
-from compiler.workspace_dot import workspace_dot
+from compiler.geometry.abstraction import abstract
+from compiler.views.workspace_dot import workspace_dot
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import bench, box
 

@@ -7,7 +7,8 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from compiler.robot import (
+from compiler.arithmetic.scalars import Apply, Constant, ParameterLeaf, PiConstant, ScalarTable
+from compiler.robots.robot import (
     FrameNode,
     Joint,
     Offset,
@@ -17,7 +18,6 @@ from compiler.robot import (
     RodBody,
     Turn,
 )
-from compiler.scalars import Apply, Constant, ParameterLeaf, PiConstant, ScalarTable
 from grammar_lang import ir
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mpmath as mp
 from flint import arb
 
-from compiler.scalars import Constant, PiConstant
+from compiler.arithmetic.scalars import Constant, PiConstant
 
 DIGITS = 60
 

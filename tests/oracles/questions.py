@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.normalise import normalise
-from compiler.reachability_smt import PoseQuestion, refutation_script
+from compiler.encodings.reachability_smt import PoseQuestion, refutation_script
+from compiler.robots.normalise import normalise
 from grammar_lang import ir
 from solvers.smt import solve_script
 from solvers.verdict import Fails, Holds

@@ -9,8 +9,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.dynamics import RobotGraph
-from compiler.robot import (
+from compiler.arithmetic.scalars import Constant, ScalarTable
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.robots.robot import (
     WORLD,
     Body,
     FrameNode,
@@ -25,7 +26,6 @@ from compiler.robot import (
     Step,
     Turn,
 )
-from compiler.scalars import Constant, ScalarTable
 from grammar_lang import ir
 
 Array = NDArray[np.float64]

@@ -13,10 +13,10 @@ import pytest
 from flint import arb, ctx
 from scipy.integrate import solve_ivp
 
-from compiler.balls import ball, constant_ball, working_precision
-from compiler.dynamics import RobotGraph, robot_graph
-from compiler.robot import WORLD
-from compiler.tape import tape
+from compiler.arithmetic.balls import ball, constant_ball, working_precision
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.dynamics.tape import tape
+from compiler.robots.robot import WORLD
 from solvers.enclosure import (
     Accuracy,
     EnclosureFailure,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compiler.dynamics import robot_graph
-from compiler.float_reading import FloatReading
-from compiler.robot import WORLD
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.float_reading import FloatReading
+from compiler.robots.robot import WORLD
 from solvers.inverse_kinematics import branches, solve_positions
 from tests.oracles.robots import Builder, rod_chain
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.abstraction import abstract
-from compiler.specification import path_problem
+from compiler.encodings.specification import path_problem
+from compiler.geometry.abstraction import abstract
 from solvers.planner import CellPath, Planner
 from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.planes import bench, cuts_of_the_bench, workspaces

@@ -1,6 +1,6 @@
 import pytest
 
-from compiler.reachability_smt import refutation_script
+from compiler.encodings.reachability_smt import refutation_script
 from solvers.smt import solve_script
 from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.arms import planar_arm

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from compiler.reachability_smt import refutation_script
+from compiler.encodings.reachability_smt import refutation_script
 from solvers import smt_subprocess
 from solvers.smt import solve_script
 from solvers.smt_subprocess import run_z3_subprocess, z3_command
@@ -81,9 +81,9 @@ def test_the_verifier_loads_no_solver():
     # Neither writing a script nor handing it to z3 loads z3 here.
     program = """
 import sys
-from compiler.reachability_smt import refutation_script
+from compiler.encodings.reachability_smt import refutation_script
 from solvers.smt_subprocess import run_z3_subprocess
-from compiler.reachability_smt import PoseQuestion
+from compiler.encodings.reachability_smt import PoseQuestion
 from tests.oracles.arms import planar_arm
 from tests.oracles.planes import box_rows
 boxes = [box_rows((i, i + 1), (i, i + 1)).rows for i in (1, 3)]

@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 from flint import arb
 
-from compiler.balls import ball, working_precision
+from compiler.arithmetic.balls import ball, working_precision
 from solvers.tube_checks import Apart, Inside, Row, Slice, row
 
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from compiler.abstraction import abstract
+from compiler.geometry.abstraction import abstract
 from grammar_lang.load import load
 from solvers.verifier import Outcome, verify_directory
 from tests.oracles import result_files

@@ -1,0 +1,1 @@
+"""Scalar expressions, and balls and rationals that enclose their values."""

@@ -1,0 +1,154 @@
+"""The validated reading of a robot's graph: ball arithmetic and truncated power series of balls.
+
+Every ball contains the exact value; nothing here compares floats with a tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from fractions import Fraction
+
+from flint import arb, arb_series, ctx, fmpq
+
+from compiler.arithmetic.scalars import (
+    Apply,
+    Constant,
+    ParameterLeaf,
+    PiConstant,
+    ScalarNode,
+    read_scalars,
+)
+from grammar_lang import ir
+
+
+@contextmanager
+def working_precision(bits: int) -> Iterator[None]:
+    """Ball arithmetic with so many bits within the block."""
+    before = ctx.prec, ctx.cap
+    ctx.prec = bits
+    try:
+        yield
+    finally:
+        ctx.prec, ctx.cap = before
+
+
+def ball(value: Fraction | int) -> arb:
+    """A ball around a rational."""
+    exact = Fraction(value)
+    return arb(fmpq(exact.numerator, exact.denominator))
+
+
+def constant_ball(constant: Constant | PiConstant) -> arb:
+    """A ball around a constant of a graph."""
+    return ball(constant.value) if isinstance(constant, Constant) else arb.pi()
+
+
+def closed_ball(expression: ir.Expr) -> arb:
+    """A ball around a closed scalar expression.
+
+    Raises:
+        ValueError: the expression is not a closed scalar.
+    """
+    match expression:
+        case ir.Num(value):
+            return ball(value)
+        case ir.Pi():
+            return arb.pi()
+        case ir.Unary(function, operand):
+            return _UNARY[function](closed_ball(operand))
+        case ir.Binary("^", base, ir.Num(exponent)):
+            return closed_ball(base) ** int(exponent)
+        case ir.Binary(operator, left, right):
+            a, b = closed_ball(left), closed_ball(right)
+            return {"+": a.__add__, "-": a.__sub__, "*": a.__mul__, "/": a.__truediv__}[operator](b)
+        case _:
+            raise ValueError(f"not a closed scalar: {expression}")
+
+
+_UNARY: Mapping[str, Callable[[arb], arb]] = {
+    "neg": lambda a: -a,
+    "abs": abs,
+    "fabs": abs,
+    "sq": lambda a: a * a,
+    "inv": lambda a: 1 / a,
+    "twice": lambda a: a + a,
+    "sqrt": arb.sqrt,
+    "sin": arb.sin,
+    "cos": arb.cos,
+    "tan": arb.tan,
+}
+_SERIES: Mapping[str, Callable[[arb_series], arb_series]] = {
+    "neg": lambda a: -a,
+    "sq": lambda a: a * a,
+    "inv": lambda a: 1 / a,
+    "twice": lambda a: a + a,
+    "sqrt": arb_series.sqrt,
+    "sin": arb_series.sin,
+    "cos": arb_series.cos,
+    "tan": arb_series.tan,
+}
+
+
+class BallArithmetic:
+    """Balls as the numbers of a tape."""
+
+    def integer(self, value: int) -> arb:
+        """An exact integer."""
+        return arb(value)
+
+    def unary(self, name: str, argument: arb) -> arb:
+        """A function of one ball."""
+        return _UNARY[name](argument)
+
+    def binary(self, name: str, left: arb, right: arb) -> arb:
+        """An operation on two balls."""
+        if name == "add":
+            return left + right
+        if name == "sub":
+            return left - right
+        return left * right if name == "mul" else left / right
+
+
+class SeriesArithmetic:
+    """Power series of balls, truncated at the working length, as the numbers of a tape."""
+
+    def integer(self, value: int) -> arb_series:
+        """A constant series."""
+        return arb_series([value])
+
+    def unary(self, name: str, argument: arb_series) -> arb_series:
+        """A function of one series; ``fabs`` only where the sign is certain."""
+        if name == "fabs":
+            if len(argument) == 0 or argument[0] > 0:
+                return argument
+            if argument[0] < 0:
+                return -argument
+            raise ValueError("the sign under an absolute value is not certain")
+        return _SERIES[name](argument)
+
+    def binary(self, name: str, left: arb_series, right: arb_series) -> arb_series:
+        """An operation on two series."""
+        if name == "add":
+            return left + right
+        if name == "sub":
+            return left - right
+        return left * right if name == "mul" else left / right
+
+
+def scalar_balls(nodes: Sequence[ScalarNode], theta: Sequence[arb]) -> list[arb]:
+    """A ball around every scalar of a robot, for parameters given as balls."""
+    names = {"+": "add", "-": "sub", "*": "mul", "/": "div"}
+    arithmetic = BallArithmetic()
+
+    def leaf(node: Constant | PiConstant | ParameterLeaf) -> arb:
+        return theta[node.index] if isinstance(node, ParameterLeaf) else constant_ball(node)
+
+    def apply(node: Apply, arguments: list[arb]) -> arb:
+        if node.operation == "^":
+            return arguments[0] ** node.exponent
+        if len(arguments) == 2:
+            return arithmetic.binary(names[node.operation], *arguments)
+        return arithmetic.unary(node.operation, arguments[0])
+
+    return read_scalars(nodes, leaf, apply)

@@ -1,0 +1,1 @@
+"""Finite and pushdown automata: the accept condition, the SRA and the FRA."""

@@ -1,0 +1,1 @@
+"""Findings about grammars, robots, workspaces and tasks."""

@@ -1,0 +1,88 @@
+"""Notes about regions of a workspace that overlap; it is allowed, and often not meant."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from itertools import islice
+
+from compiler.geometry.overlaps import candidates, interiors_meet
+from compiler.geometry.polytope import Polytope
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.ir import Region, Workspace
+
+REPORTED = 20
+CANDIDATE_LIMIT = 5_000
+
+
+def overlap_diagnostics(
+    workspace: Workspace,
+    inside: Mapping[str, Polytope],
+    told: Collection[tuple[str, str]],
+    sink: Sink,
+) -> None:
+    """Note the pairs of regions whose interiors meet within the bounds.
+
+    Two obstacles may overlap as they like.  The first ``REPORTED`` pairs in order of declaration
+    are noted one by one, the others by their number; at most ``CANDIDATE_LIMIT`` pairs whose
+    bounding boxes overlap are looked at.
+
+    Args:
+        workspace: the workspace.
+        inside: the parts of its regions within the bounds, by facets; regions without are left out.
+        told: pairs of names, in any order, about which there is another finding already.
+        sink: where to report.
+    """
+    regions = [region for region in workspace.regions if region.name in inside]
+    shapes = [inside[region.name] for region in regions]
+    looked_at = list(islice(_worth(regions, shapes, told), CANDIDATE_LIMIT + 1))
+    cut = len(looked_at) > CANDIDATE_LIMIT
+    pairs = sorted(
+        (i, j) for i, j in looked_at[:CANDIDATE_LIMIT] if interiors_meet(shapes[i], shapes[j])
+    )
+    for i, j in pairs[:REPORTED]:
+        _note(regions[i], regions[j], shapes[i], shapes[j], sink)
+    rest = len(pairs) - REPORTED
+    if rest > 0:
+        some = "1 more pair" if rest == 1 else f"{rest} more pairs"
+        sink.note(
+            Code.OVERLAPPING_REGIONS,
+            f"{'at least ' if cut else ''}{some} of regions of workspace `{workspace.name}` "
+            f"overlap{'s' if rest == 1 else ''}",
+            workspace.span,
+            hint="a point of several regions has the propositions of all of them",
+        )
+
+
+def _worth(
+    regions: list[Region], shapes: list[Polytope], told: Collection[tuple[str, str]]
+) -> Iterator[tuple[int, int]]:
+    """The candidates that there is something to say about."""
+    for i, j in candidates(shapes):
+        first, second = regions[i], regions[j]
+        names = first.name, second.name
+        if not (
+            (first.kind == "obstacle" and second.kind == "obstacle")
+            or names in told
+            or names[::-1] in told
+        ):
+            yield i, j
+
+
+def _note(first: Region, second: Region, one: Polytope, other: Polytope, sink: Sink) -> None:
+    """One pair, at the region that is declared later."""
+    a, b = f"{first.kind} `{first.name}`", f"{second.kind} `{second.name}`"
+    forth, back = other.contains(one), one.contains(other)
+    if forth and back:
+        message = f"{b} is the same set as {a}"
+    elif forth or back:
+        message = f"{b} {'contains' if forth else 'lies inside'} {a}"
+    else:
+        message = f"{b} overlaps {a}"
+    sink.note(
+        Code.OVERLAPPING_REGIONS,
+        message,
+        second.span,
+        hint="a point of both has both propositions; move one of them if that is not meant",
+        notes=((first.span, f"`{first.name}` is declared here"),),
+    )

@@ -1,0 +1,108 @@
+"""Findings about single regions: empty, flat and unbounded sets, with the reason why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+from compiler.geometry.double_description import Point
+from compiler.geometry.irreducible_rows import irreducible_rows
+from compiler.geometry.polytope import AXES, Polytope, polytope_of
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region
+from grammar_lang.source import Span
+
+
+def sound_polytope(region: Region, dimension: Literal[2, 3], sink: Sink) -> Polytope | None:
+    """The polytope of a region that has an interior (and, where it is the bounds, an end).
+
+    Anything else is reported, an unbounded region as a warning.
+    """
+    shape = polytope_of(region.shape, dimension)
+    if not shape.has_interior:
+        _no_interior(region, shape, sink)
+        return None
+    if shape.is_bounded:
+        return shape
+    report = sink.error if region.kind == "bounds" else sink.warning
+    tail = "are unbounded"
+    if region.kind != "bounds":
+        tail = "is unbounded, it counts up to the bounds of the workspace"
+    report(
+        Code.UNBOUNDED_POLYTOPE,
+        f"{_called(region)} {tail}",
+        region.span,
+        hint=f"add inequalities that close the set towards {', '.join(_open_sides(shape))}",
+    )
+    return None if region.kind == "bounds" else shape
+
+
+def _called(region: Region) -> str:
+    return "the bounds" if region.kind == "bounds" else f"{region.kind} `{region.name}`"
+
+
+def _open_sides(shape: Polytope) -> Iterator[str]:
+    """The directions along the axes in which a set has no end, at least one."""
+    for axis, name in enumerate(AXES[: shape.dimension]):
+        if shape.extends(axis, -1):
+            yield f"-{name}"
+        if shape.extends(axis, 1):
+            yield f"+{name}"
+
+
+def _no_interior(region: Region, shape: Polytope, sink: Sink) -> None:
+    verb = "have" if region.kind == "bounds" else "has"
+    lacking = "no point" if shape.is_empty else "no interior"
+    code = Code.EMPTY_POLYTOPE if shape.is_empty else Code.FLAT_POLYTOPE
+    notes: list[tuple[Span, str]] = []
+    if isinstance(region.shape, Hull):
+        reason, hint = _flat_hull(region.shape.points, shape)
+    else:
+        reason, hint, notes = _contradiction(region.shape.rows, shape)
+    sink.error(code, f"{_called(region)} {verb} {lacking}: {reason}", region.span, hint, notes)
+
+
+def _flat_hull(points: Sequence[Point], shape: Polytope) -> tuple[str, str]:
+    """Why a hull has no interior, and what would give it one."""
+    where = {0: "are all the same", 1: "lie on one line", 2: "lie in one plane"}
+    reason = f"its points {where[shape.affine_dimension]}" if len(points) > 1 else "it is one point"
+    repeated = len(points) - len(set(points))
+    if repeated and shape.affine_dimension:
+        reason += f", {repeated} of them {'is' if repeated == 1 else 'are'} repeated"
+    needed = "three points that are not on one line"
+    if shape.dimension == 3:
+        needed = "four points that are not in one plane"
+    return reason, f"a hull needs {needed}"
+
+
+def _contradiction(
+    rows: Sequence[HalfSpace], shape: Polytope
+) -> tuple[str, str, list[tuple[Span, str]]]:
+    """The reason why inequalities leave nothing, a hint, and the few that do so as notes."""
+    if shape.is_empty:
+        few = irreducible_rows(rows, lambda part: part.is_empty)
+        does = "contradict each other" if len(few) > 1 else "never holds"
+        hint = "change one of the inequalities marked here: look at signs and units"
+    else:
+        few = irreducible_rows(rows, lambda part: not part.has_interior)
+        does = "leave no room between them"
+        hint = f"a region needs a positive {'area' if shape.dimension == 2 else 'volume'}"
+    reason = f"{len(few)} of its {len(rows)} inequalities {does}"
+    if len(few) == len(rows):
+        reason = f"its inequalities {does}" if len(rows) > 1 else f"its inequality {does}"
+    notes: dict[Span, list[str]] = {}
+    for row in few:
+        if row.span != NOWHERE:
+            notes.setdefault(row.span, []).append(f"`{_inequality(row)}`")
+    said = [(span, f"asks for {' and '.join(texts)}, in metres") for span, texts in notes.items()]
+    return reason, hint, said
+
+
+def _inequality(row: HalfSpace) -> str:
+    """A row as text, bounds of one coordinate with the coordinate alone on the left."""
+    terms = [(axis, entry) for axis, entry in zip(AXES, row.normal, strict=False) if entry]
+    if len(terms) != 1:
+        return Polytope((row,)).inequalities()[0]
+    axis, entry = terms[0]
+    return f"{axis} {'<=' if entry > 0 else '>='} {row.offset / entry}"

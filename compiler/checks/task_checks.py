@@ -1,0 +1,65 @@
+"""Checks of tasks that need the language of the robot family."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from compiler.automata.acceptance import accept_dfa
+from compiler.encodings.task_demands import subformulas
+from compiler.grammars.grammar import srg
+from compiler.languages.language import Language, restrict
+from compiler.languages.residuals import Residual, Residuals
+from compiler.robots.effector_counts import several_effectors
+from grammar_lang import ir
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Sink
+
+
+def task_diagnostics(program: ir.Program, sink: Sink) -> None:
+    """Report regions without the number of an effector, and robots that the family has not."""
+    several: dict[str, bool | None] = {}
+    for task in program.tasks.values():
+        plain = list(_plain_atoms(task))
+        if plain and task.grammar not in several:
+            several[task.grammar] = several_effectors(program, program.grammars[task.grammar])
+        if plain and several[task.grammar]:
+            for atom in plain:
+                sink.error(
+                    Code.BAD_VALUE,
+                    f"which effector is in `{atom.region}`? "
+                    f"a robot of `{task.grammar}` may have several",
+                    atom.span,
+                    f"write `{atom.region} by effector 1`",
+                )
+        if task.origin is not None:
+            _origin(program, task, task.origin, sink)
+
+
+def _plain_atoms(task: ir.Task) -> Iterator[ir.Atom]:
+    for clause in task.satisfy:
+        for node in subformulas(clause.formula):
+            if isinstance(node, ir.Atom) and not node.numbered:
+                yield node
+
+
+def _origin(program: ir.Program, task: ir.Task, origin: ir.Origin, sink: Sink) -> None:
+    """The existing robot is one of the family, its accept condition aside."""
+    rules = srg(program.grammars[task.grammar], program.terminals, program.modules)
+    language = restrict(rules, accept_dfa(ir.AllOf(()), rules.terminals))
+    if not language.accepts(origin.word):
+        sink.error(
+            Code.BAD_VALUE,
+            f"the robot to start from is no word of grammar `{task.grammar}`",
+            origin.span,
+            _where_it_fails(language, origin.word),
+        )
+
+
+def _where_it_fails(language: Language, word: tuple[str, ...]) -> str:
+    residuals = Residuals(language.normal, 0)
+    residual: Residual | None = residuals.root
+    for count, code in enumerate(language.srg.encode(word) or (), start=1):
+        residual = None if residual is None else residuals.after(residual, code)
+        if residual is None:
+            return f"no word of the grammar begins with `{' '.join(word[:count])}`"
+    return "the word is only the beginning of one: go on with more modules"

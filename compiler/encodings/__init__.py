@@ -1,0 +1,1 @@
+"""Tasks as SAT and SMT problems."""

@@ -1,0 +1,390 @@
+r"""The kinematic refutation of a robot as nonlinear real arithmetic, an SMT-LIB 2 script.
+
+Statement: for some parameters in range and some effector there are a start pose and a target pose
+with the effector in the start region and in the target, both within the bounds.  ``unsat`` proves
+that the structure cannot do the task; every relaxation only enlarges the set of solutions.
+
+Along the frames to an effector, rigid *segments* lie between revolute joints.  Segment j displaces
+by a vector of length :math:`r_j(\theta)` that its joint turns freely.  Vectors
+:math:`w_1, \dots, w_n` of the plane, or of space, with :math:`|w_j| = r_j` and sum v exist iff
+
+.. math:: |v| \le \sum_j r_j, \qquad r_k \le |v| + \sum_{j \ne k} r_j \quad (k = 1, \dots, n)
+
+(the polygon inequality; for n = 1 it says :math:`|v| = r_1`), so that the positions of the joints
+need not be unknowns, which cost z3's nonlinear solver nearly all of its time.  In the plane that
+is exact but for the limits of revolute joints.  In space the leading joints about parallel axes
+keep the components along their axis and turn those across it; all later joints turn freely about
+any axis, so that their segments add a vector across of length e and one along of length h with
+:math:`e^2 + h^2 = |v|^2`, v as above.
+
+Source: Kapovich & Millson, *On the moduli space of polygons in the Euclidean plane*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Literal, TypeAlias
+
+from flint import arb
+
+from compiler.arithmetic.balls import working_precision
+from compiler.arithmetic.rational_enclosure import rational_bounds
+from compiler.encodings.real_terms import (
+    FALSE,
+    Formula,
+    Quantity,
+    RealScript,
+    add,
+    all_of,
+    any_of,
+    at_most,
+    between,
+    constant,
+    equal,
+    multiply,
+    non_negative,
+    subtract,
+    sum_of_squares,
+)
+from compiler.encodings.scalar_terms import ScalarTerms, absolute
+from compiler.geometry.polytope import polytope_of
+from compiler.robots.robot import Joint, Offset, RobotModel, Step, Turn
+from grammar_lang import ir
+
+PRECISION = 128
+LETTERS = "xyz"
+
+Pose: TypeAlias = Literal["start", "target"]
+Vector: TypeAlias = tuple[Quantity, Quantity, Quantity]
+
+HEADER = """\
+Is there a robot of this structure with a pose that brings an effector into the start region and a
+pose that brings it into the target, within the bounds?  unsat: there is none, so no robot of this
+structure does the task.  Limits of revolute joints, the dynamics and the obstacles are left out,
+and irrational numbers lie in rational intervals: all this can only add solutions.  SI units."""
+
+FIXED_START = """\
+Is there a robot of this structure with a pose that brings an effector into the target, within the
+bounds?  unsat: there is none, so no robot of this structure does the task.  The start pose, limits
+of revolute joints, the dynamics and the obstacles are left out, and irrational numbers lie in
+rational intervals: all this can only add solutions.  SI units."""
+
+
+@dataclass(frozen=True, slots=True)
+class PoseQuestion:
+    """Exact half-spaces of the regions, and the effectors (from 0) that the clauses name.
+
+    ``start`` is None where the task gives the start pose by its coordinates.  A None
+    ``start_effector`` is the effector that reaches; a None ``reach_effector`` is any effector.
+    ``start_values`` counts the coordinates of a given start pose: a robot with another number of
+    degrees of freedom is no candidate.
+    """
+
+    start: tuple[ir.HalfSpace, ...] | None
+    target: tuple[ir.HalfSpace, ...]
+    bounds: tuple[ir.HalfSpace, ...]
+    start_effector: int | None = None
+    reach_effector: int | None = None
+    start_values: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """What lies between two revolute joints; ``axis`` of the first one, None at the base."""
+
+    axis: int | None
+    steps: tuple[Step, ...]
+
+
+Chain: TypeAlias = tuple[Segment, ...]
+
+
+def pose_question(workspace: ir.Workspace, task: ir.Task) -> PoseQuestion:
+    """What a task asks of the poses at its two ends."""
+
+    def rows(region: ir.Region) -> tuple[ir.HalfSpace, ...]:
+        return polytope_of(region.shape, workspace.dimension).rows
+
+    def index(effector: int | None) -> int | None:
+        return None if effector is None else effector - 1
+
+    start = task.start if isinstance(task.start, ir.StartIn) else None
+    return PoseQuestion(
+        None if start is None else rows(workspace.region(start.region)),
+        rows(workspace.region(task.goal.region)),
+        rows(workspace.bounds),
+        None if start is None else index(start.effector),
+        index(task.goal.effector),
+        len(task.start.values) if isinstance(task.start, ir.StartAt) else None,
+    )
+
+
+def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[int, int]]:
+    """The pairs (starting, reaching) of effectors that the task admits, from 0.
+
+    Where only the start names its effector, any effector may reach.
+    """
+    if question.start_values not in (None, len(model.dofs)):
+        return []
+    count, start, reach = len(model.effectors), question.start_effector, question.reach_effector
+    reaching = range(count) if reach is None else [reach]
+    pairs = [(e if start is None or question.start is None else start, e) for e in reaching]
+    return [pair for pair in pairs if max(pair) < count]
+
+
+def segments(model: RobotModel, frame: int) -> tuple[Segment, ...]:
+    """The segments from the world to a frame, the base segment first.
+
+    A rigid turn right behind a revolute joint about its axis is left out: the joint absorbs it.
+    """
+    found: list[tuple[int | None, list[Step]]] = [(None, [])]
+    for step in model.steps(frame):
+        if isinstance(step, Joint) and model.dofs[step.dof].kind == "revolute":
+            found.append((step.axis, []))
+        elif not (isinstance(step, Turn) and found[-1] == (step.axis, [])):
+            found[-1][1].append(step)
+    return tuple(Segment(axis, tuple(steps)) for axis, steps in found)
+
+
+def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
+    """The script of a robot and a task: SMT-LIB 2, QF_NRA, the same bytes for the same input."""
+    chains = [segments(model, frame) for frame in model.effectors]
+    # A dict keeps the order: effectors that move alike are one alternative.
+    pairs = list(
+        dict.fromkeys((chains[i], chains[j]) for i, j in effector_choices(model, question))
+    )
+    script = RealScript()
+    script.comment(HEADER if question.start is not None else FIXED_START)
+    script.lines.append("(set-logic QF_NRA)")
+    if pairs:
+        with working_precision(PRECISION):
+            _Encoding(model, question, script).write(pairs)
+    else:
+        script.comment(
+            "No effector of the structure is a candidate, or the start pose is of another robot."
+        )
+        script.assertion(FALSE)
+    script.lines.append("(check-sat)")
+    return "\n".join(script.lines) + "\n"
+
+
+@dataclass(slots=True)
+class _Encoding:
+    model: RobotModel
+    question: PoseQuestion
+    script: RealScript
+    scalars: ScalarTerms = field(init=False)
+    _coordinates: dict[tuple[int, Pose], Quantity] = field(
+        default_factory=dict[tuple[int, Pose], Quantity]
+    )
+    _displacements: dict[tuple[Segment, Pose | None], Vector] = field(
+        default_factory=dict[tuple[Segment, "Pose | None"], Vector]
+    )
+    _radii: dict[tuple[Formula, ...], Quantity] = field(
+        default_factory=dict[tuple[Formula, ...], Quantity]
+    )
+
+    def __post_init__(self) -> None:
+        self.scalars = ScalarTerms(self.model, self.script)
+
+    def write(self, pairs: list[tuple[Chain, Chain]]) -> None:
+        """Everything between the logic and the check."""
+        script, question = self.script, self.question
+        self._define_scalars(pairs)
+        start = self._position("start", question.start) if question.start is not None else None
+        target = self._position("target", question.target)
+        alternatives: list[list[Formula]] = []
+        for number, (starting, reaching) in enumerate(pairs, 1):
+            many = f" (alternative {number} of {len(pairs)})" if len(pairs) > 1 else ""
+            script.comment(
+                "Reach: lengths r of the segments between revolute joints, and distances rho from\n"
+                f"the first joint, with the polygon inequality{many}."
+            )
+            parts: list[Formula] = []
+            if start is not None:
+                parts += self._reached(starting, "start", start)
+            parts += self._reached(reaching, "target", target)
+            alternatives.append(parts)
+        if len(alternatives) == 1:
+            script.assertion(*alternatives[0])
+        else:
+            script.comment("One of the alternatives.")
+            script.assertion(any_of([all_of(parts) for parts in alternatives]))
+
+    def _define_scalars(self, pairs: list[tuple[Chain, Chain]]) -> None:
+        lengths = set[int]()
+        chains = [reaching for _, reaching in pairs]
+        if self.question.start is not None:
+            chains += [starting for starting, _ in pairs]
+        for chain in chains:
+            for segment in chain:
+                for step in segment.steps:
+                    if isinstance(step, Offset):
+                        lengths.update(step.vector)
+        self.scalars.define(lengths)
+
+    def _position(self, pose: Pose, region: tuple[ir.HalfSpace, ...]) -> Vector:
+        """The unknown position of the effector, in a region and within the bounds."""
+        script = self.script
+        script.comment(f"The position of the effector at the {pose} pose, in its region.")
+        position = [script.declare(f"{pose}_{LETTERS[i]}") for i in range(self.model.dimension)]
+        for row in (*region, *self.question.bounds):
+            script.assertion(self._inside(row, position))
+        position += [constant(0)] * (3 - len(position))
+        return position[0], position[1], position[2]
+
+    def _inside(self, row: ir.HalfSpace, position: list[Quantity]) -> Formula:
+        """A half-space, written without negative factors."""
+        terms = [
+            (a, multiply(constant(abs(a)), x)) for a, x in zip(row.normal, position, strict=True)
+        ]
+        left = [term for a, term in terms if a > 0]
+        right = [term for a, term in terms if a < 0]
+        (right if left else left).append(constant(row.offset if left else -row.offset))
+        return at_most(add(*left), add(*right))
+
+    # --- segments ---
+
+    def _displacement(self, segment: Segment, pose: Pose) -> Vector:
+        """From the segment's first origin to its last, in its first frame."""
+        moving = any(isinstance(step, Joint) for step in segment.steps)
+        key = (segment, pose if moving else None)
+        if key not in self._displacements:
+            self._displacements[key] = self._new_displacement(segment, pose)
+        return self._displacements[key]
+
+    def _new_displacement(self, segment: Segment, pose: Pose) -> Vector:
+        """By Horner's scheme, from the far end: terms stay linear in the number of steps."""
+        script = self.script
+        vector = [constant(0)] * 3
+        for step in reversed(segment.steps):
+            match step:
+                case Offset(offset):
+                    pairs = zip(vector, offset, strict=True)
+                    vector = [add(v, self.scalars.term(o)) for v, o in pairs]
+                case Joint(dof, axis, sign):
+                    way = multiply(constant(sign), self._coordinate(dof, pose))
+                    vector[axis] = add(vector[axis], way)
+                case Turn(axis, angle):
+                    vector = self._turned(vector, axis, angle, 1)
+        x, y, z = (script.named("d", v) for v in vector)
+        return x, y, z
+
+    def _turned(self, vector: list[Quantity], axis: int, angle: int, sign: int) -> list[Quantity]:
+        """The vector rotated by ``sign`` times an angle."""
+        script, turn = self.script, self.scalars.angle(angle)
+        sine = multiply(constant(sign), turn.sine)
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        u, v = (script.named("d", vector[k]) for k in (i, j))
+        rotated = list(vector)
+        rotated[i] = subtract(multiply(turn.cosine, u), multiply(sine, v))
+        rotated[j] = add(multiply(sine, u), multiply(turn.cosine, v))
+        return rotated
+
+    def _coordinate(self, dof: int, pose: Pose) -> Quantity:
+        """The coordinate of a prismatic joint at a pose, within its outer rational limits."""
+        if (dof, pose) not in self._coordinates:
+            limits = self.model.dofs[dof].range
+            if limits is None:
+                unknown = self.script.fresh(f"{pose}_q")
+            else:
+                lower = rational_bounds(limits.lower)[0]
+                upper = rational_bounds(limits.upper)[1]
+                low, high = (arb(int(end.numerator)) / end.denominator for end in (lower, upper))
+                unknown = self.script.fresh(f"{pose}_q", low.union(high))
+                self.script.assertion(*between((lower, upper), unknown))
+            self._coordinates[dof, pose] = unknown
+        return self._coordinates[dof, pose]
+
+    # --- positions ---
+
+    def _reached(self, chain: Chain, pose: Pose, position: Vector) -> list[Formula]:
+        """The constraints under which the chain's end can be at a position."""
+        script, (base, *moving) = self.script, chain
+        pairs = zip(position, self._displacement(base, pose), strict=True)
+        rest = [subtract(p, d) for p, d in pairs]
+        axis = moving[0].axis if moving else None
+        if axis is None:
+            return [equal(r, constant(0)) for r in rest]
+        rest = self._from_base(base, rest, axis)
+        count = _parallel(moving)
+        head = [self._displacement(segment, pose) for segment in moving[:count]]
+        tail = [self._displacement(segment, pose) for segment in moving[count:]]
+        along = subtract(rest[axis], add(*(d[axis] for d in head)))
+        across = [i for i in range(3) if i != axis]
+        radii = self._lengths([tuple(d[i] for i in across) for d in head])
+        formulas: list[Formula] = []
+        later = self._lengths(tail)
+        if later:
+            # The later segments add a vector of the plane, of any direction, and one along.
+            aside = script.fresh(f"{pose}_r")
+            script.assertion(non_negative(aside))
+            formulas += self._polygon([aside, along], later, pose)
+            radii.append(aside)
+        else:
+            formulas.append(equal(along, constant(0)))
+        return formulas + self._polygon([rest[i] for i in across], radii, pose)
+
+    def _from_base(self, base: Segment, vector: list[Quantity], axis: int) -> list[Quantity]:
+        """A world vector in the frame of the first joint, up to a rotation about its axis."""
+        turns = [step for step in base.steps if isinstance(step, Turn)]
+        while turns and turns[-1].axis == axis:
+            turns.pop()
+        for turn in turns:
+            vector = self._turned(vector, turn.axis, turn.angle, -1)
+        return [self.script.named("d", v) for v in vector] if turns else vector
+
+    def _lengths(self, vectors: Sequence[tuple[Quantity, ...]]) -> list[Quantity]:
+        """The lengths of the vectors that are not zero."""
+        kept = [tuple(q for q in vector if q.value != 0) for vector in vectors]
+        return [self._length(parts) for parts in kept if parts]
+
+    def _length(self, parts: tuple[Quantity, ...]) -> Quantity:
+        """The Euclidean norm of a vector, the same at both poses where the vector is."""
+        script, key = self.script, tuple(part.text for part in parts)
+        if key not in self._radii:
+            if len(parts) == 1:
+                self._radii[key] = absolute(script, parts[0])
+            else:
+                self._radii[key] = self._norm("r", parts)
+        return self._radii[key]
+
+    def _norm(self, prefix: str, parts: tuple[Quantity, ...]) -> Quantity:
+        script, square = self.script, sum_of_squares(parts)
+        known = script.number(square.ball.sqrt())
+        if known is not None:
+            return known
+        norm = script.fresh(prefix)
+        script.assertion(non_negative(norm))
+        script.assertion(equal(multiply(norm, norm), square))
+        return norm
+
+    def _polygon(self, total: list[Quantity], radii: list[Quantity], pose: Pose) -> list[Formula]:
+        """Vectors of these lengths, freely turned, have this sum."""
+        if not radii:
+            return [equal(part, constant(0)) for part in total]
+        if len(radii) == 1:
+            squared = multiply(radii[0], radii[0])
+            return [equal(sum_of_squares(tuple(total)), squared)]
+        distance = self._norm(f"{pose}_rho", tuple(total))
+        length = add(*radii)
+        around = add(distance, *radii)
+        twice = constant(Fraction(2))
+        formulas = [at_most(distance, length)]
+        sides = dict.fromkeys(radius.text for radius in radii)
+        unique = [next(r for r in radii if r.text == side) for side in sides]
+        return formulas + [at_most(multiply(twice, r), around) for r in unique]
+
+
+def _parallel(moving: list[Segment]) -> int:
+    """How many of the leading joints turn about parallel axes."""
+    axis, count = moving[0].axis, 0
+    for segment in moving:
+        if segment.axis != axis:
+            break
+        count += 1
+        if any(isinstance(step, Turn) and step.axis != axis for step in segment.steps):
+            break
+    return count

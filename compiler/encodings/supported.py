@@ -1,0 +1,76 @@
+"""What of a task the compiler cannot use yet.
+
+To leave such a clause out would be unsound: a robot found without it need not do the task, nor be
+judged by the rest of it.  A task that has one is refused before anything is searched or verified.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from compiler.grammars.grammar import srg, useful_rules
+from grammar_lang import ir
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Diagnostic, Severity
+from grammar_lang.source import Span
+
+
+def unsupported(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
+    """An error for every clause of a task, of its workspace and modules, that is not compiled."""
+    found = [*_modules(program, task), *_workspace(program, task), *_clauses(task)]
+    return tuple(
+        Diagnostic(
+            Code.NOT_SUPPORTED,
+            Severity.ERROR,
+            f"{what} cannot be compiled by this version",
+            span,
+            "remove it to find robots for the rest of the task; `srgc check` reads it already",
+            () if span.file == task.span.file and _within(span, task.span) else _needed_by(task),
+        )
+        for what, span in found
+    )
+
+
+def _within(inner: Span, outer: Span) -> bool:
+    return outer.start <= inner.start and inner.end <= outer.end
+
+
+def _needed_by(task: ir.Task) -> tuple[tuple[Span, str], ...]:
+    return ((task.span, f"task `{task.name}` needs it"),)
+
+
+def _modules(program: ir.Program, task: ir.Task) -> Iterator[tuple[str, Span]]:
+    """The modules with dynamics of their own that occur in a word of the task's grammar."""
+    rules = srg(program.grammars[task.grammar], program.terminals, program.modules)
+    used = {
+        symbol
+        for number in useful_rules(rules.cfg)
+        for symbol in rules.cfg.rules[number].right
+        if symbol < rules.cfg.terminals
+    }
+    for number, name in enumerate(rules.terminals):
+        module = program.modules.get(name)
+        if module is None or number not in used:
+            continue
+        spans = [state.span for state in module.states]
+        spans += [declared.span for declared in module.inputs]
+        spans += [torque.span for torque in module.torques]
+        if spans:
+            yield f"the own dynamics of module `{name}`", min(spans)
+
+
+def _workspace(program: ir.Program, task: ir.Task) -> Iterator[tuple[str, Span]]:
+    for obstacles in program.workspaces[task.workspace].maps:
+        yield f"`obstacles from` of workspace `{task.workspace}`", obstacles.span
+
+
+def _clauses(task: ir.Task) -> Iterator[tuple[str, Span]]:
+    if task.avoid_self is not None:
+        yield "`avoid self`", task.avoid_self.span
+    if task.origin is not None:
+        yield "`from`", task.origin.span
+    for clause in task.satisfy:
+        yield "`satisfy`", clause.span
+    if task.robust is not None:
+        for span in task.robust.spans:
+            yield "`robust`", span

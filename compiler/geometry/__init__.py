@@ -1,0 +1,1 @@
+"""Exact polytopes and the abstraction of a workspace into cells."""

@@ -1,0 +1,1 @@
+"""L(SRG) with its accept condition: membership, enumeration, counting, derivations, ambiguity."""

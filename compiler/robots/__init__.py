@@ -1,0 +1,1 @@
+"""From derivations to robots: attributes, normal form, equality."""

@@ -1,0 +1,135 @@
+"""The robot model: what an attribute grammar's evaluation on a derivation yields (FRG, Def. 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from compiler.arithmetic.scalars import ScalarNode
+from grammar_lang import ir
+
+WORLD = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """Rigid rotation by a scalar angle (rad) about axis 0, 1 or 2 of the local frame."""
+
+    axis: int
+    angle: int
+
+
+@dataclass(frozen=True, slots=True)
+class Offset:
+    """Rigid translation by three scalars (m) in the local frame."""
+
+    vector: tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """Motion of a degree of freedom about or along ``sign`` times axis 0, 1 or 2."""
+
+    dof: int
+    axis: int
+    sign: int
+
+
+Step: TypeAlias = Turn | Offset | Joint
+
+
+@dataclass(frozen=True, slots=True)
+class FrameNode:
+    """A frame: its parent's index (always smaller) and the step from there; None for the world."""
+
+    parent: int
+    step: Step | None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDof:
+    """A degree of freedom.  ``symbols``: word indices of the joints merged into it."""
+
+    symbols: tuple[int, ...]
+    kind: ir.DofKind
+    axis: ir.Axis
+    range: ir.Interval | None
+    rate: ir.Interval | None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotParameter:
+    """A design parameter of the module at word index ``symbol``."""
+
+    symbol: int
+    module: str
+    name: str
+    domain: ir.Interval | ir.Choices
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class RodBody:
+    """A uniform slender rod from the frame's origin along ``sign`` times an axis."""
+
+    frame: int
+    axis: int
+    sign: int
+    length: int
+    density: int
+    radius: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class PointBody:
+    """A point mass."""
+
+    frame: int
+    mass: int
+
+
+@dataclass(frozen=True, slots=True)
+class SolidBody:
+    """A rigid body with inertia about its com: one scalar in the plane, six in space."""
+
+    frame: int
+    mass: int
+    com: tuple[int, int, int]
+    inertia: tuple[int, ...]
+
+
+Body: TypeAlias = RodBody | PointBody | SolidBody
+
+
+@dataclass(frozen=True, slots=True)
+class RobotModel:
+    """A robot.
+
+    ``frames`` are in topological order, frame 0 is the world.  ``effectors`` holds frames, in
+    word order.  ``removed`` holds the word indices of joints that move nothing.
+    """
+
+    dimension: Literal[2, 3]
+    scalars: tuple[ScalarNode, ...]
+    frames: tuple[FrameNode, ...]
+    dofs: tuple[RobotDof, ...]
+    parameters: tuple[RobotParameter, ...]
+    bodies: tuple[Body, ...]
+    effectors: tuple[int, ...]
+    removed: tuple[int, ...] = ()
+
+    def chain(self, frame: int) -> list[int]:
+        """The frames from the world (excluded) to ``frame`` (included)."""
+        nodes: list[int] = []
+        while frame != WORLD:
+            nodes.append(frame)
+            frame = self.frames[frame].parent
+        return nodes[::-1]
+
+    def steps(self, frame: int) -> Iterator[Step]:
+        """The steps from the world to a frame."""
+        for node in self.chain(frame):
+            step = self.frames[node].step
+            if step is not None:
+                yield step

@@ -1,0 +1,1 @@
+"""DOT texts of the objects."""
