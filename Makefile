@@ -43,7 +43,13 @@ lint: .venv/installed
 types: .venv/installed
 	$(BIN)/mypy
 
-bench: .venv/installed
+# The libraries that users would pick instead are installed for the comparison alone.
+.venv/compared: .venv/installed requirements/bench.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/bench.lock
+	touch $@
+
+bench: .venv/compared
+	$(BIN)/python benchmarks/front_end.py
 	$(BIN)/python benchmarks/language.py
 	$(BIN)/python benchmarks/run.py
 
@@ -51,6 +57,9 @@ bench: .venv/installed
 lock:
 	pip-compile --extra test --generate-hashes --allow-unsafe --strip-extras \
 	  --no-emit-index-url --no-emit-find-links -o requirements/dev.lock pyproject.toml
+	pip-compile --extra bench --generate-hashes --allow-unsafe --strip-extras \
+	  --no-emit-index-url --no-emit-find-links -c requirements/dev.lock \
+	  -o requirements/bench.lock pyproject.toml
 
 clean:
 	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info

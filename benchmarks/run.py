@@ -1,6 +1,6 @@
 """Measure srgc on the case study: whole processes, and the stages that the time goes to.
 
-``language.py`` measures the front end.
+``front_end.py`` measures the front end, ``language.py`` the language operations.
 """
 
 from __future__ import annotations
