@@ -10,11 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from networkx import MultiDiGraph
+
     from grammar_lang.ir import Program
     from solvers.synthesis import Synthesis
     from solvers.verifier import Report
 
-__all__ = ["load", "synthesise", "verify"]
+__all__ = ["graph", "load", "synthesise", "verify"]
 
 
 def load(path: str | Path) -> Program:
@@ -27,6 +31,35 @@ def load(path: str | Path) -> Program:
     from srgc.session import program_of
 
     return program_of(Path(path))
+
+
+def graph(
+    program: Program,
+    of: str,
+    *,
+    grammar: str | None = None,
+    workspace: str | None = None,
+    depth: int | None = None,
+    highlight: Sequence[str] | None = None,
+    near: bool = False,
+    word: Sequence[str] | None = None,
+    derivation: int | None = None,
+) -> MultiDiGraph:
+    """What ``srgc graph --of ...`` draws, as a graph of networkx; words are sequences of symbols.
+
+    Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data`` (what they stand
+    for), edges ``label``, ``highlighted`` and ``data``.
+
+    Raises:
+        srgc.session.UsageFault: as on the command line.
+    """
+    from compiler.views.networkx_graph import to_networkx
+    from srgc.graph_request import GraphRequest, drawing_of
+
+    run = None if highlight is None else tuple(highlight)
+    robot = None if word is None else tuple(word)
+    request = GraphRequest(of, grammar, workspace, depth, run, near, robot, derivation)
+    return to_networkx(drawing_of(program, request).picture)
 
 
 def synthesise(

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from compiler.automata.pushdown_automaton import (
-    Configuration,
-    accepting_run,
-    accepts,
-    configurations,
-    sra,
-)
+from collections.abc import Iterator, Sequence
+
+from compiler.automata.pushdown_automaton import Pda, Transition, sra
+from compiler.automata.pushdown_runs import accepting_run
 from compiler.languages.derivation import Derivation, replay
-from compiler.languages.language import language
+from compiler.languages.language import Language, language
+from compiler.reading.residual_reader import ResidualReader
+from compiler.reading.viable_prefix import viable_prefix
 from grammar_lang import ir
+
+SHOWN_STACK = 8
+"""So many symbols are shown from the top of the stack."""
+SHOWN_WORD = 12
+"""So many symbols are shown of the word that cannot go on."""
 
 
 def acceptance_text(
@@ -19,36 +23,76 @@ def acceptance_text(
 ) -> tuple[bool, str]:
     """Whether the word is accepted, and what to print."""
     family = language(grammar, program.terminals, program.modules)
+    if not family.accepts(word):
+        return False, f"not accepted: {_reason(family, word)}"
     pda = sra(family.srg, family.accept)
-    unknown = [symbol for symbol in word if symbol not in program.terminals]
-    if not trace:
-        accepted = accepts(pda, word)
-        reason = f": `{unknown[0]}` is no symbol of the file" if unknown else ""
-        return accepted, "accepted" if accepted else f"not accepted{reason}"
-    run = accepting_run(pda, word)
+    run = accepting_run(pda, word) if trace else None
     if run is None:
-        return False, f"not accepted{f': `{unknown[0]}` is no symbol' if unknown else ''}"
-    lines = ["accepted", "", "run of the pushdown automaton (state, remaining word, stack):"]
-    lines += [f"  {_configuration(c)}" for c in configurations(pda, word, run)]
+        return True, "accepted"
     derivation = replay(grammar, tuple(step.label for step in run if step.label is not None))
-    lines += ["", "leftmost derivation:", *_sentential_forms(derivation)]
+    lines = ["accepted", *_run(pda, run), *_derivation(derivation)]
     return True, "\n".join(lines)
 
 
-def _configuration(at: Configuration) -> str:
-    return f"({at.state}, {' '.join(at.remaining) or 'empty'}, {' '.join(at.stack) or 'empty'})"
+def _reason(family: Language, word: tuple[str, ...]) -> str:
+    names = family.srg.terminals
+    unknown = next((symbol for symbol in word if symbol not in names), None)
+    if unknown is not None:
+        return f"`{unknown}` is no symbol of the file"
+    length = viable_prefix(family.normal, names, word)
+    if length < len(word):
+        shown = " ".join(word[max(0, length + 1 - SHOWN_WORD) : length + 1])
+        cut = "… " if length >= SHOWN_WORD else ""
+        return f"no word of the grammar begins with `{cut}{shown}` ({length + 1} symbols)"
+    if ResidualReader(family.normal, names).accepts(word):
+        return "the grammar derives it, but the accept condition does not hold"
+    return "it is only the beginning of a word" if word else "the grammar does not derive it"
 
 
-def _sentential_forms(derivation: Derivation) -> list[str]:
-    """The sentential forms of the derivation that the run follows, with the production applied."""
-    done: list[str] = []
-    pending = [derivation.nodes[0].production.left]
-    lines = [f"  {pending[0]}"]
-    nonterminals = {node.production.left for node in derivation.nodes}
-    for node in derivation.nodes:
-        while pending and pending[0] not in nonterminals:
-            done.append(pending.pop(0))
-        pending[:1] = [symbol.name for symbol in node.production.right]
-        form = " ".join([*done, *pending]) or "empty"
-        lines.append(f"  => {form}    [{node.production.label}]")
-    return lines
+def _run(pda: Pda, run: Sequence[Transition]) -> Iterator[str]:
+    """The configurations: symbols read so far, state, stack; and what leads to the next one."""
+    yield ""
+    yield "run of the pushdown automaton (symbols read, state, stack from its top; step):"
+    stack = list(reversed(pda.initial_stack))
+    rows: list[tuple[str, str, str, str]] = []
+    position, state = 0, pda.initial
+    for step in run:
+        rows.append((str(position), pda.states[state], _stack(pda, stack), _step(pda, step)))
+        stack.pop()
+        stack += reversed(step.push)
+        position += step.read is not None
+        state = step.target
+    rows.append((str(position), pda.states[state], _stack(pda, stack), "accepted"))
+    widths = [max(len(row[i]) for row in rows) for i in range(3)]
+    for row in rows:
+        cells = [row[0].rjust(widths[0]), row[1].ljust(widths[1]), row[2].ljust(widths[2])]
+        yield f"  {'  '.join(cells)}  {row[3]}"
+
+
+def _stack(pda: Pda, stack: Sequence[int]) -> str:
+    shown = [pda.stack_alphabet[symbol] for symbol in stack[: -SHOWN_STACK - 1 : -1]]
+    rest = len(stack) - len(shown)
+    return " ".join([*shown, *([f"… {rest} more"] if rest else [])]) or "empty"
+
+
+def _step(pda: Pda, step: Transition) -> str:
+    if step.read is not None:
+        return f"read {pda.alphabet[step.read]}"
+    if step.label is None:
+        return "end"
+    left = pda.stack_alphabet[step.pop]
+    right = " ".join(pda.stack_alphabet[symbol] for symbol in step.push) or "empty"
+    return f"{step.label}: {left} -> {right}"
+
+
+def _derivation(derivation: Derivation) -> Iterator[str]:
+    """The productions of the leftmost derivation, each with the part of the word it derives."""
+    yield ""
+    yield "leftmost derivation (production, which symbols it derives):"
+    label = max(len(node.production.label) for node in derivation.nodes)
+    width = 2 * len(str(len(derivation.word))) + 2
+    for node, (begin, end) in zip(derivation.nodes, derivation.spans(), strict=True):
+        production = node.production
+        right = " ".join(symbol.name for symbol in production.right) or "empty"
+        part = f"{begin + 1}..{end}" if begin < end else "none"
+        yield f"  {production.label:<{label}}  {part:<{width}}  {production.left} -> {right}"

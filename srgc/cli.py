@@ -16,8 +16,11 @@ from pathlib import Path
 
 import click
 
+from compiler.languages.budget import BudgetExceededError
 from grammar_lang.findings.render import records, to_text
+from srgc.arguments import FILE, GRAMMAR
 from srgc.check_summary import summary
+from srgc.language_cli import accepts, compare, language, words
 from srgc.session import (
     Checked,
     SpecErrors,
@@ -37,8 +40,6 @@ VERDICT_STATUS = {"found": FOUND, "impossible": IMPOSSIBLE, "unknown": UNKNOWN}
 
 MOST_FINDINGS = 200
 """So many findings about a file are printed for people, and all of them as JSON."""
-
-FILE = click.argument("file", type=click.Path(path_type=Path))
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -115,52 +116,8 @@ def explain(codes: tuple[str, ...]) -> int:
     return 0
 
 
-@cli.command()
-@FILE
-@click.option("--grammar", help="The grammar, where the file has several.")
-@click.option("--max-length", type=click.IntRange(0), help="Most symbols of a word, edges too.")
-@click.option("--limit", type=click.IntRange(0), default=100, show_default=True)
-@click.option("--count", is_flag=True, help="Print the number of words of each length.")
-def words(
-    file: Path,
-    grammar: str | None,
-    max_length: int | None,
-    limit: int,
-    count: bool,  # noqa: FBT001
-) -> int:
-    """List the words of a robot family, shortest first."""
-    from itertools import islice
-
-    from compiler.languages.language import language
-
-    program = program_of(file)
-    chosen_grammar = chosen(program.grammars, grammar, "grammar")
-    family = language(chosen_grammar, program.terminals, program.modules)
-    if count:
-        if max_length is None and not family.is_finite():
-            raise UsageFault("the language is infinite: give --max-length to count it")
-        for length, number in enumerate(family.count_words(max_length)):
-            click.echo(f"{length} {number}")
-        return 0
-    for word in islice(family.words(max_length=max_length), limit):
-        click.echo(" ".join(word))
-    return 0
-
-
-@cli.command()
-@FILE
-@click.option("--grammar", help="The grammar, where the file has several.")
-@click.option("--trace", is_flag=True, help="Show the run of the automaton and a derivation.")
-@click.argument("symbols", nargs=-1)
-def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ...]) -> int:  # noqa: FBT001
-    """Decide whether a word is in the family.  Exit 0 if accepted, else 1."""
-    from srgc.acceptance_report import acceptance_text
-
-    program = program_of(file)
-    chosen_grammar = chosen(program.grammars, grammar, "grammar")
-    accepted, text = acceptance_text(program, chosen_grammar, symbols, trace=trace)
-    click.echo(text)
-    return 0 if accepted else REFUSED
+for _command in (words, accepts, language, compare):
+    cli.add_command(_command)
 
 
 @cli.command()
@@ -169,13 +126,21 @@ def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ..
     "--of",
     "what",
     required=True,
-    type=click.Choice(["sra", "dfa", "words", "grammar", "workspace"]),
+    type=click.Choice(["sra", "fra", "dfa", "words", "grammar", "robot", "workspace"]),
     help="What to draw.",
 )
-@click.option("--grammar", help="The grammar, where the file has several.")
+@GRAMMAR
 @click.option("--workspace", help="The workspace, where the file has several.")
 @click.option("--task", help="Take grammar and workspace from this task.")
-@click.option("--depth", type=click.IntRange(1), default=3, show_default=True)
+@click.option(
+    "--depth",
+    type=click.IntRange(1),
+    help="Of words: the most modules; by default 3, with --near those of the word.",
+)
+@click.option("--highlight", metavar='"SYM ..."', help="Colour the run of this accepted word.")
+@click.option("--near", is_flag=True, help="Only the run and what is one transition away from it.")
+@click.option("--word", metavar='"SYM ..."', help="Of a robot: its word.")
+@click.option("--derivation", type=click.IntRange(1), help="Of a robot: which, in order.")
 @click.option("-o", "output", type=click.Path(path_type=Path), help="Write here, not to stdout.")
 def graph(
     file: Path,
@@ -183,19 +148,34 @@ def graph(
     grammar: str | None,
     workspace: str | None,
     task: str | None,
-    depth: int,
+    depth: int | None,
+    highlight: str | None,
+    near: bool,  # noqa: FBT001
+    word: str | None,
+    derivation: int | None,
     output: Path | None,
 ) -> int:
-    """Draw an automaton, the words or the cells as DOT."""
-    from srgc.graphs import dot_text, write_graph
+    """Draw an automaton, the words, a robot or the cells as DOT.
+
+    A file that ends in .svg or .png is drawn by Graphviz.
+    """
+    from compiler.views.dot import to_dot
+    from srgc.graph_request import GraphRequest, drawing_of
+    from srgc.graphs import write_graph
 
     program = program_of(file)
     if task is not None:
         named = chosen(program.tasks, task, "task")
         grammar, workspace = grammar or named.grammar, workspace or named.workspace
-    text = dot_text(program, what, grammar, workspace, depth)
+    run_of = None if highlight is None else tuple(highlight.split())
+    robot = None if word is None else tuple(word.split())
+    request = GraphRequest(what, grammar, workspace, depth, run_of, near, robot, derivation)
+    drawing = drawing_of(program, request)
+    for remark in drawing.remarks:
+        click.echo(f"note: {remark}", err=True)
+    text = to_dot(drawing.picture)
     if output is None:
-        click.echo(text, nl=not text.endswith("\n"))
+        click.echo(text, nl=False)
     else:
         write_graph(text, output)
     return 0
@@ -299,6 +279,9 @@ def _guarded(action: Callable[[], int]) -> int:
     except SpecErrors as errors:
         _show(errors.checked, stderr=True)
         return SPEC_ERRORS
+    except BudgetExceededError as error:
+        click.echo(f"unknown: {error}", err=True)
+        return UNKNOWN
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message(), err=True)
         return USAGE

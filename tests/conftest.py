@@ -19,8 +19,7 @@ WAIT_SECONDS = 900
 COMMAND = (sys.executable, "-c", "from srgc.cli import main; main()")
 
 SPECS = {
-    "planar_arm": (ROOT / "specs" / "planar_arm.srg").read_bytes(),
-    "planar_arm_paper": (ROOT / "specs" / "planar_arm_paper.srg").read_bytes(),
+    **{path.stem: path.read_bytes() for path in sorted((ROOT / "specs").glob("*.srg"))},
     "turner": small_specs.TURNER.encode(),
     "slider": small_specs.SLIDER.encode(),
     "beyond_reach": small_specs.BEYOND_REACH.encode(),

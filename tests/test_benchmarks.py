@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
 
+from benchmarks.language_grammars import CHAIN_ITEMS, Subject, accepted, is_chain, refused, subjects
 from benchmarks.large_spec import FORMULA_EVERY, large_spec
+from compiler.languages.language import language
 from grammar_lang.load import load_text
 from srgc.session import check_loaded
+from tests.oracles.brute_force_grammar import all_words, words_of
 
 
 @pytest.mark.parametrize("size", [1, 10_000, 40_000])
@@ -20,3 +25,76 @@ def test_large_specifications_are_sound_and_of_their_size(size: int) -> None:
     assert len(checked.program.grammars) == len(checked.program.workspaces) == cells
     formulas = sum(len(task.satisfy) for task in checked.program.tasks.values())
     assert formulas == cells // FORMULA_EVERY
+
+
+SUBJECTS = {subject.name: subject for subject in subjects()}
+
+
+@pytest.mark.parametrize(("name", "length"), [(n, 4 if n == "chain" else 7) for n in SUBJECTS])
+def test_the_oracle_of_a_benchmark_agrees_with_brute_force(name: str, length: int) -> None:
+    subject = SUBJECTS[name]
+    derived = words_of(subject.grammar, length)
+    assert derived
+    assert all(map(subject.oracle, derived))
+    nearby = {(*word[:i], t, *word[i + 1 :]) for word in derived for i, t in _places(subject, word)}
+    short = all_words(subject.terminals, 4)
+    assert {w for w in [*nearby, *short] if subject.oracle(w)} <= derived
+
+
+def _places(subject: Subject, word: tuple[str, ...]) -> list[tuple[int, str]]:
+    return [(i, token) for i in range(len(word)) for token in subject.terminals]
+
+
+def test_the_oracle_of_the_chain_agrees_with_a_scan_item_by_item() -> None:
+    """Dense words, where it matters which items the letters are taken for."""
+    rng = random.Random(7)
+    verdicts = []
+    for _ in range(400):
+        kept = [item for item in CHAIN_ITEMS if rng.random() < 0.95]
+        word = list("".join(kept))
+        word[rng.randrange(len(word))] = rng.choice("abcd")
+        ends = {0}
+        for item in CHAIN_ITEMS:
+            ends |= {end + len(item) for end in ends if word[end : end + len(item)] == list(item)}
+        verdicts.append(len(word) in ends)
+        assert is_chain(tuple(word)) is verdicts[-1]
+    assert 40 < sum(verdicts) < 360
+
+
+@pytest.mark.parametrize("length", [10, 50, 200, 1000])
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_words_of_a_benchmark_are_distinct_and_of_their_length(name: str, length: int) -> None:
+    subject = SUBJECTS[name]
+    inside, outside = accepted(subject, length, 16), refused(subject, length, 16)
+    assert len(set(inside)) == len(inside) == len(set(outside)) == len(outside) == 16
+    assert {len(word) for word in inside} <= {length, length + 1}
+    assert len({len(word) for word in inside}) == 1
+    assert {len(inside[0]) - len(word) for word in outside} <= {0, 1}
+    assert all(map(subject.oracle, inside))
+    assert not any(map(subject.oracle, outside))
+    assert (accepted(subject, length, 16), refused(subject, length, 16)) == (inside, outside)
+
+
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_refused_words_of_a_benchmark_fail_early_late_and_at_the_end(name: str) -> None:
+    """How far a prefix of an accepted word reaches, in tenths."""
+    subject = SUBJECTS[name]
+    inside, outside = accepted(subject, 200, 40), refused(subject, 200, 40)
+    common = [max(_common(word, other) for other in inside) / len(word) for word in outside]
+    assert min(common) < 0.2
+    assert any(0.35 < part < 0.65 for part in common)
+    assert max(common) > 0.98
+
+
+def _common(word: tuple[str, ...], other: tuple[str, ...]) -> int:
+    pairs = zip(word, other, strict=False)
+    return next((i for i, (a, b) in enumerate(pairs) if a != b), len(word))
+
+
+@pytest.mark.parametrize("length", [10, 50])
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_ours_agrees_with_the_oracle_of_a_benchmark(name: str, length: int) -> None:
+    subject = SUBJECTS[name]
+    ours = language(subject.grammar, subject.terminals, subject.modules)
+    words = [*accepted(subject, length, 60), *refused(subject, length, 60)]
+    assert [w for w in words if ours.accepts(w) is not subject.oracle(w)] == []

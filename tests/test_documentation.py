@@ -38,15 +38,16 @@ def blocks(kind: str) -> list[tuple[str, str]]:
     ]
 
 
-def commands() -> list[tuple[str, list[str], str]]:
-    """The page, the arguments and the output shown of every ``$ srgc`` line."""
+def commands() -> list[tuple[str, list[str], int, str]]:
+    """The page, the arguments, the status and the output shown of every ``$ srgc`` line."""
     found = []
     for page, content in blocks("console"):
         for part in re.split(r"^\$ ", content, flags=re.MULTILINE)[1:]:
             line, _, output = part.partition("\n")
-            program, *arguments = shlex.split(line)
+            exits = re.search(r"# exits (\d+)$", line)
+            program, *arguments = shlex.split(line, comments=True)
             assert program == "srgc", line
-            found.append((page, arguments, output))
+            found.append((page, arguments, int(exits[1]) if exits else 0, output))
     return found
 
 
@@ -74,10 +75,11 @@ def test_examples_check(tmp_path: Path) -> None:
             assert srgc.cli.run(["check", str(file)]) == 0, page
 
 
-@pytest.mark.parametrize(("page", "arguments", "output"), QUICK, ids=name)
+@pytest.mark.parametrize(("page", "arguments", "status", "output"), QUICK, ids=name)
 def test_commands_print_what_is_shown(
     page: str,
     arguments: list[str],
+    status: int,
     output: str,
     checkout: Path,
     capsys: pytest.CaptureFixture[str],
@@ -85,7 +87,7 @@ def test_commands_print_what_is_shown(
     for file, content in pages.files(TEXTS[page]).items():
         (checkout / file).parent.mkdir(parents=True, exist_ok=True)
         (checkout / file).write_text(content, encoding="utf-8")
-    assert srgc.cli.run(arguments) == 0, page
+    assert srgc.cli.run(arguments) == status, page
     assert capsys.readouterr().out == output
     if "-o" in arguments:
         assert (checkout / arguments[arguments.index("-o") + 1]).is_file()
@@ -101,7 +103,7 @@ def shape(output: str) -> list[str]:
 def test_the_tour_ends_as_shown(
     made: Callable[[str], Path], checkout: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (_, synth, synth_output), (_, verify, verify_output) = SLOW
+    (_, synth, _, synth_output), (_, verify, _, verify_output) = SLOW
     folder = synth[synth.index("-o") + 1]
     assert synth[:2] == ["synth", "specs/planar_arm.srg"]
     assert verify == ["verify", folder]

@@ -14,10 +14,10 @@ STATE_LIMIT = 100_000
 
 
 class AutomatonTooLargeError(ValueError):
-    """An automaton would have more than ``STATE_LIMIT`` states."""
+    """An automaton would have more than ``limit`` states."""
 
-    def __init__(self) -> None:
-        super().__init__(f"the condition needs a finite automaton of over {STATE_LIMIT} states")
+    def __init__(self, limit: int = STATE_LIMIT) -> None:
+        super().__init__(f"the condition needs a finite automaton of over {limit} states")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +85,12 @@ class Nfa:
     final: frozenset[int]
 
 
-def determinise(nfa: Nfa) -> Dfa:
-    """The subset construction; raises ``AutomatonTooLargeError`` where there are too many."""
+def determinise(nfa: Nfa, limit: int = STATE_LIMIT) -> Dfa:
+    """The subset construction.
+
+    Raises:
+        AutomatonTooLargeError: there are more than ``limit`` states.
+    """
     width = len(nfa.alphabet)
     empty: list[list[int]] = [[] for _ in range(nfa.size)]
     reading: list[list[tuple[int, int]]] = [[] for _ in range(nfa.size)]
@@ -106,7 +110,7 @@ def determinise(nfa: Nfa) -> Dfa:
         for targets in reached:
             image = _closure(targets, empty)
             if image not in number:
-                number[image] = _next_number(subsets)
+                number[image] = _next_number(subsets, limit)
                 subsets.append(image)
             table.append(number[image])
     return Dfa(nfa.alphabet, tuple(table), tuple(not nfa.final.isdisjoint(s) for s in subsets))
@@ -124,9 +128,9 @@ def _closure(states: Iterable[int], empty: Sequence[Sequence[int]]) -> frozenset
     return frozenset(found)
 
 
-def _next_number(states: Sized) -> int:
-    if len(states) >= STATE_LIMIT:
-        raise AutomatonTooLargeError
+def _next_number(states: Sized, limit: int = STATE_LIMIT) -> int:
+    if len(states) >= limit:
+        raise AutomatonTooLargeError(limit)
     return len(states)
 
 

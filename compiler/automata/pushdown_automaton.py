@@ -3,21 +3,16 @@
 The paper's SRA has Q = (N + Z)*, an infinite state set without a stack.  Here the states are those
 of the accept condition's automaton and one final state, the stack alphabet is N + Z and a bottom
 marker, and the word is accepted in the final state with the whole word read (Hopcroft, Motwani,
-Ullman, section 6.3.1).  For a left- or right-linear grammar there is a finite automaton as well.
-
-Membership runs the automaton itself on all stacks at once: calls and returns are tabulated on a
-graph-structured stack (Tomita 1985; Scott and Johnstone 2010), position by position, so that left
-recursion and empty cycles end and the time is polynomial.
+Ullman, section 6.3.1).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass
 
-from compiler.automata.finite_automaton import Dfa, Nfa, determinise, intersection, minimal
-from compiler.grammars.grammar import Srg, linearity, trimmed
+from compiler.automata.finite_automaton import Dfa
+from compiler.grammars.grammar import Srg
 
 BOTTOM = "$"
 
@@ -41,8 +36,9 @@ class Transition:
 class Pda:
     """A pushdown automaton over Z; it accepts in ``final`` when the word is read.
 
-    ``stack_alphabet`` lists Z, then N, then the bottom marker; stack symbols are numbers into it,
-    and below ``len(alphabet)`` they are the input symbols.  ``initial_stack`` has the top first.
+    Stack symbols are numbers into ``stack_alphabet``; the SRA's lists Z, then N, then the bottom
+    marker, so that below ``len(alphabet)`` they are the input symbols.  ``initial_stack`` has the
+    top first.
     """
 
     alphabet: tuple[str, ...]
@@ -100,64 +96,6 @@ def sra(srg: Srg, accept: Dfa) -> Pda:
     )
 
 
-def linear_automaton(srg: Srg, accept: Dfa) -> Dfa | None:
-    """The minimal finite automaton of a left- or right-linear grammar with its accept condition.
-
-    None where the useful productions are not all left-linear or all right-linear.
-    """
-    cfg = trimmed(srg.cfg)
-    side = linearity(cfg)
-    if side is None:
-        return None
-    moves: list[tuple[int, int | None, int]] = []
-    size = 1 + cfg.nonterminals
-    for left, right in cfg.rules:
-        letters = tuple(s for s in right if s < cfg.terminals)
-        inner = [s for s in right if s >= cfg.terminals]
-        other = 1 + inner[0] - cfg.terminals if inner else 0
-        own = 1 + left - cfg.terminals
-        source, target = (other, own) if side == "left" else (own, other)
-        for letter in letters[:-1]:
-            moves.append((source, letter, size))
-            source, size = size, size + 1
-        moves.append((source, letters[-1] if letters else None, target))
-    start = 1 + cfg.start - cfg.terminals
-    initial, final = (0, start) if side == "left" else (start, 0)
-    nfa = Nfa(srg.terminals, size, tuple(moves), (initial,), frozenset((final,)))
-    return intersection(minimal(determinise(nfa)), accept)
-
-
-# --- runs --------------------------------------------------------------------------------------
-
-
-def accepts(pda: Pda, word: Sequence[str]) -> bool:
-    """Whether some run accepts the word; a token that is no symbol of Z means no."""
-    codes = _codes(pda, word)
-    return codes is not None and _Simulation(pda, codes).run() is not None
-
-
-def accepting_run(pda: Pda, word: Sequence[str]) -> tuple[Transition, ...] | None:
-    """The transitions of an accepting run, None where there is none."""
-    codes = _codes(pda, word)
-    last = None if codes is None else _Simulation(pda, codes).run()
-    if last is None:
-        return None
-    backwards: list[Transition] = []
-    todo: list[_Pop | _Edge] = [last[1], last[0]]
-    while todo:
-        step = todo.pop()
-        if isinstance(step, _Edge) and step.outer is not None:
-            todo.append(step.outer)
-        match step.cause:
-            case Transition() as transition:
-                backwards.append(transition)
-            case (pop, edge):
-                todo += [edge, pop]
-            case None:
-                pass
-    return tuple(reversed(backwards))
-
-
 def configurations(
     pda: Pda, word: Sequence[str], transitions: Sequence[Transition]
 ) -> Iterator[Configuration]:
@@ -182,151 +120,3 @@ def configurations(
             raise ValueError(f"{transition} does not apply in state {pda.states[state]}")
         state, stack = transition.target, transition.push + stack[1:]
         remaining = remaining[1:] if reads else remaining
-
-
-def _codes(pda: Pda, word: Sequence[str]) -> tuple[int, ...] | None:
-    number = {name: i for i, name in enumerate(pda.alphabet)}
-    codes = tuple(number.get(token, -1) for token in word)
-    return None if -1 in codes else codes
-
-
-# --- simulation --------------------------------------------------------------------------------
-
-
-@dataclass(slots=True, eq=False)
-class _Node:
-    """A stack symbol on top in a state at a position, for all stacks that have it there.
-
-    ``edges`` say what lies below; they are complete once the position is past.  ``pops``: the
-    pops at this same position, for edges that come after them.
-    """
-
-    identity: int
-    symbol: int
-    state: int
-    position: int
-    edges: dict[tuple[tuple[int, ...], int], _Edge] = field(default_factory=dict)
-    pops: list[_Pop] = field(default_factory=list)
-
-
-@dataclass(slots=True, eq=False)
-class _Edge:
-    """What lies below a node: the symbols ``rest``, then what lies below ``parent``.
-
-    ``cause``: what put the node there.  ``outer``: the parent's own edge where it is taken over.
-    """
-
-    rest: tuple[int, ...]
-    parent: _Node | None
-    cause: Cause
-    outer: _Edge | None = None
-
-
-@dataclass(slots=True, eq=False)
-class _Pop:
-    """The symbol of ``node``, with all that replaced it, is gone; the state is now ``state``."""
-
-    node: _Node
-    state: int
-    cause: Cause
-
-
-# A transition; or the pop of the symbol above, and the edge below that symbol.
-Cause: TypeAlias = "Transition | tuple[_Pop, _Edge] | None"
-
-
-class _Simulation:
-    """All runs on one word at once; only the first cause of everything is remembered."""
-
-    def __init__(self, pda: Pda, word: tuple[int, ...]) -> None:
-        self.pda = pda
-        self.word = word
-        self.position = 0
-        self.moves: dict[tuple[int, int], list[Transition]] = {}
-        for transition in pda.transitions:
-            self.moves.setdefault((transition.state, transition.pop), []).append(transition)
-        self.created = 0
-        self.nodes: dict[tuple[int, int], _Node] = {}
-        self.popped: set[tuple[int, int]] = set()
-        self.todo: list[_Node | tuple[_Pop, _Edge]] = []
-        self.reading: list[tuple[_Node, Transition]] = []
-        self.accepted: tuple[_Pop, _Edge] | None = None
-
-    def run(self) -> tuple[_Pop, _Edge] | None:
-        """The last pop of an accepting run with its edge; None where no run accepts."""
-        self._push(self.pda.initial, self.pda.initial_stack, None, None)
-        self._exhaust()
-        while self.position < len(self.word):
-            self.position += 1
-            arrived, self.reading = self.reading, []
-            self.nodes.clear()
-            self.popped.clear()
-            for node, transition in arrived:
-                self._replace(node, transition)
-            self._exhaust()
-        return self.accepted
-
-    def _exhaust(self) -> None:
-        while self.todo:
-            task = self.todo.pop()
-            if isinstance(task, _Node):
-                self._expand(task)
-            else:
-                self._return(*task)
-
-    def _push(
-        self, state: int, symbols: tuple[int, ...], parent: _Node | None, cause: Cause
-    ) -> None:
-        """Put ``symbols`` in the place of ``parent``, the first of them on top."""
-        node = self.nodes.get((symbols[0], state))
-        if node is None:
-            self.created += 1
-            node = _Node(self.created, symbols[0], state, self.position)
-            self.nodes[symbols[0], state] = node
-            self.todo.append(node)
-        edge = _Edge(symbols[1:], parent, cause)
-        # A last symbol takes over its parent's only edge: right recursion would otherwise leave a
-        # chain of parents to be popped one by one at every position.
-        if not edge.rest and parent is not None and parent.position < self.position:
-            outer = next(iter(parent.edges.values())) if len(parent.edges) == 1 else None
-            if outer is not None:
-                edge = _Edge(outer.rest, outer.parent, cause, outer)
-        key = (edge.rest, 0 if edge.parent is None else edge.parent.identity)
-        if key not in node.edges:
-            node.edges[key] = edge
-            self.todo += [(pop, edge) for pop in node.pops]
-
-    def _expand(self, node: _Node) -> None:
-        """Apply all transitions of the node."""
-        for transition in self.moves.get((node.state, node.symbol), ()):
-            if transition.read is not None:
-                if self.word[self.position : self.position + 1] == (transition.read,):
-                    self.reading.append((node, transition))
-            else:
-                self._replace(node, transition)
-
-    def _replace(self, node: _Node, transition: Transition) -> None:
-        """Take the node off and put what the transition pushes in its place."""
-        if transition.push:
-            self._push(transition.target, transition.push, node, transition)
-        else:
-            self._pop(node, transition.target, transition)
-
-    def _pop(self, node: _Node, state: int, cause: Cause) -> None:
-        """The node is gone at this position; once per state that this leads to."""
-        if (node.identity, state) in self.popped:
-            return
-        self.popped.add((node.identity, state))
-        pop = _Pop(node, state, cause)
-        if node.position == self.position:
-            node.pops.append(pop)
-        self.todo += [(pop, edge) for edge in node.edges.values()]
-
-    def _return(self, pop: _Pop, edge: _Edge) -> None:
-        """Go on with what lies below."""
-        if edge.rest:
-            self._push(pop.state, edge.rest, edge.parent, (pop, edge))
-        elif edge.parent is not None:
-            self._pop(edge.parent, pop.state, (pop, edge))
-        elif pop.state == self.pda.final and self.position == len(self.word):
-            self.accepted = self.accepted or (pop, edge)

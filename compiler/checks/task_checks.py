@@ -8,7 +8,7 @@ from compiler.automata.acceptance import accept_dfa
 from compiler.encodings.task_demands import subformulas
 from compiler.grammars.grammar import srg
 from compiler.languages.language import Language, restrict
-from compiler.languages.residuals import Residual, Residuals
+from compiler.reading.viable_prefix import viable_prefix
 from compiler.robots.effector_counts import several_effectors
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
@@ -56,10 +56,7 @@ def _origin(program: ir.Program, task: ir.Task, origin: ir.Origin, sink: Sink) -
 
 
 def _where_it_fails(language: Language, word: tuple[str, ...]) -> str:
-    residuals = Residuals(language.normal, 0)
-    residual: Residual | None = residuals.root
-    for count, code in enumerate(language.srg.encode(word) or (), start=1):
-        residual = None if residual is None else residuals.after(residual, code)
-        if residual is None:
-            return f"no word of the grammar begins with `{' '.join(word[:count])}`"
+    length = viable_prefix(language.normal, language.srg.terminals, word)
+    if length < len(word):
+        return f"no word of the grammar begins with `{' '.join(word[: length + 1])}`"
     return "the word is only the beginning of one: go on with more modules"

@@ -57,7 +57,7 @@ class Srg:
 
     def decode(self, codes: Iterable[int]) -> tuple[str, ...]:
         """The names of terminal numbers."""
-        return tuple(self.terminals[code] for code in codes)
+        return tuple(map(self.terminals.__getitem__, codes))
 
     def names(self, symbols: Container[int]) -> tuple[str, ...]:
         """The nonterminals among ``symbols``, by name, in the order of the grammar."""

@@ -1,10 +1,11 @@
 """Ambiguous words: words of a robot family that have several derivations.
 
 Ambiguity of a context-free grammar is undecidable (Cantor 1962; Floyd 1962).  For a grammar
-without self-embedding it is decided exactly.  For any other, all words up to a length are looked
-at: the largest for which the words of all nonterminals can be put together in ``STEP_LIMIT``
-steps, but ``LENGTH_LIMIT`` at most.  If nothing is found there, the first ``FIRST_DERIVATIONS``
-derivations of accepted words with at most ``FIRST_MODULES`` modules are looked at too.
+without self-embedding it is decided exactly, and one that is LR(1) is unambiguous (Knuth 1965).
+For any other, all words up to a length are looked at: the largest for which the words of all
+nonterminals can be put together in ``STEP_LIMIT`` steps, but ``LENGTH_LIMIT`` at most.  If nothing
+is found there, the first ``FIRST_DERIVATIONS`` derivations of accepted words with at most
+``FIRST_MODULES`` modules are looked at too.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ def ambiguity(language: Language, longest: int | None) -> Ambiguity:
     cfg = trimmed(language.srg.cfg)
     network = transition_network(cfg)
     decision = None if network is None else decide_ambiguity(network, language.accept)
-    if decision == Decision(None):
+    if decision == Decision(None) or (decision is None and language.is_lr):
         return Ambiguity((), decided=True)
     found, complete = _short(language, cfg, longest)
     if decision is not None and decision.word is not None and decision.word not in found:

@@ -54,6 +54,32 @@ class Derivation:
         """The leftmost derivation as labels of productions."""
         return tuple(node.production.label for node in self.nodes)
 
+    def spans(self) -> list[tuple[int, int]]:
+        """Per node, the positions in the word between which stands what it derives."""
+        inner = [
+            [
+                child
+                for child, symbol in zip(node.children, node.production.right, strict=True)
+                if symbol.kind == "nonterminal"
+            ]
+            for node in self.nodes
+        ]
+        length = [0] * len(self.nodes)
+        for i in range(len(self.nodes) - 1, -1, -1):
+            terminals = len(self.nodes[i].children) - len(inner[i])
+            length[i] = terminals + sum(length[child] for child in inner[i])
+        begin = [0] * len(self.nodes)
+        for i, node in enumerate(self.nodes):
+            place, following = begin[i], iter(inner[i])
+            for symbol in node.production.right:
+                if symbol.kind != "nonterminal":
+                    place += 1
+                    continue
+                child = next(following)
+                begin[child] = place
+                place += length[child]
+        return [(b, b + n) for b, n in zip(begin, length, strict=True)]
+
 
 def replay(grammar: ir.Grammar, labels: Iterable[str]) -> Derivation:
     """The derivation with these labels, leftmost, from the start symbol.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from math import prod
 
+from compiler.grammars.binary_normal_form import BinaryGrammar
 from compiler.grammars.grammar import components
-from compiler.languages.intersection import BinaryGrammar
+from compiler.languages.budget import BudgetExceededError
 from compiler.languages.language import Language
-from compiler.languages.residuals import Residual, Residuals
 
 MOVE_LIMIT = 500
 SIZE_LIMIT = 100_000
@@ -28,11 +28,23 @@ def number_of_words(language: Language, longest: int, *, unambiguous: bool) -> i
         language: the language.
         longest: the length of its longest word.
         unambiguous: whether every word is known to have one derivation, which are then counted.
-            Otherwise words are counted prefix by prefix, in ``MOVE_LIMIT`` moves at most, if the
-            nonterminals times ``longest`` are not more than ``SIZE_LIMIT``.
+            Otherwise words are counted prefix by prefix: ``SIZE_LIMIT`` moves of a finite automaton
+            at most; where there is none and the grammar is not LR(1) either, ``MOVE_LIMIT`` moves,
+            if the nonterminals times ``longest`` are not more than ``SIZE_LIMIT``.
     """
-    product = language.product
-    return _derivations(product) if unambiguous else _words(product, longest)
+    if unambiguous:
+        return _derivations(language.product)
+    regular = language.finite_automaton is not None
+    if not regular and language.is_lr:
+        return _derivations(language.product)
+    small = longest <= MOVE_LIMIT and longest * len(language.product.rules) <= SIZE_LIMIT
+    if not regular and not small:
+        return None
+    try:
+        counts = language.count_words(longest, budget=SIZE_LIMIT if regular else MOVE_LIMIT)
+    except BudgetExceededError:
+        return None
+    return sum(counts[1:])
 
 
 def _derivations(grammar: BinaryGrammar) -> int:
@@ -51,24 +63,3 @@ def _derivations(grammar: BinaryGrammar) -> int:
             prod(1 if s < first else number[s - first] for s in right) for right in grammar.rules[k]
         )
     return sum(number[start - first] for start in grammar.starts)
-
-
-def _words(grammar: BinaryGrammar, longest: int) -> int | None:
-    """The number of words by the residuals of their prefixes; None beyond the limits."""
-    if longest > MOVE_LIMIT or longest * len(grammar.rules) > SIZE_LIMIT:
-        return None
-    residuals = Residuals(grammar, longest)
-    level, total, moves = {residuals.root: 1}, 0, 0
-    while level:
-        following: dict[Residual, int] = {}
-        for residual, prefixes in level.items():
-            for symbol in residuals.symbols(residual):
-                moves += 1
-                if moves > MOVE_LIMIT:
-                    return None
-                target = residuals.after(residual, symbol)
-                if target is not None:
-                    following[target] = following.get(target, 0) + prefixes
-        level = following
-        total += sum(n for residual, n in level.items() if residual.accepting)
-    return total

@@ -1,47 +1,92 @@
 """The language of a robot family: L(SRG) intersected with L(accept) (Definitions 3 and 4).
 
-Membership, emptiness, finiteness, counting and enumeration, all on the grammar's side; the
-automaton's side is ``compiler.automata.pushdown_automaton``.  Words come in length-lexicographic
-order, symbols in order of declaration, each word once however many derivations it has.
+Words come in length-lexicographic order, symbols in order of declaration, each word once however
+many derivations it has.  What is needed for a question is made when it is first asked: the finite
+automaton or the LR(1) automaton where there is one, and the grammar of the intersection.
 """
 
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass, field
-from itertools import count
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
 
 from compiler.automata.acceptance import accept_dfa, at_most
 from compiler.automata.finite_automaton import Dfa, intersection
+from compiler.automata.lr_automaton import LrAutomaton, LrConflict, LrTooLarge, lr_automaton
+from compiler.automata.regular_automaton import regular_automaton
+from compiler.grammars.binary_normal_form import BinaryGrammar, binary_normal_form
 from compiler.grammars.grammar import Srg, srg
-from compiler.languages.intersection import BinaryGrammar, binary_normal_form, intersect
-from compiler.languages.residuals import Residual, Residuals
+from compiler.languages.budget import MOVE_BUDGET
+from compiler.languages.derivation_counts import DerivationCounts
+from compiler.languages.enumeration import words_in_order
+from compiler.languages.intersection import intersect
+from compiler.languages.prefix_counts import count_by_length
+from compiler.reading.finite_reader import FiniteReader
+from compiler.reading.finite_reading import FiniteReading
+from compiler.reading.pushdown_reader import PushdownReader
+from compiler.reading.reading import Reading
+from compiler.reading.recogniser import Recogniser
+from compiler.reading.residual_reader import ResidualReader
+from compiler.reading.residuals import Residuals
 from grammar_lang import ir
 
-FIRST_HORIZON = 32
+LR_STEPS = 300_000
+"""Larger LR(1) automata are not worth their construction for reading words."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Language:
     """L(SRG) intersected with L(accept)."""
 
     srg: Srg
     accept: Dfa
-    normal: BinaryGrammar = field(compare=False, repr=False)
-    product: BinaryGrammar = field(compare=False, repr=False)
+    limit: int | None = None
+
+    # --- what it is made of --------------------------------------------------------------------
+
+    @cached_property
+    def normal(self) -> BinaryGrammar:
+        """L(SRG) in binary normal form."""
+        return binary_normal_form(self.srg.cfg)
+
+    @cached_property
+    def product(self) -> BinaryGrammar:
+        """The intersection in binary normal form; all nonterminals are useful."""
+        return intersect(self.normal, self.accept, self.limit)
+
+    @cached_property
+    def finite_automaton(self) -> Dfa | None:
+        """The minimal finite automaton, where the form of the grammar shows that there is one."""
+        return regular_automaton(self.srg, self.accept)
+
+    @cached_property
+    def lr_automaton(self) -> LrAutomaton | LrConflict | LrTooLarge:
+        """The LR(1) automaton of the SRG, or why there is none."""
+        return lr_automaton(self.srg.cfg, LR_STEPS)
+
+    @property
+    def is_lr(self) -> bool:
+        """Whether the SRG is LR(1), so that no word has two derivations."""
+        return isinstance(self.lr_automaton, LrAutomaton)
+
+    @cached_property
+    def recogniser(self) -> Recogniser:
+        """What tells the words of the language."""
+        if self.finite_automaton is not None:
+            return Recogniser("finite automaton", FiniteReader(self.finite_automaton), None)
+        condition = None if all(self.accept.accepting) else FiniteReader(self.accept)
+        names = self.srg.terminals
+        if isinstance(self.lr_automaton, LrAutomaton):
+            return Recogniser("LR(1)", PushdownReader(self.lr_automaton, names), condition)
+        return Recogniser("general", ResidualReader(self.normal, names), condition)
+
+    # --- questions -----------------------------------------------------------------------------
 
     def accepts(self, word: Sequence[str]) -> bool:
         """Whether the word is in the language; a token that is no symbol of Z means no."""
-        codes = self.srg.encode(word)
-        if codes is None or not self.accept.accepts(word):
-            return False
-        residuals = Residuals(self.normal, 0)
-        residual: Residual | None = residuals.root
-        for code in codes:
-            if residual is None:
-                return False
-            residual = residuals.after(residual, code)
-        return residual is not None and residual.accepting
+        return self.recogniser.accepts(word)
 
     def is_empty(self, *, max_modules: int | None = None) -> bool:
         """Whether there is no word (with at most ``max_modules`` modules)."""
@@ -50,6 +95,15 @@ class Language:
     def is_finite(self, *, max_modules: int | None = None) -> bool:
         """Whether there are finitely many words (with at most ``max_modules`` modules)."""
         return self._restricted(max_modules).is_finite()
+
+    def longest(self, *, max_modules: int | None = None) -> int | None:
+        """The length of the longest word; None for an infinite language, 0 for an empty one."""
+        grammar = self._restricted(max_modules)
+        return grammar.longest() if grammar.is_finite() else None
+
+    def shortest_word(self) -> tuple[str, ...] | None:
+        """The first word in length-lexicographic order; None where there is none."""
+        return next(self.words(), None)
 
     def words(
         self, *, max_length: int | None = None, max_modules: int | None = None
@@ -60,26 +114,19 @@ class Language:
             max_length: the greatest number of symbols, edges included; None: no bound.
             max_modules: the greatest number of modules; None: no bound.
         """
-        grammar = self._restricted(max_modules)
-        if grammar.empty_word and (max_length is None or max_length >= 0):
-            yield ()
-        if not grammar.starts:
+        if self.is_empty(max_modules=max_modules):
             return
-        last = max_length
-        if grammar.is_finite():
-            longest = grammar.longest()
-            last = longest if max_length is None else min(longest, max_length)
-        residuals = Residuals(grammar, FIRST_HORIZON)
-        for length in count(1):
-            if last is not None and length > last:
-                return
-            if length > residuals.horizon:
-                residuals = Residuals(grammar, 2 * residuals.horizon)
-            for codes in _of_length(residuals, length):
-                yield self.srg.decode(codes)
+        longest = _least(self.longest(max_modules=max_modules), max_length)
+        reading = partial(self.reading, max_modules=max_modules)
+        for codes in words_in_order(reading, longest):
+            yield self.srg.decode(codes)
 
     def count_words(
-        self, max_length: int | None = None, *, max_modules: int | None = None
+        self,
+        max_length: int | None = None,
+        *,
+        max_modules: int | None = None,
+        budget: int | None = None,
     ) -> tuple[int, ...]:
         """The number of words of each length, from 0 to ``max_length``.
 
@@ -87,24 +134,35 @@ class Language:
 
         Raises:
             ValueError: no length is given and the language is infinite.
+            BudgetExceededError: the grammar is not LR(1) and more than ``budget`` moves are needed;
+                where none is given, there is no bound for a language shown to be regular, and
+                ``MOVE_BUDGET`` for any other.
         """
-        grammar = self._restricted(max_modules)
-        if max_length is None and not grammar.is_finite():
+        longest = self.longest(max_modules=max_modules) if max_length is None else max_length
+        if longest is None:
             raise ValueError("an infinite language needs a greatest length to be counted")
-        last = grammar.longest() if max_length is None else max_length
-        residuals = Residuals(grammar, last)
-        counts = [int(grammar.empty_word)]
-        level = {residuals.root: 1} if grammar.starts else {}
-        for length in range(1, last + 1):
-            level = _next_level(residuals, level, last - length)
-            counts.append(sum(n for residual, n in level.items() if residual.accepting))
-        return tuple(counts)
+        if self.finite_automaton is None and self.is_lr:
+            derivations = DerivationCounts(self._restricted(max_modules), longest)
+            return tuple(derivations.total(length) for length in range(longest + 1))
+        if self.finite_automaton is None and budget is None:
+            budget = MOVE_BUDGET
+        return count_by_length(self.reading(longest, max_modules=max_modules), longest, budget)
+
+    def reading(self, horizon: int, *, max_modules: int | None = None) -> Reading[Any]:
+        """The words read from left to right, with the lengths of what may follow."""
+        if self.finite_automaton is not None:
+            return FiniteReading(self._bounded(self.finite_automaton, max_modules), horizon)
+        return Residuals(self._restricted(max_modules), self.srg.terminals, horizon)
 
     def _restricted(self, max_modules: int | None) -> BinaryGrammar:
         if max_modules is None:
             return self.product
-        bound = at_most(self.accept.alphabet, self.srg.modules, max_modules)
-        return intersect(self.normal, intersection(self.accept, bound))
+        return intersect(self.normal, self._bounded(self.accept, max_modules))
+
+    def _bounded(self, dfa: Dfa, max_modules: int | None) -> Dfa:
+        if max_modules is None:
+            return dfa
+        return intersection(dfa, at_most(dfa.alphabet, self.srg.modules, max_modules))
 
 
 def language(
@@ -128,39 +186,13 @@ def restrict(rules: Srg, accept: Dfa, limit: int | None = None) -> Language:
     """
     if accept.alphabet != rules.terminals:
         raise ValueError("the accept condition and the grammar have different alphabets")
-    normal = binary_normal_form(rules.cfg)
-    return Language(rules, accept, normal, intersect(normal, accept, limit))
+    found = Language(rules, accept, limit)
+    if limit is not None:
+        _ = found.product
+    return found
 
 
-def _of_length(residuals: Residuals, length: int) -> Iterator[tuple[int, ...]]:
-    """The words of one length in lexicographic order, by depth-first search without dead ends."""
-    if not residuals.root.lengths >> length & 1:
-        return
-    word: list[int] = []
-    path = [(residuals.root, iter(residuals.symbols(residuals.root)))]
-    while path:
-        residual, symbols = path[-1]
-        rest = length - len(word)
-        if rest == 0:
-            yield tuple(word)
-        symbol = None if rest == 0 else next(symbols, None)
-        if symbol is None:
-            path.pop()
-            del word[-1:]
-            continue
-        following = residuals.after(residual, symbol)
-        if following is not None and following.lengths >> (rest - 1) & 1:
-            word.append(symbol)
-            path.append((following, iter(residuals.symbols(following))))
-
-
-def _next_level(residuals: Residuals, level: dict[Residual, int], rest: int) -> dict[Residual, int]:
-    """Prefixes counted by residual, one symbol longer, that ``rest`` more symbols can complete."""
-    mask = (1 << (rest + 1)) - 1
-    following: dict[Residual, int] = {}
-    for residual, number in level.items():
-        for symbol in residuals.symbols(residual):
-            target = residuals.after(residual, symbol)
-            if target is not None and target.lengths & mask:
-                following[target] = following.get(target, 0) + number
-    return following
+def _least(first: int | None, second: int | None) -> int | None:
+    if first is None or second is None:
+        return second if first is None else first
+    return min(first, second)

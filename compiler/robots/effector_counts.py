@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from compiler.automata.acceptance import accept_dfa
 from compiler.automata.finite_automaton import AutomatonTooLargeError, Dfa
+from compiler.grammars.binary_normal_form import binary_normal_form
 from compiler.grammars.grammar import Cfg, Rule, srg
 from compiler.languages.intersection import (
     CHECKED_RULES,
     IntersectionTooLargeError,
-    binary_normal_form,
     intersect,
 )
 from grammar_lang import ir

@@ -13,7 +13,9 @@ Shape: TypeAlias = Literal["circle", "ellipse", "box", "plaintext"]
 class Node:
     """A node; ``double`` draws its outline twice, ``highlighted`` in colour.
 
-    ``data`` is what the node stands for, for programs; it is not drawn.
+    ``data`` is what the node stands for, for programs; it is not drawn.  ``place`` pins the centre,
+    in inches, x to the right and y up; ``fill`` is a colour as ``#rrggbb``; ``hint`` is shown where
+    a drawing can be pointed at.
     """
 
     key: str
@@ -22,6 +24,9 @@ class Node:
     double: bool = False
     highlighted: bool = False
     data: Mapping[str, object] = field(default_factory=dict)
+    place: tuple[float, float] | None = None
+    fill: str | None = None
+    hint: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,10 +51,12 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A directed graph; ``shape`` is that of most of its nodes."""
+    """A graph; ``shape`` is that of most of its nodes, ``title`` is written above it."""
 
     name: str
     shape: Shape
     nodes: tuple[Node, ...]
     edges: tuple[Edge, ...]
     initial: tuple[Arrow, ...] = ()
+    title: str = ""
+    directed: bool = True

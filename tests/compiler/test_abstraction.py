@@ -258,7 +258,8 @@ def test_two_hundred_obstacles():
 
 SCRIPT = """
 from compiler.geometry.abstraction import abstract
-from compiler.views.workspace_dot import workspace_dot
+from compiler.views.dot import to_dot
+from compiler.views.workspace_view import workspace_view
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import box, hull
 shapes = [("B", "region", (0, 0), (3, 1), (1, 3)), ("A", "target", (2, 0), (4, 4), (1, 2)),
@@ -266,7 +267,7 @@ shapes = [("B", "region", (0, 0), (3, 1), (1, 3)), ("A", "target", (2, 0), (4, 4
 regions = tuple(hull(*shape) for shape in shapes)
 w = Workspace("W", 2, box("bounds", "bounds", (0, 5), (0, 5)), regions)
 a = abstract(w)
-print(a.describe(), a.adjacency, a.facets, a.touches, workspace_dot(a, w))
+print(a.describe(), a.adjacency, a.facets, a.touches, to_dot(workspace_view(a, w)))
 """
 
 

@@ -101,9 +101,13 @@ def test_the_accept_condition_hides_ambiguity() -> None:
 
 def test_long_accepted_words_of_an_embedding_grammar_are_looked_at() -> None:
     # no accepted word is short enough for the table of all words
-    text = "S -> a S b S | c | a"
     accept = ir.Count(None, ">=", 25)
-    assert found(text, accept) == Ambiguity((), decided=False)
+    assert found("S -> a S a | b S b | c | a", accept) == Ambiguity((), decided=False)
+
+
+def test_a_grammar_that_is_lr_is_unambiguous() -> None:
+    assert found("S -> a S b S | c | a") == Ambiguity((), decided=True)
+    assert found("E -> E b T | T\nT -> a | c E c") == Ambiguity((), decided=True)
 
 
 def test_many_modules_in_one_place_cost_little() -> None:

@@ -6,16 +6,15 @@ import pytest
 from hypothesis import assume, given, settings
 
 from compiler.automata.acceptance import accept_dfa
+from compiler.automata.linear_automaton import linear_automaton
 from compiler.automata.pushdown_automaton import (
     Configuration,
     Pda,
     Transition,
-    accepting_run,
-    accepts,
     configurations,
-    linear_automaton,
     sra,
 )
+from compiler.automata.pushdown_runs import accepting_run, accepts
 from compiler.grammars.grammar import linearity, srg, trimmed
 from compiler.languages.language import language
 from grammar_lang import ir

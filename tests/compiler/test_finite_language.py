@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 
-from compiler.languages.finite_language import MOVE_LIMIT, longest_word, number_of_words
+from compiler.languages.finite_language import longest_word, number_of_words
 from compiler.languages.language import language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import satisfies, words_of
@@ -54,11 +54,13 @@ def test_infinite() -> None:
 
 
 def test_a_large_number_is_counted_exactly_or_not_at_all() -> None:
-    every = "S -> a S | b S | c S | empty"
     bound = ir.Count(None, "<=", 200)
-    assert size(every, bound, unambiguous=True) == ((3**201 - 3) // 2, 200)
-    assert MOVE_LIMIT < 3 * 200
-    assert size(every, bound) == (None, 200)
-    left = "S -> S a | S b | S c | empty"  # a small grammar, but many prefixes
-    assert size(left, bound) == (None, 200)
-    assert size(left, ir.Count(None, "<=", 9)) == (sum(3**k for k in range(1, 10)), 9)
+    for every in ("S -> a S | b S | c S | empty", "S -> S a | S b | S c | empty"):
+        for unambiguous in (True, False):
+            found = size(every, bound, unambiguous=unambiguous)
+            assert found == ((3**201 - 3) // 2, 200)
+    # Neither regular nor LR(1): one state for every prefix.
+    palindromes = "S -> a S a | b S b | c S c | a | b | c | empty"
+    assert size(palindromes, bound) == (None, 200)
+    short = sum(3 ** ((n + 1) // 2) for n in range(1, 8))
+    assert size(palindromes, ir.Count(None, "<=", 7)) == (short, 7)

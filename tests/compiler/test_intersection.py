@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 
 from compiler.automata.acceptance import accept_dfa
+from compiler.grammars.binary_normal_form import binary_normal_form
 from compiler.grammars.grammar import srg
-from compiler.languages.intersection import IntersectionTooLargeError, binary_normal_form, intersect
+from compiler.languages.intersection import IntersectionTooLargeError, intersect
 from grammar_lang import ir
 from tests.oracles.grammars import grammar
 

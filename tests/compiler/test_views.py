@@ -1,13 +1,18 @@
 from __future__ import annotations
 
-import re
-from itertools import islice
+from itertools import islice, pairwise
 
 import pytest
 
-from compiler.automata.pushdown_automaton import linear_automaton, sra
-from compiler.languages.language import language
-from compiler.views.automaton_dot import dfa_dot, grammar_dot, sra_dot, words_dot
+from compiler.automata.pushdown_automaton import configurations, sra
+from compiler.languages.language import Language, language
+from compiler.views.dfa_view import dfa_view, family_dfa_view
+from compiler.views.grammar_view import grammar_view
+from compiler.views.highlighted_run import HighlightError
+from compiler.views.near_run import near_run
+from compiler.views.picture import Picture
+from compiler.views.sra_view import sra_view
+from compiler.views.words_view import words_view
 from tests.oracles.grammars import (
     ALPHABET,
     ARM_MODULES,
@@ -17,84 +22,193 @@ from tests.oracles.grammars import (
     grammar,
 )
 
+MODULES = ("B", "JO", "JO", "JO", "L", "JO", "L", "JO", "EN")
+FIGURE = (*(symbol for module in MODULES[:-1] for symbol in (module, "eps")), "EN")
+"""The robot of Figure 1c, whose accepted run is red in Figure 2."""
 
-def labels(dot: str) -> dict[str, str]:
-    return dict(re.findall(r'^  (\w+) \[label="((?:[^"\\]|\\.)*)"', dot, re.MULTILINE))
+
+def text(label: str) -> str:
+    return label.replace("\n", " ")
 
 
-def edges(dot: str) -> list[tuple[str, str, str]]:
-    names = labels(dot)
-    return [
-        (names.get(tail, ""), names.get(head, ""), label)
-        for tail, head, label in re.findall(
-            r'^  (\w+) -> (\w+)(?: \[label="((?:[^"\\]|\\.)*)"\])?;$', dot, re.MULTILINE
-        )
+def labels(picture: Picture) -> dict[str, str]:
+    return {node.key: text(node.label) for node in picture.nodes}
+
+
+def edges(picture: Picture) -> list[tuple[str, str, str]]:
+    """With the labels of their ends; the start of an arrow from nowhere is the empty one."""
+    names = labels(picture)
+    arrows = [("", names[arrow.head], arrow.label) for arrow in picture.initial]
+    return arrows + [
+        (names[edge.tail], names[edge.head], "\n".join(edge.lines)) for edge in picture.edges
     ]
 
 
-def test_words_view_is_figure_two() -> None:
-    lang = language(arm(), ARM_TERMINALS, ARM_MODULES)
-    dot = words_dot(lang, 3)
-    states = {label for key, label in labels(dot).items() if key != "init"}
+def double(picture: Picture) -> set[str]:
+    return {text(node.label) for node in picture.nodes if node.double}
+
+
+def red(picture: Picture) -> tuple[set[str], list[tuple[str, str, str]]]:
+    names = labels(picture)
+    nodes = {names[node.key] for node in picture.nodes if node.highlighted}
+    return nodes, [
+        (names[e.tail], names[e.head], "\n".join(e.lines)) for e in picture.edges if e.highlighted
+    ]
+
+
+@pytest.fixture(scope="module")
+def lang() -> Language:
+    return language(arm(), ARM_TERMINALS, ARM_MODULES)
+
+
+def test_words_view_is_figure_two(lang: Language) -> None:
+    picture = words_view(lang, 3)
     grown = ["B"]
     for word in grown:
         if word.count("eps") < 2:
             grown += [f"{word} eps {module}" for module in ("JO", "L", "EN")]
-    assert states == set(grown)
-    assert len(edges(dot)) == 1 + 12
-    assert ("", "B", "") in edges(dot)
-    assert ("B eps JO", "B eps JO eps EN", "eps EN") in edges(dot)
-    double = set(re.findall(r'label="([^"]*)", peripheries=2', dot))
-    assert double == {"B eps JO eps EN"}
+    assert set(labels(picture).values()) == set(grown)
+    found = edges(picture)
+    assert len(found) == 1 + 12
+    assert ("", "B", "") in found
+    assert ("B eps JO", "B eps JO eps EN", "eps EN") in found
+    assert double(picture) == {"B eps JO eps EN"}
+    assert red(picture) == (set(), [])
+
+
+RUN = [" ".join(FIGURE[:size]) for size in range(1, len(FIGURE) + 1, 2)]
+
+
+def test_the_red_run_of_figure_two(lang: Language) -> None:
+    assert len(RUN) == 9
+    steps = [(tail, head, head.removeprefix(tail + " ")) for tail, head in pairwise(RUN)]
+    for depth in (3, 7):
+        picture = words_view(lang, depth, FIGURE)
+        nodes, run = red(picture)
+        assert nodes == set(RUN)
+        assert sorted(run, key=lambda edge: len(edge[0])) == steps
+        assert [arrow.highlighted for arrow in picture.initial] == [True]
+        # 1 + 3 + ... + 3 ** (depth - 1) words, and those of the run that have more modules.
+        assert len(picture.nodes) == (3**depth - 1) // 2 + 9 - depth
+    assert RUN[-1] in double(picture)
+
+
+def test_figure_two_shows_the_neighbours_of_the_run(lang: Language) -> None:
+    picture = near_run(words_view(lang, 9, FIGURE))
+    children = [(word, f"{word} eps {m}") for word in RUN[:-1] for m in ("JO", "L", "EN")]
+    assert set(labels(picture).values()) == {"B", *(child for _, child in children)}
+    assert {edge[:2] for edge in edges(picture)} == {("", "B"), *children}
+    assert double(picture) == {c for _, c in children if c.startswith("B eps JO") and "EN" in c}
+    assert red(picture)[0] == set(RUN)
 
 
 def test_words_view_of_other_shapes() -> None:
     nested = language(grammar(TRAPS["counted"], ALPHABET), ALPHABET, frozenset("a"))
-    assert edges(words_dot(nested, 2)) == [("", "a b", ""), ("a b", "a a b b", "a b")]
+    assert edges(words_view(nested, 2)) == [("", "a b", ""), ("a b", "a a b b", "a b")]
     right = language(grammar("N -> b N | c N | a", ALPHABET), ALPHABET, frozenset(ALPHABET))
-    found = edges(words_dot(right, 3))
+    found = edges(words_view(right, 3))
     assert ("b a", "b c a", "c") in found
     assert ("c a", "b c a", "b") in found
     assert ("a", "b c a", "b c") not in found
     unbounded = language(grammar("N -> a | N b", ALPHABET), ALPHABET, frozenset("a"))
-    assert [e[1] for e in edges(words_dot(unbounded, 1))] == ["a", "a b", "a b b"]
+    assert [e[1] for e in edges(words_view(unbounded, 1))] == ["a", "a b", "a b b"]
 
 
-def test_automata_views() -> None:
-    lang = language(arm(), ARM_TERMINALS, ARM_MODULES)
-    dot = sra_dot(sra(lang.srg, lang.accept))
-    assert labels(dot)["s0"] == "q0"
-    assert ("", "q0", "N $") in edges(dot)
-    assert ("q5", "f", "ε, $ → ε") in edges(dot)
-    assert any("ε, N → N eps JO" in label for _, _, label in edges(dot))
-    finite = linear_automaton(lang.srg, lang.accept)
-    assert finite is not None
-    drawn = dfa_dot(finite)
-    assert len(labels(drawn)) == 1 + 7
-    assert drawn.count("peripheries=2") == 1
+def test_a_run_of_words_that_grow_in_the_middle() -> None:
+    nested = language(grammar(TRAPS["counted"], ALPHABET), ALPHABET, frozenset("a"))
+    for depth in (1, 2, 5):
+        nodes, run = red(words_view(nested, depth, tuple("aaabbb")))
+        assert nodes == {"a b", "a a b b", "a a a b b b"}
+        assert run == [("a b", "a a b b", "a b"), ("a a b b", "a a a b b b", "a b")]
+    right = language(grammar("N -> b N | c N | a", ALPHABET), ALPHABET, frozenset(ALPHABET))
+    run = red(words_view(right, 2, tuple("bcbca")))[1]
+    assert len(run) == 4
+    assert run[0][0] == "a"
+    assert [tail for tail, _, _ in run[1:]] == [head for _, head, _ in run[:-1]]
+    assert sorted(symbol for _, _, symbol in run) == ["b", "b", "c", "c"]
 
 
-def test_quoting() -> None:
-    terminals = ('"', "\\", "[", "\\n")
-    g = grammar('S -> " S \\ | [ \\n', terminals)
-    lang = language(g, terminals, frozenset(terminals))
-    assert 'label="[ \\\\n"' in words_dot(lang, 2)
-    for dot in (
-        words_dot(lang, 4),
-        sra_dot(sra(lang.srg, lang.accept)),
-        dfa_dot(lang.accept),
-        grammar_dot(lang.srg),
-    ):
-        # Every line is one statement with properly closed strings.
-        for line in dot.splitlines():
-            assert line.count('"') - line.count('\\"') in (0, 2) or "\\\\" in line
-        assert dot.startswith("digraph ")
-        assert dot.endswith("}\n")
+def test_a_run_of_a_long_word() -> None:
+    unary = language(grammar("N -> a | N b", ALPHABET), ALPHABET, frozenset("a"))
+    nodes, run = red(words_view(unary, 1, tuple("a" + "b" * 300)))
+    assert (len(nodes), len(run)) == (301, 300)
+    every = language(grammar("N -> N N | b | c | a", ALPHABET), ALPHABET, frozenset(ALPHABET))
+    assert len(red(words_view(every, 1, tuple("bca" * 20)))[0]) == 60
 
 
-def test_grammar_view() -> None:
-    lang = language(arm(), ARM_TERMINALS, ARM_MODULES)
-    found = edges(grammar_dot(lang.srg))
+def test_too_many_ways_to_grow_are_refused() -> None:
+    right = language(grammar("N -> b N | c N | a", ALPHABET), ALPHABET, frozenset(ALPHABET))
+    with pytest.raises(HighlightError, match="words lie on the way"):
+        words_view(right, 2, (*"bc" * 20, "a"))
+
+
+def test_the_sra(lang: Language) -> None:
+    picture = sra_view(sra(lang.srg, lang.accept))
+    assert labels(picture)["s0"] == "q0"
+    found = edges(picture)
+    assert ("", "q0", "N $") in found
+    assert ("q5", "f", "ε, $ → ε") in found
+    assert any("ε, N → N eps JO" in label for _, _, label in found)
+    assert double(picture) == {"f"}
+    assert len({edge[:2] for edge in found}) == len(found)
+
+
+def test_the_red_run_of_the_sra_reads_the_word(lang: Language) -> None:
+    pda = sra(lang.srg, lang.accept)
+    picture = sra_view(pda, FIGURE)
+    steps = {}
+    for edge in picture.edges:
+        assert any(edge.data["steps"]) == edge.highlighted
+        for move, times in zip(edge.data["moves"], edge.data["steps"], strict=True):
+            assert bool(times) == edge.highlighted
+            steps |= dict.fromkeys(times, (edge, move))
+    assert sorted(steps) == list(range(len(steps)))
+    run = [steps[step] for step in range(len(steps))]
+    assert all(first.head == second.tail for (first, _), (second, _) in pairwise(run))
+    read = [pda.alphabet[move.read] for _, move in run if move.read is not None]
+    assert tuple(read) == FIGURE
+    *_, last = configurations(pda, FIGURE, [move for _, move in run])
+    assert (last.remaining, last.stack) == ((), ())
+    nodes = {node.key: node for node in picture.nodes}
+    visited = {run[0][0].tail, *(edge.head for edge, _ in run)}
+    assert {key for key, node in nodes.items() if node.highlighted} == visited
+    assert nodes[run[-1][0].head].double
+    assert picture.initial[0].head == run[0][0].tail
+
+
+@pytest.mark.parametrize("word", ["B eps JO eps EN", " ".join(FIGURE)])
+def test_the_red_path_of_the_finite_automaton(lang: Language, word: str) -> None:
+    picture = family_dfa_view(lang, word.split())
+    assert "of the family" in picture.title
+    # B, eps, JO, (eps, one of JO L, ...), eps, EN, after which eps and any module but B come.
+    assert (len(picture.nodes), len(double(picture))) == (7, 1)
+    at, used = picture.initial[0].head, set()
+    for symbol in word.split():
+        (i,) = [
+            i
+            for i, edge in enumerate(picture.edges)
+            if edge.highlighted and edge.tail == at and symbol in edge.lines
+        ]
+        at = picture.edges[i].head
+        used.add((i, symbol))
+    assert next(node for node in picture.nodes if node.key == at).double
+    shown = {(i, s) for i, e in enumerate(picture.edges) if e.highlighted for s in e.lines}
+    assert shown == used
+    assert {edge.lines for edge in picture.edges if edge.highlighted} <= {
+        ("B",), ("eps",), ("JO",), ("L",), ("EN",), ("JO", "L"),
+    }  # fmt: skip
+
+
+def test_the_title_says_which_finite_automaton(lang: Language) -> None:
+    nested = language(grammar(TRAPS["counted"], ALPHABET), ALPHABET, frozenset("a"))
+    picture = family_dfa_view(nested, ("b", "a"))
+    assert "accept condition only" in picture.title
+    assert edges(picture) == [("", "q0", ""), ("q0", "q0", "a\nb"), ("q0", "q0", "c")]
+    assert not dfa_view(lang.accept).title
+
+
+def test_the_grammar(lang: Language) -> None:
+    found = edges(grammar_view(lang))
     assert ("N", "p1", "") in found
     assert [e for e in found if e[0] == "p1"] == [
         ("p1", "N", "1"),
@@ -103,13 +217,49 @@ def test_grammar_view() -> None:
     ]
 
 
+def test_the_red_productions_derive_the_word(lang: Language) -> None:
+    nodes, run = red(grammar_view(lang, ["B", "eps", "JO", "eps", "EN"]))
+    assert nodes == {"N", "p0", "p1", "p3", "B", "JO", "EN", "eps"}
+    assert {tail for tail, _, _ in run} == {"N", "p0", "p1", "p3"}
+    assert len(run) == 3 + 1 + 3 + 3
+
+
+VIEWS = {
+    "sra": lambda lang, word: sra_view(sra(lang.srg, lang.accept), word),
+    "dfa": family_dfa_view,
+    "words": lambda lang, word: words_view(lang, 3, word),
+    "grammar": grammar_view,
+}
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize(
+    ("word", "message"),
+    [
+        ("B eps X", "`X` is no symbol"),
+        ("B eps L eps EN", "`B eps L eps EN` is not accepted"),
+        ("EN", "`EN` is not accepted"),
+        ("", "`` is not accepted"),
+    ],
+)
+def test_words_without_a_run(lang: Language, view: str, word: str, message: str) -> None:
+    with pytest.raises(HighlightError, match=message):
+        VIEWS[view](lang, tuple(word.split()))
+
+
 @pytest.mark.parametrize("name", TRAPS)
-def test_views_of_all_shapes(name: str) -> None:
-    lang = language(grammar(TRAPS[name], ALPHABET), ALPHABET, frozenset("ab"))
-    dot = words_dot(lang, 3)
-    states = {label for key, label in labels(dot).items() if key != "init"}
-    finite = lang.is_finite(max_modules=3)
-    words = lang.words(max_modules=3, max_length=None if finite else 7)
-    assert states == {" ".join(w) for w in islice(words, 10_000) if w}
-    entered = {e[1] for e in edges(dot)}
-    assert entered == states
+def test_words_of_all_shapes(name: str) -> None:
+    trap = language(grammar(TRAPS[name], ALPHABET), ALPHABET, frozenset("ab"))
+    picture = words_view(trap, 3)
+    states = {" ".join(node.data["word"]) for node in picture.nodes}
+    finite = trap.is_finite(max_modules=3)
+    words = [w for w in trap.words(max_modules=3, max_length=None if finite else 7) if w]
+    assert states == {" ".join(w) for w in islice(words, 10_000)}
+    assert {e[1] for e in edges(picture)} == states
+    for word in words[-3:]:
+        nodes, run = red(words_view(trap, 1, word))
+        assert " ".join(word) in nodes
+        assert len(run) == len(nodes) - 1
+        # Every transition leads from a state of the run to a longer one.
+        assert len({tail for tail, _, _ in run}) == len({head for _, head, _ in run}) == len(run)
+        assert all(len(tail) < len(head) for tail, head, _ in run)

@@ -1,14 +1,19 @@
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
+from srgc import graph, load
+from srgc.session import UsageFault
 from tests.oracles.small_specs import SLIDER, replaced
 
 
-@pytest.mark.parametrize("what", ["sra", "dfa", "words", "grammar", "workspace"])
+@pytest.mark.parametrize("what", ["sra", "fra", "dfa", "words", "grammar", "workspace"])
 def test_dot_on_stdout_or_in_a_file(srgc, arm_file, tmp_path, what):
     ran = srgc("graph", arm_file, "--of", what)
     assert (ran.status, ran.err) == (0, "")
@@ -67,6 +72,159 @@ def test_a_place_that_cannot_be_written(srgc, arm_file, tmp_path):
     ran = srgc("graph", arm_file, "--of", "sra", "-o", tmp_path / "no" / "view.dot")
     assert ran.status == 2
     assert ran.err.count("\n") == 1
+
+
+ROOT = Path(__file__).parents[2]
+FIGURE = "B eps JO eps JO eps JO eps L eps JO eps L eps JO eps EN"
+WITH_RUNS = ["sra", "fra", "dfa", "words", "grammar"]
+
+
+@pytest.mark.parametrize("what", WITH_RUNS)
+def test_the_run_of_a_word_in_red(srgc, arm_file, what):
+    plain = srgc("graph", arm_file, "--of", what)
+    ran = srgc("graph", arm_file, "--of", what, "--highlight", FIGURE)
+    assert (ran.status, ran.err) == (0, "")
+    assert "#d00000" in ran.out
+    assert "#d00000" not in plain.out
+
+
+@pytest.mark.parametrize("what", WITH_RUNS)
+def test_a_word_without_a_run_is_one_message(srgc, arm_file, what):
+    for word, message in [
+        ("B eps X eps EN", "error: `X` is no symbol of the words\n"),
+        ("B eps L eps EN", "error: the word `B eps L eps EN` is not accepted\n"),
+        ("", "error: the word `` is not accepted\n"),
+    ]:
+        ran = srgc("graph", arm_file, "--of", what, "--highlight", word)
+        assert (ran.status, ran.out, ran.err) == (2, "", message)
+
+
+def red_nodes(dot):
+    return re.findall(r'^  "w\d+" \[label="([^"]*)".*color="#d00000"', dot, re.MULTILINE)
+
+
+def test_figure_two_from_any_depth(srgc, arm_file):
+    """The robot of Figure 1c has 9 modules: B and what is added in 8 transitions."""
+    words = ("graph", arm_file, "--of", "words", "--highlight", FIGURE)
+    for depth in ("1", "7"):
+        ran = srgc(*words, "--depth", depth)
+        assert (ran.status, len(red_nodes(ran.out))) == (0, 9)
+        assert ran.err == (
+            f"note: the word has 9 modules: beyond --depth {depth} only its run is drawn\n"
+        )
+    assert srgc(*words).err == ""
+    near = srgc(*words, "--near")
+    assert (near.status, near.err, len(red_nodes(near.out))) == (0, "", 9)
+    assert len(re.findall(r'^  "w\d+" \[', near.out, re.MULTILINE)) == 1 + 8 * 3
+    assert near.out.count("->") == 1 + 8 * 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--of", "workspace", "--highlight", "B"), "--highlight shows a run"),
+        (("--of", "robot", "--word", "B eps JO eps EN", "--highlight", "B"), "--highlight shows"),
+        (("--of", "words", "--near"), "--near goes with --highlight"),
+        (("--of", "robot"), "--of robot needs the word"),
+        (("--of", "sra", "--word", "B"), "go with --of robot"),
+        (("--of", "sra", "--derivation", "1"), "go with --of robot"),
+        (("--of", "robot", "--word", "B eps Q"), "`Q` is no symbol"),
+        (("--of", "robot", "--word", "B"), "`B` is not accepted"),
+        (
+            ("--of", "robot", "--word", "B eps JO eps EN", "--derivation", "2"),
+            "the word has 1 derivation: there is no --derivation 2",
+        ),
+    ],
+)
+def test_choices_that_do_not_fit(srgc, arm_file, arguments, message):
+    ran = srgc("graph", arm_file, *arguments)
+    assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
+    assert message in ran.err
+
+
+def test_no_word_is_as_shallow_as_asked(srgc, spec):
+    ran = srgc("graph", spec(TWO), "--of", "words", "--depth", "1")
+    assert (ran.status, "peripheries" in ran.out) == (0, False)
+    assert ran.err == "note: no word has 1 modules or fewer: give a greater --depth\n"
+
+
+TWO = """
+module A { role base; }
+module J { role joint; dof q: revolute z; }
+edge eps;
+grammar G {
+  start S;
+  once: S -> A eps T;
+  one: T -> J;
+  left: T -> T eps J;
+  right: T -> J eps T;
+}
+"""
+
+
+def test_the_robot_of_a_derivation(srgc, spec):
+    path = spec(TWO)
+    one = srgc("graph", path, "--of", "robot", "--word", "A eps J")
+    assert (one.status, one.err) == (0, "")
+    assert one.out.count("->") == 2
+    several = ("graph", path, "--of", "robot", "--word", "A eps J eps J eps J")
+    ran = srgc(*several)
+    assert ran.status == 0
+    assert ran.err == "note: the word has several derivations: --derivation 2 draws the next\n"
+    # Every J but the last is added on the left or on the right.
+    for derivation in range(1, 5):
+        chosen = srgc(*several, "--derivation", derivation)
+        assert (chosen.status, chosen.err) == (0, "")
+    assert srgc(*several, "--derivation", 1).out == ran.out
+    ran = srgc(*several, "--derivation", 5)
+    assert (ran.status, ran.out) == (2, "")
+    assert "has 4 derivations" in ran.err
+
+
+def test_a_word_with_endless_derivations(srgc, spec):
+    path = spec(TWO.replace("one: T -> J;", "one: T -> J;\n  same: T -> T;"))
+    ran = srgc("graph", path, "--of", "robot", "--word", "A eps J")
+    assert (ran.status, ran.out) == (2, "")
+    assert "T derives itself" in ran.err
+    ran = srgc("graph", path, "--of", "grammar", "--highlight", "A eps J")
+    assert ran.status == 0
+
+
+def test_a_family_without_semantics_has_no_fra(srgc, spec):
+    ran = srgc("graph", spec(TWO), "--of", "fra")
+    assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
+    assert "no semantics" in ran.err
+
+
+def test_the_command_does_not_load_networkx(arm_file):
+    program = (
+        "import sys; from srgc.cli import run\n"
+        f"arguments = ['graph', {str(arm_file)!r}, '--of', 'words', '--highlight', {FIGURE!r}]\n"
+        "assert run(arguments) == 0\n"
+        "assert 'networkx' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, check=True)
+
+
+def test_the_python_interface(arm_file):
+    program = load(arm_file)
+    run = graph(program, "words", highlight=FIGURE.split(), near=True)
+    assert len(run) == 25
+    assert sum(red for _, red in run.nodes(data="highlighted")) == 9
+    robot = graph(program, "robot", word=("B", "eps", "JO", "eps", "EN"))
+    assert [label for _, label in robot.nodes(data="label")] == ["B", "JO", "EN"]
+    with pytest.raises(UsageFault, match="no view `fsa`"):
+        graph(program, "fsa")
+
+
+def test_edges_without_bound_are_counted_too(srgc, spec):
+    """2 ** k words A eps (u|v)^k J: of two modules, but as many as the length allows."""
+    endless = TWO.replace("edge eps;", "edge eps, u, v;").replace("T -> T eps J", "T -> u T")
+    path = spec(endless.replace("T -> J eps T", "T -> v T"))
+    ran = srgc("graph", path, "--of", "words", "--depth", "300")
+    assert ran.status == 2
+    # At most 2 * depth + 1 symbols: 1 + 2 + ... + 2 ** (2 * depth - 2), above 5,000 from 7 on.
+    assert ran.err == "error: more than 5000 words to draw: choose a --depth below 7\n"
 
 
 def test_the_path_of_the_example(srgc, arm_file):

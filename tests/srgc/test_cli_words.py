@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from itertools import pairwise, product
 
 import pytest
@@ -92,16 +93,45 @@ def test_a_symbol_that_looks_like_an_option(srgc, arm_file):
 def test_the_trace_has_a_run_and_a_derivation(srgc, arm_file):
     word = "B eps JO eps EN"
     lines = srgc("accepts", arm_file, "--trace", "--", *word.split()).out.splitlines()
-    run = [line.strip(" ()").split(", ") for line in lines if line.startswith("  (")]
-    assert run[0][1] == word
-    assert run[-1][1] == "empty"
-    # The remaining word only ever loses its first symbol.
-    for (_, before, _), (_, after, _) in pairwise(run):
-        left, right = before.split(), [s for s in after.split() if s != "empty"]
-        assert right in (left, left[1:])
-    derivation = [line.strip() for line in lines if line.startswith("  =>")]
-    assert derivation == [
-        "=> N eps EN    [tool]",
-        "=> N eps JO eps EN    [joint]",
-        "=> B eps JO eps EN    [base]",
+    run = [re.split("  +", line.strip()) for line in lines if re.match(r"  \d", line)]
+    assert run[0] == ["0", "q0", "N $", "tool: N -> N eps EN"]
+    assert run[-1][2:] == ["empty", "accepted"]
+    # Every step reads the top of the stack or replaces it.
+    for (place, _, stack, step), (after, _, following, _) in pairwise(run):
+        top, *below = stack.split()
+        if step.startswith("read "):
+            assert (step, int(after)) == (f"read {top}", int(place) + 1)
+            assert following.split() == below
+        elif step != "end":
+            left, right = step.split(": ")[1].split(" -> ")
+            assert (left, after) == (top, place)
+            assert following.split() == right.split() + below
+    assert " ".join(row[3][5:] for row in run if row[3].startswith("read ")) == word
+    table = [re.split("  +", line.strip()) for line in lines[lines.index("") + 2 :]]
+    assert [row for row in table if len(row) == 3] == [
+        ["tool", "1..5", "N -> N eps EN"],
+        ["joint", "1..3", "N -> N eps JO"],
+        ["base", "1..1", "N -> B"],
     ]
+
+
+def test_a_refusal_says_why(srgc, arm_file):
+    reasons = {
+        "B eps JO JO": "begins with `B eps JO JO` (4 symbols)",
+        "B eps JO eps": "only the beginning",
+        "B eps JO": "accept condition",
+        "": "does not derive",
+        "B Claw": "`Claw` is no symbol",
+    }
+    for word, reason in reasons.items():
+        ran = srgc("accepts", arm_file, "--", *word.split())
+        assert ran.status == 1
+        assert reason in ran.out
+
+
+def test_a_long_word_is_traced(srgc, arm_file):
+    word = ["B", "eps", "JO", *["eps", "L"] * 5000, "eps", "EN"]
+    ran = srgc("accepts", arm_file, "--trace", "--", *word)
+    assert ran.status == 0
+    assert "more" in ran.out
+    assert len(ran.out) < 120 * 3 * len(word)

@@ -1,9 +1,14 @@
 import re
 
-from compiler.geometry.abstraction import abstract
-from compiler.views.workspace_dot import workspace_dot
+from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.views.dot import to_dot
+from compiler.views.workspace_view import workspace_view
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import bench, box
+
+
+def workspace_dot(abstraction: Abstraction, workspace: Workspace) -> str:
+    return to_dot(workspace_view(abstraction, workspace))
 
 
 def test_nodes_edges_and_colours_of_the_running_example():
@@ -18,7 +23,7 @@ def test_nodes_edges_and_colours_of_the_running_example():
     cells = abstraction.cells
     assert drawn == {(cells[i].name, cells[j].name) for i, j in abstraction.adjacency}
     assert text == workspace_dot(abstract(bench()), bench())
-    (x, y) = re.search(r'"O" \[pos="([\d.]+),([\d.]+)!"', text).groups()
+    (x, y) = re.search(r'"O" \[label="O", pos="([\d.]+),([\d.]+)!"', text).groups()
     assert (float(x), float(y)) == (2.35 * 9 / 5, 2.5 * 9 / 5)
 
 

@@ -1,0 +1,83 @@
+"""The functional robot automaton (FRA): the SRA with semantic updates on its transitions.
+
+The paper omits its definition (after Definition 6); this is the completion: a transition that
+applies a production carries the attribute rules and emissions of that production, which speak of
+the symbol taken off the stack (``this``) and of those put on it.  The productions along an
+accepting run are a leftmost derivation, and the updates along it are all that defines the robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from compiler.automata.finite_automaton import Dfa
+from compiler.automata.pushdown_automaton import Configuration, Pda, Transition, configurations, sra
+from compiler.automata.pushdown_runs import accepting_run
+from compiler.grammars.grammar import Srg
+from grammar_lang import ir
+from grammar_lang.ir.expression_text import updates_text
+
+
+@dataclass(frozen=True, slots=True)
+class Fra:
+    """A pushdown automaton with the semantics of the productions that its transitions apply."""
+
+    pda: Pda
+    productions: Mapping[str, ir.Production]
+    semantics: Mapping[str, ir.SemanticBlock]
+
+    def updates(self, transition: Transition) -> tuple[str, ...]:
+        """What a transition updates, as text; nothing where it applies no production."""
+        if transition.label is None:
+            return ()
+        return updates_text(self.productions[transition.label], self.semantics[transition.label])
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionalStep:
+    """A step of a run: the configuration it leads to, by which transition, and its updates.
+
+    The first step has no transition: its configuration is the initial one.
+    """
+
+    configuration: Configuration
+    transition: Transition | None
+    updates: tuple[str, ...]
+
+    @property
+    def label(self) -> str | None:
+        """The production that is applied."""
+        return None if self.transition is None else self.transition.label
+
+
+def fra(srg: Srg, accept: Dfa, semantics: Mapping[str, ir.SemanticBlock]) -> Fra:
+    """The FRA of a grammar with its accept condition and its semantics.
+
+    Raises:
+        ValueError: a production has no block in the semantics.
+    """
+    for production in srg.productions:
+        if production.label not in semantics:
+            raise ValueError(f"production {production.label} has no semantics")
+    productions = {production.label: production for production in srg.productions}
+    return Fra(sra(srg, accept), productions, semantics)
+
+
+def functional_run(fra: Fra, word: Sequence[str]) -> Iterator[FunctionalStep] | None:
+    """An accepting run, lazily; None where there is none."""
+    run = accepting_run(fra.pda, word)
+    return None if run is None else _steps(fra, word, run)
+
+
+def _steps(fra: Fra, word: Sequence[str], run: Sequence[Transition]) -> Iterator[FunctionalStep]:
+    places = configurations(fra.pda, word, run)
+    for transition, place in zip((None, *run), places, strict=True):
+        yield FunctionalStep(
+            place, transition, () if transition is None else fra.updates(transition)
+        )
+
+
+def production_labels(run: Iterable[FunctionalStep]) -> tuple[str, ...]:
+    """The productions applied along a run: a leftmost derivation of its word."""
+    return tuple(step.label for step in run if step.label is not None)

@@ -1,0 +1,115 @@
+"""Binary normal form: right sides of one terminal or of two symbols.
+
+There are no empty and no unit rules (Chomsky 1959, without the restriction to nonterminals in
+pairs).  Such a grammar speaks of words only; derivations are those of the original grammar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from compiler.grammars.grammar import Cfg, Rule, components, nullable, on_cycle, trimmed
+
+RightSide: TypeAlias = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BinaryGrammar:
+    """A grammar in binary normal form.
+
+    Symbols below ``terminals`` are terminals; ``rules[k]`` are the right sides of the nonterminal
+    ``terminals + k``: one terminal, or two symbols.  The language is what any of ``starts``
+    derives, and the empty word where ``empty_word``.
+    """
+
+    terminals: int
+    rules: tuple[tuple[RightSide, ...], ...]
+    starts: tuple[int, ...]
+    empty_word: bool
+
+    def is_empty(self) -> bool:
+        """Whether there is no word, not even the empty one, given that all are useful."""
+        return not self.starts and not self.empty_word
+
+    def is_finite(self) -> bool:
+        """Whether the language is finite: no nonterminal reaches itself, given all are useful."""
+        first = self.terminals
+        edges = ((k, s - first) for k, right in self._sides() for s in right if s >= first)
+        return not on_cycle(len(self.rules), edges)
+
+    def longest(self) -> int:
+        """The length of the longest word of a finite, non-empty language."""
+        first = self.terminals
+        children = [
+            [s - first for right in rights for s in right if s >= first] for rights in self.rules
+        ]
+        component = components(len(self.rules), children.__getitem__)
+        length = [0] * len(self.rules)
+        for k in sorted(range(len(self.rules)), key=component.__getitem__):
+            length[k] = max(
+                sum(1 if s < first else length[s - first] for s in right) for right in self.rules[k]
+            )
+        return max((length[s - first] for s in self.starts), default=0)
+
+    def _sides(self) -> Iterable[tuple[int, RightSide]]:
+        return ((k, right) for k, rights in enumerate(self.rules) for right in rights)
+
+
+def binary_normal_form(cfg: Cfg) -> BinaryGrammar:
+    """The language of ``cfg`` in binary normal form; useless nonterminals have no rules."""
+    pairs = _binarised(trimmed(cfg))
+    empty = nullable(pairs)
+    first = pairs.terminals
+    solid: list[dict[RightSide, None]] = [{} for _ in range(pairs.nonterminals)]
+    units: list[list[int]] = [[] for _ in range(pairs.nonterminals)]
+    for left, right in pairs.rules:
+        for side in _without_empty(right, empty):
+            if len(side) == 1 and side[0] >= first:
+                units[left - first].append(side[0] - first)
+            else:
+                solid[left - first][side] = None
+    rules = tuple(
+        tuple(dict.fromkeys(side for k in _reached(n, units) for side in solid[k]))
+        for n in range(pairs.nonterminals)
+    )
+    return BinaryGrammar(first, rules, (pairs.start,), pairs.start in empty)
+
+
+def _binarised(cfg: Cfg) -> Cfg:
+    """Right sides of at most two symbols; equal rests of right sides share a nonterminal."""
+    rules: list[Rule] = []
+    rest_of: dict[RightSide, int] = {}
+    for left, right in cfg.rules:
+        head, tail = left, right
+        while len(tail) > 2:
+            known = tail[1:] in rest_of
+            rest = rest_of.setdefault(tail[1:], cfg.terminals + cfg.nonterminals + len(rest_of))
+            rules.append(Rule(head, (tail[0], rest)))
+            if known:
+                break
+            head, tail = rest, tail[1:]
+        else:
+            rules.append(Rule(head, tail))
+    return Cfg(cfg.terminals, cfg.nonterminals + len(rest_of), tuple(rules), cfg.start)
+
+
+def _without_empty(right: RightSide, empty: frozenset[int]) -> list[RightSide]:
+    """The right side with nullable symbols left out in all ways, without the empty one."""
+    sides = [right] if right else []
+    if len(right) == 2:
+        sides += [(right[1 - i],) for i in (0, 1) if right[i] in empty]
+    return sides
+
+
+def _reached(start: int, edges: list[list[int]]) -> list[int]:
+    """The nodes reached from ``start``, itself first."""
+    found = {start: None}
+    todo = [start]
+    while todo:
+        for node in edges[todo.pop()]:
+            if node not in found:
+                found[node] = None
+                todo.append(node)
+    return list(found)

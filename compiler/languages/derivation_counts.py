@@ -1,0 +1,93 @@
+"""How many derivations a grammar in binary normal form has, by length.
+
+For an unambiguous grammar these are its words, counted in polynomial time, and a number below the
+count stands for one word: drawing the number uniformly draws the word uniformly (Hickey & Cohen
+1983, *Uniform random generation of strings in a context-free language*).
+"""
+
+from __future__ import annotations
+
+from operator import mul
+
+from compiler.grammars.binary_normal_form import BinaryGrammar, RightSide
+
+
+class DerivationCounts:
+    """``of(symbol)[n]``: the derivations of words of n symbols, n up to ``longest``."""
+
+    def __init__(self, grammar: BinaryGrammar, longest: int) -> None:
+        self.grammar = grammar
+        self.longest = longest
+        self._terminal = [0, 1][: longest + 1] + [0] * (longest - 1)
+        self._rows: list[list[int]] = [[0] for _ in grammar.rules]
+        for length in range(1, longest + 1):
+            found = [sum(self._ways(side, length) for side in rights) for rights in grammar.rules]
+            for row, number in zip(self._rows, found, strict=True):
+                row.append(number)
+
+    def of(self, symbol: int) -> list[int]:
+        """The numbers for a symbol, by length."""
+        first = self.grammar.terminals
+        return self._terminal if symbol < first else self._rows[symbol - first]
+
+    def total(self, length: int) -> int:
+        """The number of derivations of words of that length."""
+        empty = int(self.grammar.empty_word and length == 0)
+        return empty + sum(self.of(start)[length] for start in self.grammar.starts)
+
+    def word(self, length: int, index: int) -> tuple[int, ...]:
+        """The word of derivation number ``index``, below ``total(length)``, in a fixed order."""
+        if length == 0:
+            return ()
+        word: list[int] = []
+        symbol, index = self._start(length, index)
+        todo = [(symbol, length, index)]
+        while todo:
+            symbol, size, index = todo.pop()
+            if symbol < self.grammar.terminals:
+                word.append(symbol)
+                continue
+            side, cut, index = self._choice(symbol, size, index)
+            if len(side) == 1:
+                todo.append((side[0], 1, 0))
+                continue
+            right = self.of(side[1])[size - cut]
+            todo.append((side[1], size - cut, index % right))
+            todo.append((side[0], cut, index // right))
+        return tuple(word)
+
+    def _ways(self, side: RightSide, length: int) -> int:
+        """The derivations of one length that begin with this right side; shorter ones are known."""
+        first = self.grammar.terminals
+        if len(side) == 1:
+            return int(length == 1)
+        left, right = side
+        if left < first:
+            return self.of(right)[length - 1]
+        if right < first:
+            return self.of(left)[length - 1]
+        return sum(map(mul, self.of(left)[1:length], self.of(right)[length - 1 : 0 : -1]))
+
+    def _start(self, length: int, index: int) -> tuple[int, int]:
+        for start in self.grammar.starts:
+            number = self.of(start)[length]
+            if index < number:
+                return start, index
+            index -= number
+        raise IndexError("there are not so many derivations")
+
+    def _choice(self, symbol: int, length: int, index: int) -> tuple[RightSide, int, int]:
+        """The right side, where it is cut in two, and the rest of the number."""
+        for side in self.grammar.rules[symbol - self.grammar.terminals]:
+            if len(side) == 1:
+                if length == 1 and index == 0:
+                    return side, 0, 0
+                index -= int(length == 1)
+                continue
+            left, right = self.of(side[0]), self.of(side[1])
+            for cut in range(1, length):
+                number = left[cut] * right[length - cut]
+                if index < number:
+                    return side, cut, index
+                index -= number
+        raise IndexError("there are not so many derivations")

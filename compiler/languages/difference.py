@@ -1,0 +1,91 @@
+"""The first word, in length-lexicographic order, that is in one language and not in another.
+
+Both are read at once.  For two finite automata the pairs of states are finitely many and the answer
+is exact for all lengths (Moore 1956); equivalence of context-free languages is
+undecidable, and is answered up to a length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TypeAlias, TypeVar
+
+from compiler.languages.budget import MOVE_BUDGET, BudgetExceededError
+from compiler.reading.reading import Reading
+
+REASON = "too many prefixes differ in what may follow them; compare shorter words"
+
+Left = TypeVar("Left")
+Right = TypeVar("Right")
+Pair: TypeAlias = "tuple[Left | None, Right | None]"
+
+
+def first_difference(
+    left: Reading[Left], right: Reading[Right], longest: int, budget: int = MOVE_BUDGET
+) -> tuple[int, ...] | None:
+    """The first word of at most ``longest`` symbols that exactly one of both has; None: none.
+
+    Terminals have the same numbers in both.  Words are looked at by length; pairs of states that
+    were met before lead to nothing that a shorter prefix has not led to.
+
+    Raises:
+        BudgetExceededError: more than ``budget`` moves are needed.
+    """
+    start: Pair[Left, Right] = (left.root, right.root)
+    before: dict[Pair[Left, Right], tuple[Pair[Left, Right], int] | None] = {start: None}
+    level = [start]
+    moves = 0
+    for rest in range(longest, -1, -1):
+        following: list[Pair[Left, Right]] = []
+        for pair in level:
+            if _differs(left, right, pair):
+                return _word(before, pair)
+        if not rest:
+            break
+        mask = (1 << rest) - 1
+        for pair in level:
+            for symbol, target in _moves(left, right, pair):
+                moves += 1
+                if moves > budget:
+                    raise BudgetExceededError("comparing the languages", budget, REASON)
+                if target not in before and _alive(left, right, target, mask):
+                    before[target] = (pair, symbol)
+                    following.append(target)
+        level = following
+    return None
+
+
+def _differs(left: Reading[Left], right: Reading[Right], pair: Pair[Left, Right]) -> bool:
+    p, q = pair
+    return (p is not None and left.accepting(p)) != (q is not None and right.accepting(q))
+
+
+def _moves(
+    left: Reading[Left], right: Reading[Right], pair: Pair[Left, Right]
+) -> Iterator[tuple[int, Pair[Left, Right]]]:
+    p, q = pair
+    first = {} if p is None else dict(left.moves(p))
+    second = {} if q is None else dict(right.moves(q))
+    for symbol in sorted({*first, *second}):
+        yield symbol, (first.get(symbol), second.get(symbol))
+
+
+def _alive(left: Reading[Left], right: Reading[Right], pair: Pair[Left, Right], mask: int) -> bool:
+    """Whether some word of one of both is short enough."""
+    p, q = pair
+    first = 0 if p is None else left.lengths(p)
+    second = 0 if q is None else right.lengths(q)
+    return bool((first | second) & mask)
+
+
+def _word(
+    before: dict[Pair[Left, Right], tuple[Pair[Left, Right], int] | None],
+    pair: Pair[Left, Right],
+) -> tuple[int, ...]:
+    word: list[int] = []
+    step = before[pair]
+    while step is not None:
+        pair, symbol = step
+        word.append(symbol)
+        step = before[pair]
+    return tuple(reversed(word))

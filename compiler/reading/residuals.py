@@ -1,0 +1,155 @@
+"""Reading words of a context-free grammar from left to right, deterministically.
+
+A *residual* stands for what may follow a prefix: a set of symbols, each with what comes after it
+(:mod:`compiler.reading.continuations`).  Equal sets are one object, and a symbol at the end of
+its rule takes over what comes after the rule.  A left- or right-linear grammar therefore has
+finitely many residuals, the states of a finite automaton, and any grammar is read as by an
+automaton whose states are made when they are first needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from compiler.grammars.binary_normal_form import BinaryGrammar
+from compiler.grammars.left_corners import LeftCorners, Move
+from compiler.reading.continuations import Continuation, Continuations, Item
+from compiler.reading.word_lengths import WordLengths
+
+CACHE_LIMIT = 50_000
+"""So many residuals and continuations are remembered; results never depend on it."""
+
+Name: TypeAlias = str
+
+
+@dataclass(slots=True)
+class _Calls:
+    """What a residual calls: nonterminals with their moves, and what comes after terminals."""
+
+    direct: dict[int, list[Continuation]]
+    after: dict[int, list[Continuation]]
+    moves: Mapping[int, Move]
+    points: dict[int, Continuation] = field(default_factory=dict)
+
+
+class Residual(dict[Name, "Residual"]):
+    """What may follow a prefix: the residuals after one more symbol, made when asked for.
+
+    ``residual[name]`` raises ``KeyError`` where that symbol may not come next.
+
+    ``accepting``: nothing may follow.  Bit m of ``lengths``: some word of length m may follow.
+    """
+
+    __slots__ = ("accepting", "agenda", "calls", "following", "lengths", "owner")
+
+    def __init__(self, owner: Residuals, agenda: frozenset[Item], *, accepting: bool) -> None:
+        self.owner = owner
+        self.agenda = agenda
+        self.accepting = accepting
+        self.calls: _Calls | None = None
+        self.following: tuple[tuple[int, Residual], ...] | None = None
+        self.lengths = int(accepting)
+
+    # A dictionary that is compared by identity: it is the state, not what it leads to.
+    __hash__ = object.__hash__  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __missing__(self, name: Name) -> Residual:
+        following = self.owner.after(self, self.owner.number[name])
+        if following is None:
+            raise KeyError(name)
+        self[name] = following
+        return following
+
+
+class Residuals:
+    """The residuals of a grammar over terminals with names.
+
+    Args:
+        grammar: the grammar.
+        names: of its terminals.
+        horizon: lengths are exact up to so many symbols; None: they are not asked for.
+    """
+
+    def __init__(
+        self, grammar: BinaryGrammar, names: Sequence[Name], horizon: int | None = None
+    ) -> None:
+        self.grammar = grammar
+        self.names = names
+        self.number = {name: i for i, name in enumerate(names)}
+        self._lengths = None if horizon is None else WordLengths(grammar, horizon)
+        self._corners = LeftCorners(grammar)
+        self._start_over()
+
+    def _start_over(self) -> None:
+        self._known: dict[tuple[bool, frozenset[Item]], Residual] = {}
+        self._continuations = Continuations(self._lengths)
+        items = frozenset((s, self._continuations.end) for s in self.grammar.starts)
+        self.root = self._residual(items, accepting=self.grammar.empty_word)
+
+    @property
+    def horizon(self) -> int:
+        """The greatest length that is known of."""
+        return 0 if self._lengths is None else self._lengths.horizon
+
+    def accepting(self, residual: Residual, /) -> bool:
+        """Whether the word may end here."""
+        return residual.accepting
+
+    def lengths(self, residual: Residual, /) -> int:
+        """Bit m is set where some word of m symbols may follow, up to the horizon."""
+        return residual.lengths
+
+    def moves(self, residual: Residual, /) -> Sequence[tuple[int, Residual]]:
+        """The terminals that may come next, in order, with the residuals that they lead to."""
+        if residual.following is None:
+            calls = self._calls(residual)
+            symbols = sorted({*calls.after, *calls.moves})
+            residual.following = tuple((s, residual[self.names[s]]) for s in symbols)
+        return residual.following
+
+    def after(self, residual: Residual, symbol: int) -> Residual | None:
+        """The residual after one more terminal, by number; None where it may not come next."""
+        calls = self._calls(residual)
+        move = calls.moves.get(symbol)
+        ends = calls.after.get(symbol, ())
+        if move is None and not ends:
+            return None
+        last = list(ends)
+        items: set[Item] = set()
+        if move is not None:
+            points = calls.points
+            for group in move.groups:
+                if group.members[0] not in points:
+                    self._continuations.add(group, calls.direct, points)
+            items.update((frame.symbol, points[frame.caller]) for frame in move.frames)
+            last += [points[symbol] for symbol in move.ends]
+        items.update(*(point.items for point in last))
+        final = any(point.final for point in last)
+        return self._residual(frozenset(items), accepting=final)
+
+    def _residual(self, items: frozenset[Item], *, accepting: bool) -> Residual:
+        known = self._known.get((accepting, items))
+        if known is not None:
+            return known
+        if len(self._known) + len(self._continuations) >= CACHE_LIMIT:
+            self._start_over()
+        result = self._known[accepting, items] = Residual(self, items, accepting=accepting)
+        if self._lengths is not None:
+            for symbol, target in items:
+                result.lengths |= self._lengths.before(symbol, target.lengths)
+        return result
+
+    def _calls(self, residual: Residual) -> _Calls:
+        if residual.calls is None:
+            first = self.grammar.terminals
+            direct: dict[int, list[Continuation]] = {}
+            after: dict[int, list[Continuation]] = {}
+            for symbol, target in residual.agenda:
+                (after if symbol < first else direct).setdefault(symbol, []).append(target)
+            residual.calls = _Calls(direct, after, self._corners.moves(frozenset(direct)))
+        return residual.calls

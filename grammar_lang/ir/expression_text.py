@@ -1,0 +1,235 @@
+"""Expressions, attribute rules and emissions as text of the language.
+
+Numbers are exact and in SI units: a decimal where there is one, else a quotient.  The
+intermediate representation does not keep the units of numbers, so that they are not written.  Read
+again, the text gives the same expression; where a number with a unit is multiplied by something,
+its unit has to be written again first.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from fractions import Fraction
+from typing import TypeAlias
+
+from grammar_lang.ir.expressions import (
+    THIS,
+    AttributeOf,
+    Binary,
+    Compose,
+    DofOf,
+    EffortOf,
+    Expr,
+    InputOf,
+    Move,
+    Num,
+    Operator,
+    ParameterOf,
+    Pi,
+    RateOf,
+    Rot,
+    Shift,
+    StateOf,
+    Unary,
+    Vector,
+    World,
+)
+from grammar_lang.ir.family import (
+    AttributeRule,
+    Effector,
+    Emission,
+    PointMass,
+    Production,
+    Rod,
+    SemanticBlock,
+    Solid,
+)
+
+LONGEST_PLAIN = 10
+"""Decimals of more characters are written with an exponent where that is shorter."""
+SUM, PRODUCT, FACTOR, ATOM = range(4)
+_RANK: dict[Operator, int] = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT}
+
+Names: TypeAlias = Callable[[int], str]
+Ranked: TypeAlias = tuple[str, int]
+
+
+def occurrence_names(production: Production) -> tuple[str, ...]:
+    """How a production calls the symbols of its right side: by alias, by name, or as X1, X2."""
+    total = Counter(symbol.name for symbol in production.right)
+    seen: Counter[str] = Counter()
+    found: list[str] = []
+    for symbol in production.right:
+        seen[symbol.name] += 1
+        numbered = symbol.name if total[symbol.name] == 1 else f"{symbol.name}{seen[symbol.name]}"
+        found.append(symbol.alias or numbered)
+    return tuple(found)
+
+
+def updates_text(production: Production, block: SemanticBlock) -> tuple[str, ...]:
+    """The statements of a block, rules first, without semicolons."""
+    called = occurrence_names(production)
+
+    def names(occurrence: int) -> str:
+        return "this" if occurrence == THIS else called[occurrence]
+
+    rules = (rule_text(rule, names) for rule in block.rules)
+    return (*rules, *(emission_text(emission, names) for emission in block.emissions))
+
+
+def rule_text(rule: AttributeRule, names: Names) -> str:
+    """``this.frame = N.frame * rot(z, JO.q)``."""
+    target = f"{names(rule.target.occurrence)}.{rule.target.name}"
+    return f"{target} = {expression_text(rule.value, names)}"
+
+
+def emission_text(emission: Emission, names: Names) -> str:
+    """``rod(frame: N.frame, axis: x, length: L.length, density: 1)``."""
+    kind, arguments = _emitted(emission, names)
+    return f"{kind}({', '.join(f'{name}: {value}' for name, value in arguments)})"
+
+
+def expression_text(expression: Expr, names: Names) -> str:
+    """An expression; ``names`` says how occurrences are called.
+
+    A module's own parameters, coordinates, states and inputs (those of ``THIS``) go by their name.
+    """
+    return _ranked(expression, names)[0]
+
+
+def number_text(value: Fraction) -> str:
+    """A rational as a decimal, or as a quotient where it has no finite decimal."""
+    sign, value = ("-" if value < 0 else ""), abs(value)
+    digits, places = _decimal(value)
+    if digits is None:
+        return f"{sign}{value.numerator}/{value.denominator}"
+    plain, scientific = _plain(digits, places), f"{digits}e{-places}"
+    return sign + (plain if len(plain) <= max(LONGEST_PLAIN, len(scientific)) else scientific)
+
+
+def _decimal(value: Fraction) -> tuple[int | None, int]:
+    """``(d, k)`` with value = d / 10**k and the least k, negative for trailing zeros."""
+    rest, twos, fives = value.denominator, 0, 0
+    while rest % 2 == 0:
+        rest, twos = rest // 2, twos + 1
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
+    if rest > 1:
+        return None, 0
+    places = max(twos, fives)
+    digits = value.numerator * 10**places // value.denominator
+    while digits and digits % 10 == 0:
+        digits, places = digits // 10, places - 1
+    return digits, places
+
+
+def _plain(digits: int, places: int) -> str:
+    """The decimal of digits / 10**places, without an exponent."""
+    text = str(digits)
+    if places <= 0:
+        return text + "0" * -places
+    text = text.rjust(places + 1, "0")
+    return f"{text[:-places]}.{text[-places:]}"
+
+
+def _emitted(emission: Emission, names: Names) -> tuple[str, list[tuple[str, str]]]:
+    def text(expression: Expr) -> str:
+        return expression_text(expression, names)
+
+    frame = ("frame", text(emission.frame))
+    match emission:
+        case Rod(_, axis, length, density, radius):
+            arguments = [("axis", axis), ("length", text(length)), ("density", text(density))]
+            arguments += [] if radius is None else [("radius", text(radius))]
+            return "rod", [frame, *arguments]
+        case PointMass(_, mass):
+            return "point", [frame, ("mass", text(mass))]
+        case Solid(_, mass, com, inertia):
+            moments = ", ".join(map(text, inertia))
+            tensor = moments if len(inertia) == 1 else f"({moments})"
+            return "solid", [frame, ("mass", text(mass)), ("com", text(com)), ("inertia", tensor)]
+        case Effector():
+            return "effector", [frame]
+
+
+# --- expressions -------------------------------------------------------------------------------
+
+
+def _ranked(expression: Expr, names: Names) -> Ranked:
+    """The text with how tightly its outermost operator binds."""
+    match expression:
+        case Num(value):
+            return _number(value)
+        case Pi():
+            return "pi", ATOM
+        case Unary("neg", operand):
+            return f"-{_at_least(FACTOR, operand, names)}", FACTOR
+        case Unary(function, operand):
+            return f"{function}({expression_text(operand, names)})", ATOM
+        case Binary("^", left, right):
+            base, exponent = _at_least(ATOM, left, names), _at_least(FACTOR, right, names)
+            return f"{base}^{exponent}", FACTOR
+        case Binary(operator, left, right):
+            return _operation(operator, left, right, names)
+        case Vector(x, y, z):
+            items = (x, y) if z == Num(Fraction(0)) else (x, y, z)
+            return f"({', '.join(expression_text(item, names) for item in items)})", ATOM
+        case World() | Rot() | Move() | Shift() | Compose():
+            return _frame(expression, names)
+        case _:
+            return _name(expression, names), ATOM
+
+
+def _number(value: Fraction) -> Ranked:
+    text = number_text(value)
+    if "/" in text:
+        return text, PRODUCT
+    return text, FACTOR if text.startswith("-") else ATOM
+
+
+def _operation(operator: Operator, left: Expr, right: Expr, names: Names) -> Ranked:
+    rank = _RANK[operator]
+    first, second = _at_least(rank, left, names), _at_least(rank + 1, right, names)
+    return f"{first} {operator} {second}", rank
+
+
+def _frame(expression: World | Rot | Move | Shift | Compose, names: Names) -> Ranked:
+    match expression:
+        case World():
+            return "world", ATOM
+        case Rot(axis, angle):
+            return f"rot({axis}, {expression_text(angle, names)})", ATOM
+        case Move(axis, distance):
+            return f"move({axis}, {expression_text(distance, names)})", ATOM
+        case Shift(vector):
+            return f"move({expression_text(vector, names)})", ATOM
+        case Compose(left, right):
+            return _operation("*", left, right, names)
+
+
+def _name(
+    expression: ParameterOf | DofOf | RateOf | EffortOf | StateOf | InputOf | AttributeOf,
+    names: Names,
+) -> str:
+    match expression:
+        case EffortOf():
+            return "u"
+        case RateOf(occurrence, name):
+            return f"rate({_owned(occurrence, name, names)})"
+        case AttributeOf(occurrence, name):
+            return f"{names(occurrence)}.{name}"
+        case ParameterOf(occurrence, name) | DofOf(occurrence, name):
+            return _owned(occurrence, name, names)
+        case StateOf(occurrence, name) | InputOf(occurrence, name):
+            return _owned(occurrence, name, names)
+
+
+def _owned(occurrence: int, name: str, names: Names) -> str:
+    return name if occurrence == THIS else f"{names(occurrence)}.{name}"
+
+
+def _at_least(rank: int, expression: Expr, names: Names) -> str:
+    """The text, in parentheses where its operator binds less tightly."""
+    text, own = _ranked(expression, names)
+    return text if own >= rank else f"({text})"

@@ -1,0 +1,160 @@
+"""What ``srgc graph`` is asked for, and the picture of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import islice
+
+from compiler.automata.pushdown_automaton import sra
+from compiler.geometry.abstraction import abstract
+from compiler.languages.derivation import InfiniteAmbiguityError, derivations_of
+from compiler.languages.language import Language, language
+from compiler.robots.attributes import SemanticsError
+from compiler.views.dfa_view import family_dfa_view
+from compiler.views.grammar_view import grammar_view
+from compiler.views.highlighted_run import HighlightError, not_accepted, refuse_unknown
+from compiler.views.near_run import near_run
+from compiler.views.picture import Picture
+from compiler.views.sra_view import sra_view
+from compiler.views.word_transitions import all_words
+from compiler.views.words_view import longest_drawn, words_view
+from compiler.views.workspace_view import workspace_view
+from grammar_lang import ir
+from srgc.session import UsageFault, chosen
+
+VIEWS = ("sra", "fra", "dfa", "words", "grammar", "robot", "workspace")
+WITH_RUNS = ("sra", "fra", "dfa", "words", "grammar")
+DEPTH = 3
+MOST_WORDS = 5_000
+MOST_WORDS_NEAR = 50_000
+"""So many words are looked through for those near a run; far fewer are drawn."""
+
+
+@dataclass(frozen=True, slots=True)
+class GraphRequest:
+    """The view ``of`` something, and its choices; ``derivation`` counts from 1.
+
+    Without a ``depth`` the words are unfolded to ``DEPTH`` modules, ``near`` a run to its end.
+    """
+
+    of: str
+    grammar: str | None = None
+    workspace: str | None = None
+    depth: int | None = None
+    highlight: tuple[str, ...] | None = None
+    near: bool = False
+    word: tuple[str, ...] | None = None
+    derivation: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A picture, and what a reader has to know beside it."""
+
+    picture: Picture
+    remarks: tuple[str, ...] = ()
+
+
+def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
+    """The picture that is asked for.
+
+    Raises:
+        UsageFault: choices that do not fit each other, or the program.
+    """
+    _refuse_misfits(request)
+    try:
+        if request.of == "workspace":
+            place = chosen(program.workspaces, request.workspace, "workspace")
+            return Drawing(workspace_view(abstract(place), place))
+        grammar = chosen(program.grammars, request.grammar, "grammar")
+        if request.of == "robot":
+            return _robot(program, grammar, request)
+        drawing = _family(program, grammar, request)
+    except (HighlightError, InfiniteAmbiguityError, SemanticsError) as error:
+        raise UsageFault(str(error)) from None
+    return Drawing(near_run(drawing.picture), drawing.remarks) if request.near else drawing
+
+
+def _refuse_misfits(request: GraphRequest) -> None:
+    if request.of not in VIEWS:
+        raise UsageFault(f"there is no view `{request.of}`, but {' '.join(VIEWS)}")
+    if request.highlight is not None and request.of not in WITH_RUNS:
+        raise UsageFault(f"--highlight shows a run: it goes with --of {' '.join(WITH_RUNS)}")
+    if request.near and request.highlight is None:
+        raise UsageFault("--near goes with --highlight")
+    if request.of == "robot" and request.word is None:
+        raise UsageFault('--of robot needs the word: --word "SYM SYM ..."')
+    if request.of != "robot" and (request.word is not None or request.derivation is not None):
+        raise UsageFault("--word and --derivation go with --of robot")
+
+
+def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
+    words = language(grammar, program.terminals, program.modules)
+    match request.of:
+        case "words":
+            return _words(words, request)
+        case "dfa":
+            return Drawing(family_dfa_view(words, request.highlight))
+        case "grammar":
+            return Drawing(grammar_view(words, request.highlight))
+        case "fra":
+            from compiler.views.functional_view import functional_view
+
+            if request.highlight is not None:
+                _refuse_foreign(words, request.highlight)
+            return Drawing(functional_view(program, grammar, request.highlight))
+        case _:
+            return Drawing(sra_view(sra(words.srg, words.accept), request.highlight))
+
+
+def _refuse_foreign(words: Language, word: tuple[str, ...]) -> None:
+    refuse_unknown(word, words.srg.terminals)
+    if not words.accepts(word):
+        raise not_accepted(word)
+
+
+def _words(words: Language, request: GraphRequest) -> Drawing:
+    modules = sum(symbol in words.srg.modules for symbol in request.highlight or ())
+    depth = request.depth or (max(DEPTH, modules) if request.near else DEPTH)
+    if request.highlight is not None:
+        _refuse_foreign(words, request.highlight)
+    _refuse_too_many(words, depth, near=request.near)
+    remark = f"the word has {modules} modules: beyond --depth {depth} only its run is drawn"
+    picture = words_view(words, depth, request.highlight)
+    if not picture.nodes:
+        return Drawing(picture, (f"no word has {depth} modules or fewer: give a greater --depth",))
+    told = request.depth is not None and modules > depth
+    return Drawing(picture, (remark,) if told else ())
+
+
+def _refuse_too_many(words: Language, depth: int, *, near: bool) -> None:
+    """A picture of thousands of words helps nobody and takes long to write."""
+    every = all_words(words.srg)
+    most = MOST_WORDS_NEAR if near else MOST_WORDS
+    for modules in range(1, depth + 1):
+        longest = longest_drawn(every, modules)
+        if sum(every.count_words(longest, max_modules=modules)) > most:
+            raise UsageFault(
+                f"more than {most} words to "
+                f"{'look through' if near else 'draw'}: choose a --depth below {modules}"
+            )
+
+
+def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
+    from compiler.robots.labelled_graph import labelled_graph
+    from compiler.views.robot_view import robot_view
+
+    words = language(grammar, program.terminals, program.modules)
+    word = request.word or ()
+    _refuse_foreign(words, word)
+    derivations = derivations_of(words, word)
+    wanted = request.derivation or 1
+    first = list(islice(derivations, wanted))
+    if len(first) < wanted:
+        noun = "derivation" if len(first) == 1 else "derivations"
+        raise UsageFault(f"the word has {len(first)} {noun}: there is no --derivation {wanted}")
+    derivation = first[-1]
+    remarks: tuple[str, ...] = ()
+    if request.derivation is None and next(derivations, None) is not None:
+        remarks = ("the word has several derivations: --derivation 2 draws the next",)
+    return Drawing(robot_view(labelled_graph(program, grammar, derivation)), remarks)

@@ -1,0 +1,101 @@
+"""The commands about words: ``words``, ``accepts``, ``language`` and ``compare``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from srgc.arguments import FILE, GRAMMAR
+from srgc.session import UsageFault, chosen, program_of
+
+
+@click.command()
+@FILE
+@GRAMMAR
+@click.option("--max-length", type=click.IntRange(0), help="Most symbols of a word, edges too.")
+@click.option("--limit", type=click.IntRange(0), default=100, show_default=True)
+@click.option("--count", is_flag=True, help="Print the number of words of each length.")
+@click.option("--sample", type=click.IntRange(1), help="Draw so many words of --length uniformly.")
+@click.option("--length", type=click.IntRange(0), help="With --sample: the symbols of a word.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of --sample.")
+def words(
+    file: Path,
+    grammar: str | None,
+    max_length: int | None,
+    limit: int,
+    count: bool,  # noqa: FBT001
+    sample: int | None,
+    length: int | None,
+    seed: int,
+) -> int:
+    """List the words of a robot family, shortest first; or count them, or draw some at random.
+
+    Every word has the same chance, however many derivations it has.  Exit 4 where counting an
+    ambiguous grammar would take too long.
+    """
+    from srgc.word_list import counted, listed, sampled
+
+    if sample is None and length is not None:
+        raise UsageFault("--length goes with --sample; for other lists there is --max-length")
+    if sample is not None and (length is None or count or max_length is not None):
+        raise UsageFault("--sample needs --length, and goes with neither --count nor --max-length")
+    program = program_of(file)
+    family = chosen(program.grammars, grammar, "grammar")
+    if sample is not None and length is not None:
+        lines = sampled(program, family, length, sample, seed)
+    elif count:
+        lines = counted(program, family, max_length)
+    else:
+        lines = listed(program, family, max_length, limit)
+    for line in lines:
+        click.echo(line)
+    return 0
+
+
+@click.command()
+@FILE
+@GRAMMAR
+@click.option("--trace", is_flag=True, help="Show the run of the automaton and a derivation.")
+@click.argument("symbols", nargs=-1)
+def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ...]) -> int:  # noqa: FBT001
+    """Decide whether a word is in the family.  Exit 0 if accepted, else 1."""
+    from srgc.acceptance_report import acceptance_text
+
+    program = program_of(file)
+    family = chosen(program.grammars, grammar, "grammar")
+    accepted, text = acceptance_text(program, family, symbols, trace=trace)
+    click.echo(text)
+    return 0 if accepted else 1
+
+
+@click.command()
+@FILE
+@GRAMMAR
+def language(file: Path, grammar: str | None) -> int:
+    """Say what kind of language a family is: its automata, its words, whether it is ambiguous."""
+    from srgc.language_report import language_text
+
+    program = program_of(file)
+    click.echo(language_text(program, chosen(program.grammars, grammar, "grammar")))
+    return 0
+
+
+@click.command()
+@FILE
+@click.argument("first")
+@click.argument("second")
+@click.option("--max-length", type=click.IntRange(0), default=20, show_default=True)
+def compare(file: Path, first: str, second: str, max_length: int) -> int:
+    """Compare the words of two grammars of a file.  Exit 0 if they are the same, else 1.
+
+    Two regular families are compared entirely, others up to --max-length; exit 4 where that would
+    take too long.
+    """
+    from srgc.comparison_report import comparison_text
+
+    program = program_of(file)
+    families = [chosen(program.grammars, name, "grammar") for name in (first, second)]
+    same, text = comparison_text(program, families[0], families[1], max_length)
+    click.echo(text)
+    return 0 if same else 1
