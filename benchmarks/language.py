@@ -243,14 +243,14 @@ def _aside(table: Table, required: Required, length: int, *, truth: bool) -> str
 def _best(
     table: Table, required: Required, length: int, seconds: float, *, truth: bool
 ) -> tuple[float | None, str]:
-    """The least ratio of the libraries that count, and whose it is."""
+    """The ratio to the quickest of the libraries that count, and which that is."""
     fair = {kind.name for kind in PEERS if kind.any_grammar}
     fair = fair if required.against is None else {required.against}
     cells = {n: table.cells[n, length, truth] for n in fair & set(table.built)}
-    right = {n: c.ratio for n, c in cells.items() if c.ratio is not None and not c.wrong}
+    right = {n: c.seconds for n, c in cells.items() if c.seconds is not None and not c.wrong}
     if right:
-        name = min(right, key=lambda n: right[n])
-        return right[name], name
+        name = min(right, key=right.__getitem__)
+        return cells[name].ratio, name
     ours = table.cells[OURS, length, truth].seconds
     if not cells or ours is None:
         return None, ""
@@ -260,13 +260,23 @@ def _best(
 def wrong_lines(tables: Sequence[Table], options: argparse.Namespace) -> Iterator[str]:
     """Wrong answers among the measured words, then those of the traps."""
     for table in tables:
-        for (name, _, truth), cell in table.cells.items():
-            if cell.wrong:
-                said = "refuses" if truth else "accepts"
-                number = f"{len(cell.wrong)} words, the first is"
-                yield f"{name:<20}{table.subject.name}: {said} {number} {quoted(cell.wrong[0])}"
+        for name in table.built:
+            wrong = {t: _wrong(table, name, truth=t) for t in (True, False)}
+            for truth, words in wrong.items():
+                if words:
+                    said = "refuses" if truth else "accepts"
+                    more = f", and {len(words) - 1} more" if len(words) > 1 else ""
+                    yield f"{name:<20}{table.subject.name}: {said} {quoted(words[0])}{more}"
+            failures = {c.failure for key, c in table.cells.items() if key[0] == name}
+            for failure in sorted(f for f in failures if f.endswith("Error")):
+                yield f"{name:<20}{table.subject.name}: {failure}"
     yield from membership_traps(options.peers, options.seconds / 4)
     yield from operation_traps(options.seconds)
+
+
+def _wrong(table: Table, name: str, *, truth: bool) -> list[Word]:
+    cells = [c for key, c in table.cells.items() if (key[0], key[2]) == (name, truth)]
+    return [word for cell in cells for word in cell.wrong]
 
 
 # --- command line ---------------------------------------------------------------------------------

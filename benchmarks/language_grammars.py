@@ -77,8 +77,8 @@ def accepted(subject: Subject, length: int, count: int) -> list[Word]:
 def refused(subject: Subject, length: int, count: int) -> list[Word]:
     """Up to ``count`` distinct words that differ in one symbol from an accepted word of ``length``.
 
-    In turn the symbol is among the first tenth, in the middle, among the last tenth, or the end
-    is wrong: the last symbol is missing or replaced.
+    In turn the symbol is among the last tenth, in the middle, the last one (missing or replaced),
+    or among the first tenth: those that take longest come first.
     """
     rng = random.Random(f"{SEED} {subject.name} {length} refused")
     origins = accepted(subject, length, count)
@@ -108,7 +108,7 @@ def _mutations(subject: Subject, rng: random.Random) -> tuple[Callable[[Word], W
     def wrong_end(word: Word) -> Word:
         return word[:-1] if rng.random() < 0.5 else replaced(word, len(word) - 1)
 
-    return within(0, 0.1), within(0.4, 0.6), within(0.9, 1), wrong_end
+    return within(0.9, 1), within(0.4, 0.6), wrong_end, within(0, 0.1)
 
 
 # --- finite automata ------------------------------------------------------------------------------
