@@ -8,7 +8,7 @@ from compiler.automata.pushdown_automaton import Pda, Transition, sra
 from compiler.automata.pushdown_runs import accepting_run
 from compiler.languages.derivation import Derivation, replay
 from compiler.languages.language import Language, language
-from compiler.reading.residual_reader import ResidualReader
+from compiler.reading.pushdown_reader import PushdownReader
 from compiler.reading.viable_prefix import viable_prefix
 from grammar_lang import ir
 
@@ -39,12 +39,12 @@ def _reason(family: Language, word: tuple[str, ...]) -> str:
     unknown = next((symbol for symbol in word if symbol not in names), None)
     if unknown is not None:
         return f"`{unknown}` is no symbol of the file"
-    length = viable_prefix(family.normal, names, word)
+    length = viable_prefix(family.binary, names, word)
     if length < len(word):
         shown = " ".join(word[max(0, length + 1 - SHOWN_WORD) : length + 1])
         cut = "… " if length >= SHOWN_WORD else ""
         return f"no word of the grammar begins with `{cut}{shown}` ({length + 1} symbols)"
-    if ResidualReader(family.normal, names).accepts(word):
+    if PushdownReader(family.binary, names).accepts(word):
         return "the grammar derives it, but the accept condition does not hold"
     return "it is only the beginning of a word" if word else "the grammar does not derive it"
 

@@ -1,7 +1,8 @@
 """Binary normal form: right sides of one terminal or of two symbols.
 
 There are no empty and no unit rules (Chomsky 1959, without the restriction to nonterminals in
-pairs).  Such a grammar speaks of words only; derivations are those of the original grammar.
+pairs).  Such a grammar speaks of words only; derivations are those of the original grammar.  The
+*binary form* keeps the unit rules, but for their cycles: taking them out can square the size.
 """
 
 from __future__ import annotations
@@ -75,6 +76,31 @@ def binary_normal_form(cfg: Cfg) -> BinaryGrammar:
         for n in range(pairs.nonterminals)
     )
     return BinaryGrammar(first, rules, (pairs.start,), pairs.start in empty)
+
+
+def binary_form(cfg: Cfg) -> BinaryGrammar:
+    """The language of ``cfg`` in binary form: with unit rules, of which none lead in a circle.
+
+    Nonterminals that derive each other alone derive the same words, and are one.
+    """
+    pairs = _binarised(trimmed(cfg))
+    empty = nullable(pairs)
+    first = pairs.terminals
+    sides = [(left, side) for left, right in pairs.rules for side in _without_empty(right, empty)]
+    units: list[list[int]] = [[] for _ in range(pairs.nonterminals)]
+    for left, side in sides:
+        if len(side) == 1 and side[0] >= first:
+            units[left - first].append(side[0] - first)
+    component = components(pairs.nonterminals, units.__getitem__)
+    one: dict[int, int] = {}
+    name = [first + one.setdefault(c, n) for n, c in enumerate(component)]
+    rules: list[dict[RightSide, None]] = [{} for _ in range(pairs.nonterminals)]
+    for left, side in sides:
+        renamed = tuple(s if s < first else name[s - first] for s in side)
+        if renamed != (name[left - first],):
+            rules[name[left - first] - first][renamed] = None
+    start = name[pairs.start - first]
+    return BinaryGrammar(first, tuple(map(tuple, rules)), (start,), pairs.start in empty)
 
 
 def _binarised(cfg: Cfg) -> Cfg:

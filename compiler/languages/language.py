@@ -16,7 +16,7 @@ from compiler.automata.acceptance import accept_dfa, at_most
 from compiler.automata.finite_automaton import Dfa, intersection
 from compiler.automata.lr_automaton import LrAutomaton, LrConflict, LrTooLarge, lr_automaton
 from compiler.automata.regular_automaton import regular_automaton
-from compiler.grammars.binary_normal_form import BinaryGrammar, binary_normal_form
+from compiler.grammars.binary_normal_form import BinaryGrammar, binary_form, binary_normal_form
 from compiler.grammars.grammar import Srg, srg
 from compiler.languages.budget import MOVE_BUDGET
 from compiler.languages.derivation_counts import DerivationCounts
@@ -28,7 +28,6 @@ from compiler.reading.finite_reading import FiniteReading
 from compiler.reading.pushdown_reader import PushdownReader
 from compiler.reading.reading import Reading
 from compiler.reading.recogniser import Recogniser
-from compiler.reading.residual_reader import ResidualReader
 from compiler.reading.residuals import Residuals
 from grammar_lang import ir
 
@@ -50,6 +49,11 @@ class Language:
     def normal(self) -> BinaryGrammar:
         """L(SRG) in binary normal form."""
         return binary_normal_form(self.srg.cfg)
+
+    @cached_property
+    def binary(self) -> BinaryGrammar:
+        """L(SRG) in binary form, which has unit rules."""
+        return binary_form(self.srg.cfg)
 
     @cached_property
     def product(self) -> BinaryGrammar:
@@ -77,10 +81,8 @@ class Language:
         if self.finite_automaton is not None:
             return Recogniser("finite automaton", FiniteReader(self.finite_automaton), None)
         condition = None if all(self.accept.accepting) else FiniteReader(self.accept)
-        names = self.srg.terminals
-        if isinstance(self.lr_automaton, LrAutomaton):
-            return Recogniser("LR(1)", PushdownReader(self.lr_automaton, names), condition)
-        return Recogniser("general", ResidualReader(self.normal, names), condition)
+        reader = PushdownReader(self.binary, self.srg.terminals)
+        return Recogniser("pushdown automaton", reader, condition)
 
     # --- questions -----------------------------------------------------------------------------
 

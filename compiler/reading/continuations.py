@@ -15,6 +15,7 @@ alternative is discarded for it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from compiler.grammars.left_corners import Group
@@ -24,20 +25,33 @@ Item: TypeAlias = "tuple[int, Continuation]"
 Part: TypeAlias = tuple[bool, frozenset[Item]]
 
 
+@dataclass(frozen=True, slots=True)
+class Knot:
+    """Continuations that were made together, one per member of ``members``.
+
+    ``inner``: per member, symbols before continuations of the knot, by their place in it.
+    """
+
+    members: tuple[int, ...]
+    inner: tuple[tuple[tuple[int, int], ...], ...]
+    points: tuple[Continuation, ...]
+
+
 class Continuation:
     """A language that may follow; compared by identity.
 
-    ``lengths``: those of its words, where asked for.  ``group``: nonterminals that call each other
-    with their continuations, where it was made together with others.
+    ``lengths``: those of its words, where asked for.  ``height``: how many continuations, at most,
+    are one after the other down to the end, those of a knot counting once.
     """
 
-    __slots__ = ("final", "group", "items", "lengths")
+    __slots__ = ("final", "height", "items", "knot", "lengths")
 
     def __init__(self, final: bool) -> None:  # noqa: FBT001
         self.final = final
         self.items: frozenset[Item] = frozenset()
         self.lengths = 0
-        self.group: tuple[tuple[int, ...], tuple[Continuation, ...]] | None = None
+        self.height = 0
+        self.knot: Knot | None = None
 
 
 class Continuations:
@@ -46,11 +60,12 @@ class Continuations:
     def __init__(self, lengths: WordLengths | None) -> None:
         self.lengths = lengths
         self._known: dict[Part, Continuation] = {}
-        self._groups: dict[tuple[tuple[int, ...], tuple[Part, ...]], Sequence[Continuation]] = {}
+        self._knots: dict[tuple[tuple[int, ...], tuple[Part, ...]], Knot] = {}
+        self._plugged: dict[tuple[Continuation, Continuation], Continuation] = {}
         self.end = self._of((True, frozenset()))
 
     def __len__(self) -> int:
-        return len(self._known)
+        return len(self._known) + len(self._plugged)
 
     def add(
         self,
@@ -66,82 +81,144 @@ class Continuations:
             points: those of the callers in other groups.
         """
         parts: list[Part] = []
-        for member, frames in zip(group.members, group.outer, strict=True):
-            targets = direct.get(member, ())
+        candidates: list[Continuation] = []
+        for place, frames in enumerate(group.outer):
+            targets = [t for member in group.direct[place] for t in direct.get(member, ())]
+            candidates += targets
+            targets += [points[caller] for caller in group.above[place]]
             items = frozenset((frame.symbol, points[frame.caller]) for frame in frames)
             items = items.union(*(target.items for target in targets))
             parts.append((any(target.final for target in targets), items))
         if not any(group.inner):
             points[group.members[0]] = self._of(parts[0])
             return
-        key = (group.members, tuple(parts))
-        made = self._groups.get(key)
-        if made is None:
-            made = self._groups[key] = self._solution(group, parts, direct) or self._new(
-                group, parts
-            )
-        points.update(zip(group.members, made, strict=True))
+        number = {member: place for place, member in enumerate(group.members)}
+        inner = tuple(tuple((f.symbol, number[f.caller]) for f in row) for row in group.inner)
+        knot = self._tied(group.members, inner, tuple(parts), candidates)
+        points.update(zip(group.members, knot.points, strict=True))
+
+    def plugged(self, items: frozenset[Item], below: Continuation) -> frozenset[Item]:
+        """The items with ``below`` in the place of the end."""
+        for level in _levels(items, self._plugged, below):
+            if level.knot is None:
+                parts = [self._plugged_part(level, below, frozenset())]
+                self._plugged[level, below] = self._of(parts[0])
+            else:
+                inside = frozenset(level.knot.points)
+                parts = [self._plugged_part(p, below, inside) for p in level.knot.points]
+                knot = self._tied(level.knot.members, level.knot.inner, tuple(parts), [below])
+                for old, new in zip(level.knot.points, knot.points, strict=True):
+                    self._plugged[old, below] = new
+        return frozenset((symbol, self._plugged[target, below]) for symbol, target in items)
+
+    def _plugged_part(
+        self, point: Continuation, below: Continuation, knot: frozenset[Continuation]
+    ) -> Part:
+        """A continuation with another end, but for what leads into its own knot."""
+        items = frozenset(
+            (symbol, self._plugged[target, below])
+            for symbol, target in point.items
+            if target not in knot
+        )
+        if not point.final:
+            return False, items
+        return below.final, items | below.items
 
     def _of(self, part: Part) -> Continuation:
         known = self._known.get(part)
         if known is None:
             known = self._known[part] = Continuation(part[0])
             known.items = part[1]
+            known.height = 1 + max((target.height for _, target in part[1]), default=-1)
             if self.lengths is not None:
                 known.lengths = _sum(part, self.lengths)
         return known
 
-    def _solution(
+    def _tied(
         self,
-        group: Group,
-        parts: Sequence[Part],
-        direct: Mapping[int, Sequence[Continuation]],
-    ) -> Sequence[Continuation] | None:
-        """Continuations that are there already and fulfil the equations of a group."""
-        for member in group.members:
-            for target in direct.get(member, ()):
-                if target.group is not None and target.group[0] == group.members:
-                    found = target.group[1]
-                    if _fulfils(found, group, parts):
-                        return found
-        return None
+        members: tuple[int, ...],
+        inner: tuple[tuple[tuple[int, int], ...], ...],
+        parts: tuple[Part, ...],
+        candidates: Sequence[Continuation],
+    ) -> Knot:
+        """The solution of the equations of a knot; a candidate's knot where that fulfils them."""
+        known = self._knots.get((members, parts))
+        if known is None:
+            for candidate in candidates:
+                knot = candidate.knot
+                if knot is not None and knot.members == members:
+                    whole = _with_inner(knot.points, inner, parts)
+                    if all(
+                        p.final == q[0] and p.items == q[1]
+                        for p, q in zip(knot.points, whole, strict=True)
+                    ):
+                        known = knot
+                        break
+            else:
+                known = self._new(members, inner, parts)
+            self._knots[members, parts] = known
+        return known
 
-    def _new(self, group: Group, parts: Sequence[Part]) -> Sequence[Continuation]:
-        made = tuple(Continuation(final) for final, _ in parts)
-        whole = _with_inner(made, group, parts)
-        for point, part in zip(made, whole, strict=True):
+    def _new(
+        self,
+        members: tuple[int, ...],
+        inner: tuple[tuple[tuple[int, int], ...], ...],
+        parts: tuple[Part, ...],
+    ) -> Knot:
+        knot = Knot(members, inner, tuple(Continuation(final) for final, _ in parts))
+        whole = _with_inner(knot.points, inner, parts)
+        height = 1 + max((t.height for _, items in parts for _, t in items), default=-1)
+        for point, part in zip(knot.points, whole, strict=True):
             point.items = part[1]
-            point.group = (group.members, made)
+            point.knot = knot
+            point.height = height
             self._known[part] = point
         if self.lengths is not None:
-            self._settle(made, whole, self.lengths)
-        return made
-
-    @staticmethod
-    def _settle(made: Sequence[Continuation], whole: Sequence[Part], lengths: WordLengths) -> None:
-        """The least fixpoint of the lengths of continuations that refer to each other."""
-        changed = True
-        while changed:
-            changed = False
-            for point, part in zip(made, whole, strict=True):
-                bits = _sum(part, lengths)
-                if bits != point.lengths:
-                    point.lengths = bits
-                    changed = True
+            _settle(knot.points, whole, self.lengths)
+        return knot
 
 
-def _with_inner(points: Sequence[Continuation], group: Group, parts: Sequence[Part]) -> list[Part]:
-    """The parts with the frames of callers in the group, whose continuations are ``points``."""
-    place = dict(zip(group.members, points, strict=True))
+def _levels(
+    items: frozenset[Item],
+    done: Mapping[tuple[Continuation, Continuation], Continuation],
+    below: Continuation,
+) -> list[Continuation]:
+    """What is reached from the items and not plugged yet, by height; of a knot one alone."""
+    found: dict[Continuation, None] = {}
+    todo = [target for _, target in items]
+    while todo:
+        point = todo.pop()
+        if point.knot is not None:
+            point = point.knot.points[0]
+        if point not in found and (point, below) not in done:
+            found[point] = None
+            for member in (point,) if point.knot is None else point.knot.points:
+                todo += [target for _, target in member.items]
+    return sorted(found, key=lambda point: point.height)
+
+
+def _with_inner(
+    points: Sequence[Continuation],
+    inner: tuple[tuple[tuple[int, int], ...], ...],
+    parts: Sequence[Part],
+) -> list[Part]:
+    """The parts with the symbols before continuations of the knot, which are ``points``."""
     return [
-        (final, items.union((frame.symbol, place[frame.caller]) for frame in frames))
-        for (final, items), frames in zip(parts, group.inner, strict=True)
+        (final, items.union((symbol, points[place]) for symbol, place in row))
+        for (final, items), row in zip(parts, inner, strict=True)
     ]
 
 
-def _fulfils(points: Sequence[Continuation], group: Group, parts: Sequence[Part]) -> bool:
-    whole = _with_inner(points, group, parts)
-    return all(p.final == q[0] and p.items == q[1] for p, q in zip(points, whole, strict=True))
+def _settle(points: Sequence[Continuation], whole: Sequence[Part], lengths: WordLengths) -> None:
+    """The least fixpoint of the lengths of continuations that refer to each other."""
+    changed = True
+    while changed:
+        changed = False
+        for point, part in zip(points, whole, strict=True):
+            bits = _sum(part, lengths)
+            if bits != point.lengths:
+                point.lengths = bits
+                changed = True
 
 
 def _sum(part: Part, lengths: WordLengths) -> int:

@@ -1,8 +1,7 @@
 """Membership, by the fastest automaton that reads the grammar exactly as it is.
 
-A finite automaton where the form of the grammar shows that it is regular; else a deterministic
-pushdown automaton where the grammar is LR(1), no conflict being resolved in favour of one reading;
-else the residuals, which read any grammar.
+A finite automaton where the form of the grammar shows that it is regular; else a pushdown automaton
+whose states are made as they are needed, which reads any grammar.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, TypeAlias
 
-Kind: TypeAlias = Literal["finite automaton", "LR(1)", "general"]
+Kind: TypeAlias = Literal["finite automaton", "pushdown automaton"]
 
 
 class Reader(Protocol):

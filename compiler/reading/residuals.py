@@ -70,7 +70,7 @@ class Residuals:
     """The residuals of a grammar over terminals with names.
 
     Args:
-        grammar: the grammar.
+        grammar: the grammar, in binary form.
         names: of its terminals.
         horizon: lengths are exact up to so many symbols; None: they are not asked for.
     """
@@ -89,7 +89,7 @@ class Residuals:
         self._known: dict[tuple[bool, frozenset[Item]], Residual] = {}
         self._continuations = Continuations(self._lengths)
         items = frozenset((s, self._continuations.end) for s in self.grammar.starts)
-        self.root = self._residual(items, accepting=self.grammar.empty_word)
+        self.root = self.of(items, accepting=self.grammar.empty_word)
 
     @property
     def horizon(self) -> int:
@@ -130,9 +130,10 @@ class Residuals:
             last += [points[symbol] for symbol in move.ends]
         items.update(*(point.items for point in last))
         final = any(point.final for point in last)
-        return self._residual(frozenset(items), accepting=final)
+        return self.of(frozenset(items), accepting=final)
 
-    def _residual(self, items: frozenset[Item], *, accepting: bool) -> Residual:
+    def of(self, items: frozenset[Item], *, accepting: bool) -> Residual:
+        """The residual with these items."""
         known = self._known.get((accepting, items))
         if known is not None:
             return known
@@ -143,6 +144,18 @@ class Residuals:
             for symbol, target in items:
                 result.lengths |= self._lengths.before(symbol, target.lengths)
         return result
+
+    def before(self, residual: Residual, following: Continuation) -> Residual:
+        """What may follow where ``following`` comes after each end of a residual."""
+        items = self._continuations.plugged(residual.agenda, following)
+        if not residual.accepting:
+            return self.of(items, accepting=False)
+        return self.of(items | following.items, accepting=following.final)
+
+    @property
+    def end(self) -> Continuation:
+        """The end of the word."""
+        return self._continuations.end
 
     def _calls(self, residual: Residual) -> _Calls:
         if residual.calls is None:

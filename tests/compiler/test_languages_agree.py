@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from itertools import islice
 from unittest.mock import patch
 
@@ -15,13 +14,14 @@ from compiler.automata import pushdown_runs
 from compiler.automata.deterministic_pushdown import deterministic_pushdown, is_deterministic
 from compiler.automata.lr_automaton import LrAutomaton
 from compiler.automata.pushdown_automaton import Pda, sra
+from compiler.grammars.binary_normal_form import BinaryGrammar
 from compiler.grammars.grammar import cyclic, trimmed
 from compiler.languages.derivation import derivations_of
 from compiler.languages.language import Language, language
 from compiler.reading import pushdown_reader, residuals
 from compiler.reading.finite_reader import FiniteReader
 from compiler.reading.pushdown_reader import PushdownReader
-from compiler.reading.residual_reader import ResidualReader
+from compiler.reading.residuals import Residuals
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, ARM_MODULES, ARM_TERMINALS, TRAPS, arm, grammar
@@ -39,11 +39,27 @@ SHORT = 5
 # --- the ways to read --------------------------------------------------------------------------
 
 
+def by_residuals(grammar: BinaryGrammar, names: Word) -> Reader:
+    """Residual by residual, without a stack."""
+    found = Residuals(grammar, names)
+
+    def accepts(word: Word) -> bool:
+        residual = found.root
+        for name in word:
+            try:
+                residual = residual[name]
+            except KeyError:
+                return False
+        return residual.accepting
+
+    return accepts
+
+
 def exact_readers(lang: Language) -> dict[str, Reader]:
     """The readers of the language with its accept condition inside."""
     found: dict[str, Reader] = {
         "itself": lang.accepts,
-        "grammar of the product": ResidualReader(lang.product, lang.srg.terminals).accepts,
+        "grammar of the product": by_residuals(lang.product, lang.srg.terminals),
     }
     if lang.finite_automaton is not None:
         found["finite automaton by steps"] = lang.finite_automaton.accepts
@@ -68,33 +84,31 @@ def pushdown_readers(lang: Language) -> dict[str, Reader]:
 def grammar_readers(lang: Language) -> dict[str, Reader]:
     """The readers of the grammar alone."""
     names = lang.srg.terminals
-    found: dict[str, Reader] = {"residuals": ResidualReader(lang.normal, names).accepts}
+    found: dict[str, Reader] = {
+        "residuals": by_residuals(lang.normal, names),
+        "residuals with unit rules": by_residuals(lang.binary, names),
+        "pushdown": PushdownReader(lang.binary, names).accepts,
+        "pushdown without unit rules": PushdownReader(lang.normal, names).accepts,
+    }
     automaton = lang.lr_automaton
     if isinstance(automaton, LrAutomaton):
         found["LR tables"] = lambda w: lr.accepts(automaton, lang.srg.encode(w) or ())
-        found["pieces"] = PushdownReader(automaton, names).accepts
     return found
 
 
-@contextmanager
-def pieces(highest: int, kept: int, limit: int = 50_000) -> Iterator[None]:
-    """The stack cut into pieces of that height, so many of them remembered."""
-    with patch.multiple(pushdown_reader, HIGHEST=highest, KEPT=kept, CACHE_LIMIT=limit):
-        yield
-
-
 def check_settings(lang: Language, words: list[Word], derived: set[Word]) -> None:
-    """What is remembered, and how the stack is cut, changes no answer."""
+    """What is remembered, and what is put on the stack, changes no answer."""
     names = lang.srg.terminals
+    expected = [w for w in words if w in derived]
     with patch.object(residuals, "CACHE_LIMIT", 3):
-        reader = ResidualReader(lang.normal, names)
-        assert [w for w in words if reader.accepts(w)] == [w for w in words if w in derived]
-    automaton = lang.lr_automaton
-    if isinstance(automaton, LrAutomaton):
-        for sizes in ((2, 1), (3, 1), (2, 2), (3, 2, 2)):
-            with pieces(*sizes):
-                low = PushdownReader(automaton, names)
-                assert [w for w in words if low.accepts(w)] == [w for w in words if w in derived]
+        reader = by_residuals(lang.normal, names)
+        assert [w for w in words if reader(w)] == expected
+        stacked = PushdownReader(lang.binary, names)
+        assert [w for w in words if stacked.accepts(w)] == expected
+    for height, limit in ((1, 50_000), (2, 50_000), (3, 50_000), (4, 2), (1, 2)):
+        with patch.multiple(pushdown_reader, HEIGHT=height, CACHE_LIMIT=limit):
+            stacked = PushdownReader(lang.binary, names)
+            assert [w for w in words if stacked.accepts(w)] == expected, (height, limit)
 
 
 # --- what is compared --------------------------------------------------------------------------
@@ -136,7 +150,7 @@ def check_agreement(g: ir.Grammar, terminals: Word, longest: int, short: int) ->
 def check_libraries(g: ir.Grammar, terminals: Word, longest: int) -> None:
     """The same words told by the libraries, by brute force and by ours."""
     lang = of(g, terminals)
-    ours = ResidualReader(lang.normal, terminals)
+    ours = PushdownReader(lang.binary, terminals)
     chart, table = NltkChart(g), PyformlangCyk(g)
     pda = sra(lang.srg, lang.accept)
     derived = words_of(g, longest)
