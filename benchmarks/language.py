@@ -102,7 +102,8 @@ def _measure_length(
     words = _words(table, length, truth=truth)
     ours = measure_ours(table.subject, words, *limits, truth=truth)
     yield OURS, ours
-    words = words[: (len(words) + 1) // 2]
+    half = (len(words) + 1) // 2
+    words, others = words[:half], words[half:]
     if ours.seconds is None:
         yield from ((peer.name, Cell(failure="not tried")) for peer in peers)
         return
@@ -110,7 +111,7 @@ def _measure_length(
     for peer in peers:
         cell = stopped.get(peer.name)
         if cell is None:
-            cell = measure_peer(table.subject, peer, words, *limits, truth=truth)
+            cell = measure_peer(table.subject, peer, words, others, *limits, truth=truth)
         if cell.failure:
             stopped[peer.name] = cell
         yield peer.name, cell
@@ -214,16 +215,13 @@ def _headline(table: Table, required: Required, seconds: float, *, truth: bool) 
     value, name = ratios[length]
     if value is None:
         return "not measured"
+    new = table.cells[name, length, truth].new_ratio if name in table.built else None
     verdict = "reached" if value >= required.least else "NOT REACHED"
     known = {n: ratio for n, (ratio, _) in ratios.items() if ratio is not None}
     worst = min(known, key=known.__getitem__)
-    cells = (
-        table.cells[n, length, truth] for n in (name, OURS) if (n, length, truth) in table.cells
-    )
-    theirs, warm = [*(cell.warm or cell.seconds for cell in cells), None, None][:2]
-    steady = f", {_ratio(theirs / warm)} once warm" if theirs and warm else ""
+    first = f", {_ratio(new)} by a new recogniser" if new else ""
     return (
-        f"{_ratio(value):>8} at {table.symbols[length]} symbols against {name}{steady}, {verdict}"
+        f"{_ratio(value):>8} at {table.symbols[length]} symbols against {name}{first}, {verdict}"
         f"; least {_ratio(known[worst])} at {table.symbols[worst]}"
         f"{_aside(table, required, length, truth=truth)}"
     )

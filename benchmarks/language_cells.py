@@ -2,6 +2,8 @@
 
 Times are of the processor, medians over rounds; ratios are medians of the ratios of the rounds.
 Each round builds our recogniser anew, so that it has not seen the words; that is not timed here.
+It makes the states of its automaton while it reads: ``ratio`` is of one that has read other words
+of the length before, ``new_ratio`` of one that has read nothing.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ class Cell:
 
     seconds: float | None = None
     ratio: float | None = None
+    new_ratio: float | None = None
     warm: float | None = None
     again: float | None = None
     failure: str = ""
@@ -114,15 +117,26 @@ def measure_ours(
 
 
 def measure_peer(
-    subject: Subject, peer: Peer, words: Sequence[Word], rounds: int, seconds: float, *, truth: bool
+    subject: Subject,
+    peer: Peer,
+    words: Sequence[Word],
+    others: Sequence[Word],
+    rounds: int,
+    seconds: float,
+    *,
+    truth: bool,
 ) -> Cell:
-    """A library and ours in turn, on as many of the words as it has time for."""
+    """A library and ours in turn, on as many of the words as it has time for.
+
+    ``others`` are words that ours has read before.
+    """
     encoded = [peer.encode(word) for word in words]
     try:
         with time_limit(seconds):
             first, _ = _pass(peer.accepts, encoded[:1])
         count = affordable(first, rounds, seconds, len(words))
-        return _paired(subject, peer, (words[:count], encoded[:count]), rounds, seconds, truth)
+        both = words[:count], encoded[:count]
+        return _paired(subject, peer, both, others, rounds, seconds, truth)
     except TimeUp:
         return Cell(failure=f"> {seconds:g} s")
     except Exception as error:
@@ -133,25 +147,29 @@ def _paired(
     subject: Subject,
     peer: Peer,
     words: tuple[Sequence[Word], Sequence[Any]],
+    others: Sequence[Word],
     rounds: int,
     seconds: float,
     truth: bool,  # noqa: FBT001
 ) -> Cell:
-    pairs, wrong = [], []
+    triples, wrong = [], []
     for _ in range(rounds):
-        ours = fresh(subject)
+        used = fresh(subject)
         with time_limit(5 * seconds):
-            mine, answers = _pass(ours.accepts, words[0])
+            _pass(used.accepts, others)
+            mine, answers = _pass(used.accepts, words[0])
+            new, _ = _pass(fresh(subject).accepts, words[0])
         _must(subject, words[0], answers, truth=truth)
         with time_limit(2 * seconds):
             theirs, answers = _pass(peer.accepts, words[1])
-        pairs.append((mine, theirs))
+        triples.append((mine, new, theirs))
         wrong = [w for w, answer in zip(words[0], answers, strict=True) if answer is not truth]
-        if sum(map(sum, pairs)) > seconds / 2:
+        if sum(map(sum, triples)) > seconds / 2:
             break
     return Cell(
-        seconds=median(theirs for _, theirs in pairs) / len(words[0]),
-        ratio=median(theirs / mine for mine, theirs in pairs),
+        seconds=median(theirs for _, _, theirs in triples) / len(words[0]),
+        ratio=median(theirs / mine for mine, _, theirs in triples),
+        new_ratio=median(theirs / new for _, new, theirs in triples),
         wrong=tuple(wrong),
     )
 

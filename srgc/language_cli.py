@@ -14,20 +14,20 @@ from srgc.session import UsageFault, chosen, program_of
 @FILE
 @GRAMMAR
 @click.option("--max-length", type=click.IntRange(0), help="Most symbols of a word, edges too.")
-@click.option("--limit", type=click.IntRange(0), default=100, show_default=True)
+@click.option("--limit", type=click.IntRange(0), help="Most words of the list; default 100.")
 @click.option("--count", is_flag=True, help="Print the number of words of each length.")
 @click.option("--sample", type=click.IntRange(1), help="Draw so many words of --length uniformly.")
 @click.option("--length", type=click.IntRange(0), help="With --sample: the symbols of a word.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of --sample.")
+@click.option("--seed", type=click.IntRange(0), help="With --sample; default 0.")
 def words(
     file: Path,
     grammar: str | None,
     max_length: int | None,
-    limit: int,
+    limit: int | None,
     count: bool,  # noqa: FBT001
     sample: int | None,
     length: int | None,
-    seed: int,
+    seed: int | None,
 ) -> int:
     """List the words of a robot family, shortest first; or count them, or draw some at random.
 
@@ -38,16 +38,20 @@ def words(
 
     if sample is None and length is not None:
         raise UsageFault("--length goes with --sample; for other lists there is --max-length")
+    if sample is None and seed is not None:
+        raise UsageFault("--seed goes with --sample")
     if sample is not None and (length is None or count or max_length is not None):
         raise UsageFault("--sample needs --length, and goes with neither --count nor --max-length")
+    if limit is not None and (count or sample is not None):
+        raise UsageFault("--limit goes with the list of words, not with --count or --sample")
     program = program_of(file)
     family = chosen(program.grammars, grammar, "grammar")
     if sample is not None and length is not None:
-        lines = sampled(program, family, length, sample, seed)
+        lines = sampled(program, family, length, sample, seed or 0)
     elif count:
         lines = counted(program, family, max_length)
     else:
-        lines = listed(program, family, max_length, limit)
+        lines = listed(program, family, max_length, 100 if limit is None else limit)
     for line in lines:
         click.echo(line)
     return 0

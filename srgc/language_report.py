@@ -16,8 +16,7 @@ from grammar_lang import ir
 
 READERS = {
     "finite automaton": "a finite automaton",
-    "LR(1)": "a deterministic pushdown automaton",
-    "general": "the residuals of prefixes, all derivations at once",
+    "pushdown automaton": "a pushdown automaton whose states are sets of what may follow",
 }
 
 
@@ -78,14 +77,10 @@ def _lr(family: Language) -> str:
 
 def _conflict(family: Language, conflict: LrConflict) -> str:
     """After which symbols, seeing what, the next step is open."""
-    names = (*family.srg.terminals, "the end", *family.srg.nonterminals)
-    first = family.srg.cfg.terminals
-
-    def name(symbol: int, *, lookahead: bool = False) -> str:
-        return names[symbol if lookahead or symbol < first else symbol + 1]
-
-    after = " ".join(name(s) for s in conflict.prefix)
-    seen = name(conflict.lookahead, lookahead=True)
+    names = (*family.srg.terminals, *family.srg.nonterminals)
+    at_end = conflict.lookahead == family.srg.cfg.terminals
+    after = " ".join(names[s] for s in conflict.prefix)
+    seen = "the end" if at_end else f"`{names[conflict.lookahead]}`"
     number = useful_rules(family.srg.cfg)
     steps = ["to read on"] if conflict.shift else []
     for rule in conflict.reductions:
@@ -93,14 +88,16 @@ def _conflict(family: Language, conflict: LrConflict) -> str:
         label = "" if end else family.srg.productions[number[rule]].label
         steps.append("to end" if end else f"to finish `{label}`")
     place = f"after `{after}`" if after else "at the beginning"
-    return f"{place}, before `{seen}`, it is open whether {' or '.join(steps)}"
+    return f"{place}, before {seen}, it is open whether {' or '.join(steps)}"
 
 
 def _size(family: Language) -> str:
     if family.is_empty():
         return "none"
     longest = family.longest()
-    return "infinitely many" if longest is None else f"finitely many, of up to {longest} symbols"
+    if longest is None:
+        return "infinitely many"
+    return f"finitely many, the longest of {longest} symbol{'' if longest == 1 else 's'}"
 
 
 def _shortest(family: Language) -> str:

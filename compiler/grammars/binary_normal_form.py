@@ -54,6 +54,41 @@ class BinaryGrammar:
             )
         return max((length[s - first] for s in self.starts), default=0)
 
+    def shortest(self) -> int | None:
+        """The length of the shortest word; None where there is none."""
+        if self.empty_word:
+            return 0
+        least: list[int | None] = [None] * len(self.rules)
+        users: list[dict[int, None]] = [{} for _ in self.rules]
+        for k, right in self._sides():
+            for symbol in right:
+                if symbol >= self.terminals:
+                    users[symbol - self.terminals][k] = None
+        todo = dict.fromkeys(range(len(self.rules)))
+        while todo:
+            k = next(iter(todo))
+            del todo[k]
+            found = self._least(k, least)
+            if found != least[k]:
+                least[k] = found
+                todo.update(users[k])
+        lengths = [least[start - self.terminals] for start in self.starts]
+        return min((length for length in lengths if length is not None), default=None)
+
+    def _least(self, k: int, least: list[int | None]) -> int | None:
+        """The least length of nonterminal number k, from what is known of the others."""
+        found = least[k]
+        for right in self.rules[k]:
+            length = 0
+            for symbol in right:
+                part = 1 if symbol < self.terminals else least[symbol - self.terminals]
+                if part is None:
+                    break
+                length += part
+            else:
+                found = length if found is None else min(found, length)
+        return found
+
     def _sides(self) -> Iterable[tuple[int, RightSide]]:
         return ((k, right) for k, rights in enumerate(self.rules) for right in rights)
 

@@ -28,8 +28,8 @@ class Frame(NamedTuple):
 class Group:
     """Nonterminals whose calls depend on each other; per member, what comes after it.
 
-    ``inner``: frames of callers within the group; ``outer``: of others.  ``above``: callers in other
-    groups that end with it; ``direct``: members, itself among them, that end with it.
+    ``inner``: frames of callers within the group; ``outer``: of others.  ``above``: callers in
+    other groups that end with it; ``direct``: members, itself among them, that end with it.
     """
 
     members: tuple[int, ...]
@@ -66,7 +66,7 @@ class _Called:
 
 
 class LeftCorners:
-    """The left corners of a grammar in binary form, remembered per set of nonterminals called together."""
+    """The left corners of a grammar in binary form, once per set of nonterminals called."""
 
     def __init__(self, grammar: BinaryGrammar) -> None:
         self.grammar = grammar

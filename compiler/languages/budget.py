@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-MOVE_BUDGET = 1_000_000
+MOVE_BUDGET = 200_000
 """So many moves, a state with a symbol each, are made to count or compare words."""
 
 

@@ -21,7 +21,7 @@ Pair: TypeAlias = "tuple[Left | None, Right | None]"
 
 
 def first_difference(
-    left: Reading[Left], right: Reading[Right], longest: int, budget: int = MOVE_BUDGET
+    left: Reading[Left], right: Reading[Right], longest: int, budget: int | None = MOVE_BUDGET
 ) -> tuple[int, ...] | None:
     """The first word of at most ``longest`` symbols that exactly one of both has; None: none.
 
@@ -29,7 +29,7 @@ def first_difference(
     were met before lead to nothing that a shorter prefix has not led to.
 
     Raises:
-        BudgetExceededError: more than ``budget`` moves are needed.
+        BudgetExceededError: more than ``budget`` moves are needed; None: there is no bound.
     """
     start: Pair[Left, Right] = (left.root, right.root)
     before: dict[Pair[Left, Right], tuple[Pair[Left, Right], int] | None] = {start: None}
@@ -46,7 +46,7 @@ def first_difference(
         for pair in level:
             for symbol, target in _moves(left, right, pair):
                 moves += 1
-                if moves > budget:
+                if budget is not None and moves > budget:
                     raise BudgetExceededError("comparing the languages", budget, REASON)
                 if target not in before and _alive(left, right, target, mask):
                     before[target] = (pair, symbol)

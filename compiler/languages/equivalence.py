@@ -37,13 +37,15 @@ def compare(
         raise ValueError("languages over different symbols")
     covered: int | None = longest
     horizon = longest
+    most: int | None = budget
     if first.finite_automaton is not None and second.finite_automaton is not None:
         covered = None
         horizon = first.finite_automaton.size + second.finite_automaton.size
+        most = None
     elif first.is_finite() and second.is_finite():
         all_words = max(first.longest() or 0, second.longest() or 0)
         if all_words <= longest:
             covered, horizon = None, all_words
-    found = first_difference(first.reading(horizon), second.reading(horizon), horizon, budget)
+    found = first_difference(first.reading(horizon), second.reading(horizon), horizon, most)
     word = None if found is None else first.srg.decode(found)
     return Comparison(word, word is not None and first.accepts(word), covered)

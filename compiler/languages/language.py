@@ -20,9 +20,10 @@ from compiler.grammars.binary_normal_form import BinaryGrammar, binary_form, bin
 from compiler.grammars.grammar import Srg, srg
 from compiler.languages.budget import MOVE_BUDGET
 from compiler.languages.derivation_counts import DerivationCounts
-from compiler.languages.enumeration import words_in_order
+from compiler.languages.enumeration import words_in_order, words_of_length
 from compiler.languages.intersection import intersect
 from compiler.languages.prefix_counts import count_by_length
+from compiler.reading.conditioned_reading import ConditionedReading
 from compiler.reading.finite_reader import FiniteReader
 from compiler.reading.finite_reading import FiniteReading
 from compiler.reading.pushdown_reader import PushdownReader
@@ -105,7 +106,10 @@ class Language:
 
     def shortest_word(self) -> tuple[str, ...] | None:
         """The first word in length-lexicographic order; None where there is none."""
-        return next(self.words(), None)
+        length = self.product.shortest()
+        if length is None:
+            return None
+        return self.srg.decode(next(words_of_length(self.exact_reading(length), length)))
 
     def words(
         self, *, max_length: int | None = None, max_modules: int | None = None
@@ -119,7 +123,7 @@ class Language:
         if self.is_empty(max_modules=max_modules):
             return
         longest = _least(self.longest(max_modules=max_modules), max_length)
-        reading = partial(self.reading, max_modules=max_modules)
+        reading = partial(self.exact_reading, max_modules=max_modules)
         for codes in words_in_order(reading, longest):
             yield self.srg.decode(codes)
 
@@ -151,7 +155,15 @@ class Language:
         return count_by_length(self.reading(longest, max_modules=max_modules), longest, budget)
 
     def reading(self, horizon: int, *, max_modules: int | None = None) -> Reading[Any]:
-        """The words read from left to right, with the lengths of what may follow."""
+        """The words read from left to right, by few states; some of them may be dead ends."""
+        if self.finite_automaton is not None:
+            return FiniteReading(self._bounded(self.finite_automaton, max_modules), horizon)
+        residuals = Residuals(self.binary, self.srg.terminals, horizon)
+        condition = self._bounded(self.accept, max_modules)
+        return residuals if all(condition.accepting) else ConditionedReading(residuals, condition)
+
+    def exact_reading(self, horizon: int, *, max_modules: int | None = None) -> Reading[Any]:
+        """The words read from left to right without dead ends: the lengths are exact."""
         if self.finite_automaton is not None:
             return FiniteReading(self._bounded(self.finite_automaton, max_modules), horizon)
         return Residuals(self._restricted(max_modules), self.srg.terminals, horizon)

@@ -21,11 +21,14 @@ class WordSampler:
     """The ``number`` words of one length of a language.
 
     Raises:
+        ValueError: the length is negative.
         BudgetExceededError: the language is neither shown to be regular nor LR(1), and more than
             ``budget`` moves are needed to number its words.
     """
 
     def __init__(self, language: Language, length: int, budget: int = MOVE_BUDGET) -> None:
+        if length < 0:
+            raise ValueError(f"there are no words of {length} symbols")
         regular = language.finite_automaton is not None
         self._language = language
         self._length = length
