@@ -52,7 +52,7 @@ def measure_convex_step(runs: int) -> list[Line]:
     from compiler.dynamics.equations_of_motion import robot_graph
     from compiler.dynamics.float_reading import FloatReading
     from compiler.geometry.abstraction import abstract
-    from compiler.languages.derivation import derivations_of
+    from compiler.languages.structures import derivations_of
     from compiler.robots.family import family_of
     from solvers.control import linearised
     from solvers.convex_step import StepResult, Weights, convex_step

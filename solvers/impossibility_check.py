@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from compiler.encodings.reachability_smt import pose_question, refutation_script
-from compiler.languages.derivation import InfiniteAmbiguityError, structures
+from compiler.languages.structures import InfiniteAmbiguityError, structures
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.normalise import robot_key

@@ -17,7 +17,8 @@ import numpy as np
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.float_reading import FloatReading
 from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.languages.derivation import Derivation, structures
+from compiler.grammars.derivation import Derivation
+from compiler.languages.structures import structures
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.normalise import robot_key

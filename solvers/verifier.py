@@ -18,7 +18,7 @@ from compiler.arithmetic.balls import ball, closed_ball, working_precision
 from compiler.encodings.specification import path_problem
 from compiler.encodings.supported import unsupported
 from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.languages.derivation import BadDerivation, Derivation
+from compiler.grammars.derivation import BadDerivation, Derivation
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.robot import RobotModel

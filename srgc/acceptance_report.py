@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from compiler.automata.pushdown_automaton import Pda, Transition, sra
 from compiler.automata.pushdown_runs import accepting_run
-from compiler.languages.derivation import Derivation, replay
+from compiler.grammars.derivation import Derivation, replay
 from compiler.languages.language import Language, language
 from compiler.reading.pushdown_reader import PushdownReader
 from compiler.reading.viable_prefix import viable_prefix

@@ -126,7 +126,7 @@ for _command in (words, accepts, language, compare):
     "--of",
     "what",
     required=True,
-    type=click.Choice(["sra", "fra", "dfa", "words", "grammar", "robot", "workspace"]),
+    type=click.Choice(["sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace"]),
     help="What to draw.",
 )
 @GRAMMAR

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
+from compiler.automata.deterministic_pushdown import deterministic_pushdown
+from compiler.automata.lr_automaton import LrAutomaton, LrTooLarge
 from compiler.automata.pushdown_automaton import sra
 from compiler.geometry.abstraction import abstract
-from compiler.languages.derivation import InfiniteAmbiguityError, derivations_of
 from compiler.languages.language import Language, language
+from compiler.languages.structures import InfiniteAmbiguityError, derivations_of
 from compiler.robots.attributes import SemanticsError
 from compiler.views.dfa_view import family_dfa_view
 from compiler.views.grammar_view import grammar_view
@@ -22,9 +24,10 @@ from compiler.views.workspace_view import workspace_view
 from grammar_lang import ir
 from srgc.session import UsageFault, chosen
 
-VIEWS = ("sra", "fra", "dfa", "words", "grammar", "robot", "workspace")
-WITH_RUNS = ("sra", "fra", "dfa", "words", "grammar")
+VIEWS = ("sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace")
+WITH_RUNS = ("sra", "fra", "dfa", "dpda", "words", "grammar")
 DEPTH = 3
+MOST_TRANSITIONS = 20_000
 MOST_WORDS = 5_000
 MOST_WORDS_NEAR = 50_000
 """So many words are looked through for those near a run; far fewer are drawn."""
@@ -95,6 +98,8 @@ def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> 
             return _words(words, request)
         case "dfa":
             return Drawing(family_dfa_view(words, request.highlight))
+        case "dpda":
+            return Drawing(_deterministic(words, request.highlight))
         case "grammar":
             return Drawing(grammar_view(words, request.highlight))
         case "fra":
@@ -105,6 +110,21 @@ def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> 
             return Drawing(functional_view(program, grammar, request.highlight))
         case _:
             return Drawing(sra_view(sra(words.srg, words.accept), request.highlight))
+
+
+def _deterministic(words: Language, highlight: tuple[str, ...] | None) -> Picture:
+    """The deterministic pushdown automaton, whose input ends with a marker."""
+    found = words.lr_automaton
+    if not isinstance(found, LrAutomaton):
+        raise UsageFault("the grammar is not LR(1): `srgc language` says where; there is --of sra")
+    pda = deterministic_pushdown(words.srg, found, words.accept, MOST_TRANSITIONS)
+    if isinstance(pda, LrTooLarge):
+        raise UsageFault("the deterministic pushdown automaton is too large to draw")
+    if highlight is not None:
+        _refuse_foreign(words, highlight)
+    picture = sra_view(pda, None if highlight is None else (*highlight, pda.alphabet[-1]))
+    nodes = tuple(replace(node, shape="ellipse") for node in picture.nodes)
+    return replace(picture, name="dpda", shape="ellipse", nodes=nodes)
 
 
 def _refuse_foreign(words: Language, word: tuple[str, ...]) -> None:

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from compiler.automata.lr_automaton import LrAutomaton, LrConflict
+from compiler.automata.deterministic_pushdown import deterministic_pushdown
+from compiler.automata.lr_automaton import LrAutomaton, LrConflict, LrTooLarge
 from compiler.automata.pushdown_automaton import sra
 from compiler.grammars.grammar import cyclic, linearity, trimmed, useful_rules
 from compiler.grammars.transition_network import transition_network
 from compiler.languages.ambiguity import ambiguity
-from compiler.languages.derivation import derivations_of
 from compiler.languages.language import Language, language
+from compiler.languages.structures import derivations_of
 from grammar_lang import ir
+
+MOST_TRANSITIONS = 20_000
 
 READERS = {
     "finite automaton": "a finite automaton",
@@ -69,7 +72,13 @@ def _shown_regular(family: Language) -> bool:
 def _lr(family: Language) -> str:
     found = family.lr_automaton
     if isinstance(found, LrAutomaton):
-        return f"{len(found.actions)} states, without a conflict"
+        pda = deterministic_pushdown(family.srg, found, family.accept, MOST_TRANSITIONS)
+        size = (
+            f"over {MOST_TRANSITIONS} transitions"
+            if isinstance(pda, LrTooLarge)
+            else f"{len(pda.states)} states, {len(pda.transitions)} transitions"
+        )
+        return f"{len(found.actions)} states, no conflict; as a deterministic pushdown one {size}"
     if isinstance(found, LrConflict):
         return f"none: {_conflict(family, found)}"
     return f"not looked for any more after {found.steps} steps"

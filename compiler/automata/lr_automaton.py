@@ -24,16 +24,13 @@ class LrAutomaton:
     ``rules`` are those of the trimmed grammar (rule r is number ``useful_rules(cfg)[r]`` of the
     grammar given).  ``end``, the end marker, is the number after the last terminal.  Per state,
     ``actions`` has for a terminal or ``end`` the state to shift to, or ``~r`` to reduce by rule r,
-    or ``accept_action``; ``gotos`` has the state after a nonterminal.  ``opens`` tells the states
-    that are entered by the first symbol of some rule: what lies below others on the stack is no
-    place to which a reduction goes back.
+    or ``accept_action``; ``gotos`` has the state after a nonterminal.
     """
 
     rules: tuple[Rule, ...]
     end: int
     actions: tuple[dict[int, int], ...]
     gotos: tuple[dict[int, int], ...]
-    opens: tuple[bool, ...]
 
     @property
     def accept_action(self) -> int:
@@ -88,7 +85,7 @@ def lr_automaton(cfg: Cfg, step_limit: int = STEP_LIMIT) -> LrAutomaton | LrConf
     """
     grammar = trimmed(cfg)
     if not grammar.rules:
-        return LrAutomaton((), cfg.terminals, ({},), ({},), (False,))
+        return LrAutomaton((), cfg.terminals, ({},), ({},))
     return _Construction(grammar, step_limit).run()
 
 
@@ -164,9 +161,8 @@ class _Construction:
                 return LrTooLarge(self.step_limit)
             if conflict is not None:
                 return conflict
-        opens = tuple(any(self.places[item][1] == 1 for item, _ in row) for row in self.kernels)
         return LrAutomaton(
-            self.cfg.rules, self.cfg.terminals, tuple(self.actions), tuple(self.gotos), opens
+            self.cfg.rules, self.cfg.terminals, tuple(self.actions), tuple(self.gotos)
         )
 
     def _expand(self, state: int, kernel: _Kernel) -> LrConflict | None:

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from compiler.grammars.derivation import Derivation
 from compiler.languages.ambiguity import Ambiguity
-from compiler.languages.derivation import Derivation, derivations_of
 from compiler.languages.language import Language
+from compiler.languages.structures import derivations_of
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink

@@ -24,8 +24,7 @@ class Frame(NamedTuple):
     caller: int
 
 
-@dataclass(frozen=True, slots=True)
-class Group:
+class Group(NamedTuple):
     """Nonterminals whose calls depend on each other; per member, what comes after it.
 
     ``inner``: frames of callers within the group; ``outer``: of others.  ``above``: callers in
@@ -39,8 +38,7 @@ class Group:
     direct: tuple[tuple[int, ...], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Move:
+class Move(NamedTuple):
     """What one terminal leads to.
 
     ``groups``: the groups that matter, callers before the called.  ``frames``: a symbol comes

@@ -16,9 +16,9 @@ from itertools import islice, pairwise
 from compiler.grammars.grammar import Cfg, trimmed
 from compiler.grammars.short_words import short_words
 from compiler.grammars.transition_network import transition_network
-from compiler.languages.derivation import structures
 from compiler.languages.language import Language
 from compiler.languages.regular_ambiguity import Decision, decide_ambiguity
+from compiler.languages.structures import structures
 
 STEP_LIMIT = 6_000
 LENGTH_LIMIT = 40

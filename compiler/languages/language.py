@@ -7,7 +7,7 @@ automaton or the LR(1) automaton where there is one, and the grammar of the inte
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -87,9 +87,13 @@ class Language:
 
     # --- questions -----------------------------------------------------------------------------
 
-    def accepts(self, word: Sequence[str]) -> bool:
-        """Whether the word is in the language; a token that is no symbol of Z means no."""
-        return self.recogniser.accepts(word)
+    @cached_property
+    def accepts(self) -> Callable[[Sequence[str]], bool]:
+        """Whether a word is in the language; a token that is no symbol of Z means no.
+
+        Bound to the reader once, for it may be asked about millions of words.
+        """
+        return self.recogniser.accepts
 
     def is_empty(self, *, max_modules: int | None = None) -> bool:
         """Whether there is no word (with at most ``max_modules`` modules)."""

@@ -1,10 +1,14 @@
-"""Membership by a finite automaton, as fast as Python reads: one dictionary per state."""
+"""Membership by a finite automaton, as fast as Python reads: one dictionary per state.
+
+Keys are interned, as names in the text of a program are, so that these are found by identity.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import reduce
 from operator import getitem
+from sys import intern
 from typing import Any
 
 from compiler.automata.finite_automaton import Dfa
@@ -21,7 +25,7 @@ class FiniteReader:
         states: list[dict[Any, Any]] = [{} for _ in live]
         width = len(dfa.alphabet)
         for source, row in enumerate(states):
-            for symbol, name in enumerate(dfa.alphabet):
+            for symbol, name in enumerate(map(intern, dfa.alphabet)):
                 target = dfa.table[source * width + symbol]
                 if live[target]:
                     row[name] = states[target]

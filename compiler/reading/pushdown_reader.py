@@ -38,7 +38,8 @@ class _State(dict[Any, Any]):
         self.residual = residual
 
     def __missing__(self, symbol: str) -> _State | _Push:
-        found = self[symbol] = self.owner.step(self.residual[symbol])
+        following = self.residual[symbol]
+        found = self[self.owner.names[symbol]] = self.owner.step(following)
         return found
 
 
@@ -70,6 +71,7 @@ class PushdownReader:
 
     def __init__(self, grammar: BinaryGrammar, names: Sequence[str]) -> None:
         self._residuals = Residuals(grammar, names)
+        self.names = {name: name for name in self._residuals.names}
         self._states: dict[Residual, _State] = {}
         self._initial = self._state(self._residuals.root)
 

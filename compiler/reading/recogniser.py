@@ -6,8 +6,9 @@ whose states are made as they are needed, which reads any grammar.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, Protocol, TypeAlias
 
 Kind: TypeAlias = Literal["finite automaton", "pushdown automaton"]
@@ -20,7 +21,7 @@ class Reader(Protocol):
         """Whether the word is in the language."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Recogniser:
     """``reader`` for the grammar; ``condition`` for the accept condition, None: it is in there."""
 
@@ -28,8 +29,16 @@ class Recogniser:
     reader: Reader
     condition: Reader | None
 
-    def accepts(self, word: Sequence[str]) -> bool:
-        """Whether the word is in the language; a word with an unknown token is not."""
-        if self.condition is not None and not self.condition.accepts(word):
-            return False
-        return self.reader.accepts(word)
+    @cached_property
+    def accepts(self) -> Callable[[Sequence[str]], bool]:
+        """Whether a word is in the language; a word with an unknown token is not."""
+        if self.condition is None:
+            return self.reader.accepts
+        return self._both
+
+    def _both(self, word: Sequence[str]) -> bool:
+        return (
+            self.condition is not None
+            and self.condition.accepts(word)
+            and self.reader.accepts(word)
+        )

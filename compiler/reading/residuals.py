@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from sys import intern
 from typing import TypeAlias
 
 from compiler.grammars.binary_normal_form import BinaryGrammar
@@ -59,10 +60,11 @@ class Residual(dict[Name, "Residual"]):
         return self is other
 
     def __missing__(self, name: Name) -> Residual:
-        following = self.owner.after(self, self.owner.number[name])
+        number = self.owner.number[name]
+        following = self.owner.after(self, number)
         if following is None:
             raise KeyError(name)
-        self[name] = following
+        self[self.owner.names[number]] = following
         return following
 
 
@@ -71,7 +73,7 @@ class Residuals:
 
     Args:
         grammar: the grammar, in binary form.
-        names: of its terminals.
+        names: of its terminals; interned, as names in the text of a program are.
         horizon: lengths are exact up to so many symbols; None: they are not asked for.
     """
 
@@ -79,8 +81,8 @@ class Residuals:
         self, grammar: BinaryGrammar, names: Sequence[Name], horizon: int | None = None
     ) -> None:
         self.grammar = grammar
-        self.names = names
-        self.number = {name: i for i, name in enumerate(names)}
+        self.names = tuple(map(intern, names))
+        self.number = {name: i for i, name in enumerate(self.names)}
         self._lengths = None if horizon is None else WordLengths(grammar, horizon)
         self._corners = LeftCorners(grammar)
         self._start_over()

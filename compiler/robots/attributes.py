@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from compiler.arithmetic.scalars import ScalarTable
-from compiler.languages.derivation import Derivation
+from compiler.grammars.derivation import Derivation
 from compiler.robots.robot import (
     WORLD,
     Body,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from compiler.languages.derivation import Derivation, replay
+from compiler.grammars.derivation import Derivation, replay
 from compiler.languages.language import Language, language
 from compiler.robots.attributes import evaluate
 from compiler.robots.normalise import normalise

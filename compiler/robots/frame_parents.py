@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
-from compiler.languages.derivation import Derivation
+from compiler.grammars.derivation import Derivation
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.frame_attributes import frame_attributes
 from compiler.robots.frame_paths import (

@@ -23,7 +23,7 @@ from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from compiler.languages.derivation import Derivation
+from compiler.grammars.derivation import Derivation
 from compiler.robots.frame_parents import frame_parents
 from compiler.robots.neighbours import tree_neighbours
 from grammar_lang import ir

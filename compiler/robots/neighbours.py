@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from compiler.languages.derivation import Derivation
+from compiler.grammars.derivation import Derivation
 
 
 def tree_neighbours(derivation: Derivation) -> dict[int, int | None]:

@@ -7,9 +7,9 @@ import pytest
 
 from compiler.checks.grammar_checks import grammar_diagnostics
 from compiler.languages.ambiguity import ambiguity
-from compiler.languages.derivation import derivations_of
 from compiler.languages.finite_language import longest_word
 from compiler.languages.language import language
+from compiler.languages.structures import derivations_of
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink

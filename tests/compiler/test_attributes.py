@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.languages.derivation import Derivation, DerivationNode
+from compiler.grammars.derivation import Derivation, DerivationNode
 from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir

@@ -10,8 +10,9 @@ import pytest
 
 from compiler.automata.functional_automaton import Fra, fra, functional_run, production_labels
 from compiler.automata.pushdown_automaton import sra
-from compiler.languages.derivation import Derivation, derivations_of, replay
+from compiler.grammars.derivation import Derivation, replay
 from compiler.languages.language import Language, language
+from compiler.languages.structures import derivations_of
 from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
 from compiler.views.dot import to_dot

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from compiler.arithmetic.scalars import ParameterLeaf
-from compiler.languages.derivation import Derivation, derivations_of, replay, structures
+from compiler.grammars.derivation import Derivation, replay
 from compiler.languages.language import language
+from compiler.languages.structures import derivations_of, structures
 from compiler.robots.attributes import evaluate
 from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
 from compiler.robots.robot import Joint, Offset, RobotModel

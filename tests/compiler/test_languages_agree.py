@@ -16,8 +16,8 @@ from compiler.automata.lr_automaton import LrAutomaton
 from compiler.automata.pushdown_automaton import Pda, sra
 from compiler.grammars.binary_normal_form import BinaryGrammar
 from compiler.grammars.grammar import cyclic, trimmed
-from compiler.languages.derivation import derivations_of
 from compiler.languages.language import Language, language
+from compiler.languages.structures import derivations_of
 from compiler.reading import pushdown_reader, residuals
 from compiler.reading.finite_reader import FiniteReader
 from compiler.reading.pushdown_reader import PushdownReader

@@ -13,9 +13,10 @@ from compiler.automata.lr_automaton import LrAutomaton, right_parse
 from compiler.automata.pushdown_automaton import sra
 from compiler.automata.pushdown_runs import accepting_run
 from compiler.automata.pushdown_runs import accepts as some_run_accepts
-from compiler.languages.derivation import derivations_of, replay
+from compiler.grammars.derivation import replay
 from compiler.languages.enumeration import words_of_length
 from compiler.languages.language import Language, language
+from compiler.languages.structures import derivations_of
 from tests.oracles.grammars import ALPHABET, ARM_TERMINALS, grammar
 
 Word = tuple[str, ...]

@@ -17,10 +17,11 @@ from compiler.automata.lr_automaton import LrConflict
 from compiler.automata.pushdown_automaton import configurations, sra
 from compiler.automata.pushdown_runs import accepting_run
 from compiler.automata.pushdown_runs import accepts as some_run_accepts
+from compiler.grammars.derivation import replay
 from compiler.languages.budget import BudgetExceededError
-from compiler.languages.derivation import InfiniteAmbiguityError, derivations_of, replay
 from compiler.languages.derivation_counts import DerivationCounts
 from compiler.languages.language import Language, language
+from compiler.languages.structures import InfiniteAmbiguityError, derivations_of
 from compiler.reading import pushdown_reader, residuals
 from compiler.reading.pushdown_reader import PushdownReader
 from compiler.reading.recogniser import Recogniser

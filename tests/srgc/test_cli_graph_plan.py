@@ -13,7 +13,7 @@ from srgc.session import UsageFault
 from tests.oracles.small_specs import SLIDER, replaced
 
 
-@pytest.mark.parametrize("what", ["sra", "fra", "dfa", "words", "grammar", "workspace"])
+@pytest.mark.parametrize("what", ["sra", "fra", "dfa", "dpda", "words", "grammar", "workspace"])
 def test_dot_on_stdout_or_in_a_file(srgc, arm_file, tmp_path, what):
     ran = srgc("graph", arm_file, "--of", what)
     assert (ran.status, ran.err) == (0, "")
@@ -76,7 +76,7 @@ def test_a_place_that_cannot_be_written(srgc, arm_file, tmp_path):
 
 ROOT = Path(__file__).parents[2]
 FIGURE = "B eps JO eps JO eps JO eps L eps JO eps L eps JO eps EN"
-WITH_RUNS = ["sra", "fra", "dfa", "words", "grammar"]
+WITH_RUNS = ["sra", "fra", "dfa", "dpda", "words", "grammar"]
 
 
 @pytest.mark.parametrize("what", WITH_RUNS)
@@ -97,6 +97,16 @@ def test_a_word_without_a_run_is_one_message(srgc, arm_file, what):
     ]:
         ran = srgc("graph", arm_file, "--of", what, "--highlight", word)
         assert (ran.status, ran.out, ran.err) == (2, "", message)
+
+
+def test_a_grammar_that_is_not_lr_has_no_deterministic_automaton(srgc, spec, arm_file):
+    text = arm_file.read_text(encoding="utf-8")
+    twice = text.replace("joint: N -> N eps JO;", "joint: N -> N eps JO; again: N -> N eps JO;")
+    twice = twice.replace("joint {", "again { this.frame = N.frame * rot(z, JO.q); } joint {")
+    ran = srgc("graph", spec(twice), "--of", "dpda")
+    assert (ran.status, ran.out) == (2, "")
+    assert "not LR(1)" in ran.err
+    assert ran.err.count("\n") == 1
 
 
 def red_nodes(dot):
