@@ -41,11 +41,14 @@ def graph(
     workspace: str | None = None,
     depth: int | None = None,
     highlight: Sequence[str] | None = None,
-    near: bool = False,
+    near: bool | None = None,
     word: Sequence[str] | None = None,
     derivation: int | None = None,
 ) -> MultiDiGraph:
-    """What ``srgc graph --of ...`` draws, as a graph of networkx; words are sequences of symbols.
+    """What ``srgc graph --of ...`` draws, as a graph of networkx.
+
+    Words are sequences of symbols, or texts with blanks between the symbols.  ``near``: only the
+    run of ``highlight`` and what is beside it, of words by default.
 
     Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data`` (what they stand
     for), edges ``label``, ``highlighted`` and ``data``.
@@ -56,10 +59,14 @@ def graph(
     from compiler.views.networkx_graph import to_networkx
     from srgc.graph_request import GraphRequest, drawing_of
 
-    run = None if highlight is None else tuple(highlight)
-    robot = None if word is None else tuple(word)
+    run = None if highlight is None else _symbols(highlight)
+    robot = None if word is None else _symbols(word)
     request = GraphRequest(of, grammar, workspace, depth, run, near, robot, derivation)
     return to_networkx(drawing_of(program, request).picture)
+
+
+def _symbols(word: Sequence[str]) -> tuple[str, ...]:
+    return tuple(word.split() if isinstance(word, str) else word)
 
 
 def synthesise(

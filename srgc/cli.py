@@ -135,10 +135,14 @@ for _command in (words, accepts, language, compare):
 @click.option(
     "--depth",
     type=click.IntRange(1),
-    help="Of words: the most modules; by default 3, with --near those of the word.",
+    help="Of words: the most modules; by default 3, beside a run those of its word.",
 )
 @click.option("--highlight", metavar='"SYM ..."', help="Colour the run of this accepted word.")
-@click.option("--near", is_flag=True, help="Only the run and what is one transition away from it.")
+@click.option(
+    "--near/--whole",
+    default=None,
+    help="Only the run and what is one transition away from it (of words the default), or all.",
+)
 @click.option("--word", metavar='"SYM ..."', help="Of a robot: its word.")
 @click.option("--derivation", type=click.IntRange(1), help="Of a robot: which, in order.")
 @click.option("-o", "output", type=click.Path(path_type=Path), help="Write here, not to stdout.")
@@ -150,14 +154,14 @@ def graph(
     task: str | None,
     depth: int | None,
     highlight: str | None,
-    near: bool,  # noqa: FBT001
+    near: bool | None,  # noqa: FBT001
     word: str | None,
     derivation: int | None,
     output: Path | None,
 ) -> int:
     """Draw an automaton, the words, a robot or the cells as DOT.
 
-    A file that ends in .svg or .png is drawn by Graphviz.
+    A file that ends in .svg, .png or .pdf is drawn by Graphviz.
     """
     from compiler.views.dot import to_dot
     from srgc.graph_request import GraphRequest, drawing_of
@@ -177,7 +181,8 @@ def graph(
     if output is None:
         click.echo(text, nl=False)
     else:
-        write_graph(text, output)
+        for line in write_graph(text, output).splitlines():
+            click.echo(f"note: Graphviz: {line}", err=True)
     return 0
 
 

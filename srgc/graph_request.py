@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -9,12 +10,19 @@ from compiler.automata.deterministic_pushdown import deterministic_pushdown
 from compiler.automata.lr_automaton import LrAutomaton, LrTooLarge
 from compiler.automata.pushdown_automaton import sra
 from compiler.geometry.abstraction import abstract
+from compiler.grammars.derivation import Derivation, replay
+from compiler.grammars.grammar import cyclic, trimmed
 from compiler.languages.language import Language, language
-from compiler.languages.structures import InfiniteAmbiguityError, derivations_of
+from compiler.languages.structures import derivations_of
 from compiler.robots.attributes import SemanticsError
 from compiler.views.dfa_view import family_dfa_view
 from compiler.views.grammar_view import grammar_view
-from compiler.views.highlighted_run import HighlightError, not_accepted, refuse_unknown
+from compiler.views.highlighted_run import (
+    HighlightError,
+    not_accepted,
+    refuse_unknown,
+    run_of,
+)
 from compiler.views.near_run import near_run
 from compiler.views.picture import Picture
 from compiler.views.sra_view import sra_view
@@ -38,6 +46,7 @@ class GraphRequest:
     """The view ``of`` something, and its choices; ``derivation`` counts from 1.
 
     Without a ``depth`` the words are unfolded to ``DEPTH`` modules, ``near`` a run to its end.
+    Of words only what is ``near`` a run is drawn unless ``near`` is False.
     """
 
     of: str
@@ -45,7 +54,7 @@ class GraphRequest:
     workspace: str | None = None
     depth: int | None = None
     highlight: tuple[str, ...] | None = None
-    near: bool = False
+    near: bool | None = None
     word: tuple[str, ...] | None = None
     derivation: int | None = None
 
@@ -73,9 +82,16 @@ def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
         if request.of == "robot":
             return _robot(program, grammar, request)
         drawing = _family(program, grammar, request)
-    except (HighlightError, InfiniteAmbiguityError, SemanticsError) as error:
+    except (HighlightError, SemanticsError) as error:
         raise UsageFault(str(error)) from None
-    return Drawing(near_run(drawing.picture), drawing.remarks) if request.near else drawing
+    return Drawing(near_run(drawing.picture), drawing.remarks) if _near(request) else drawing
+
+
+def _near(request: GraphRequest) -> bool:
+    """Whether only the run and what is beside it is drawn."""
+    if request.near is None:
+        return request.of == "words" and request.highlight is not None
+    return request.near
 
 
 def _refuse_misfits(request: GraphRequest) -> None:
@@ -83,8 +99,12 @@ def _refuse_misfits(request: GraphRequest) -> None:
         raise UsageFault(f"there is no view `{request.of}`, but {' '.join(VIEWS)}")
     if request.highlight is not None and request.of not in WITH_RUNS:
         raise UsageFault(f"--highlight shows a run: it goes with --of {' '.join(WITH_RUNS)}")
-    if request.near and request.highlight is None:
-        raise UsageFault("--near goes with --highlight")
+    if request.near is not None and request.highlight is None:
+        raise UsageFault("--near and --whole go with --highlight")
+    if request.depth is not None and request.of != "words":
+        raise UsageFault("--depth goes with --of words")
+    if any(number is not None and number < 1 for number in (request.depth, request.derivation)):
+        raise UsageFault("--depth and --derivation count from 1")
     if request.of == "robot" and request.word is None:
         raise UsageFault('--of robot needs the word: --word "SYM SYM ..."')
     if request.of != "robot" and (request.word is not None or request.derivation is not None):
@@ -135,10 +155,11 @@ def _refuse_foreign(words: Language, word: tuple[str, ...]) -> None:
 
 def _words(words: Language, request: GraphRequest) -> Drawing:
     modules = sum(symbol in words.srg.modules for symbol in request.highlight or ())
-    depth = request.depth or (max(DEPTH, modules) if request.near else DEPTH)
+    near = _near(request)
+    depth = request.depth or (max(DEPTH, modules) if near else DEPTH)
     if request.highlight is not None:
         _refuse_foreign(words, request.highlight)
-    _refuse_too_many(words, depth, near=request.near)
+    _refuse_too_many(words, depth, near=near)
     remark = f"the word has {modules} modules: beyond --depth {depth} only its run is drawn"
     picture = words_view(words, depth, request.highlight)
     if not picture.nodes:
@@ -160,6 +181,16 @@ def _refuse_too_many(words: Language, depth: int, *, near: bool) -> None:
             )
 
 
+def _derivations(
+    words: Language, grammar: ir.Grammar, word: tuple[str, ...]
+) -> Iterator[Derivation]:
+    """The derivations of a word; one of them where there may be infinitely many."""
+    if not cyclic(trimmed(words.srg.cfg)):
+        return derivations_of(words, word)
+    run = run_of(sra(words.srg, words.accept), word)
+    return iter([replay(grammar, [step.label for step in run if step.label is not None])])
+
+
 def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
     from compiler.robots.labelled_graph import labelled_graph
     from compiler.views.robot_view import robot_view
@@ -167,7 +198,7 @@ def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> D
     words = language(grammar, program.terminals, program.modules)
     word = request.word or ()
     _refuse_foreign(words, word)
-    derivations = derivations_of(words, word)
+    derivations = _derivations(words, grammar, word)
     wanted = request.derivation or 1
     first = list(islice(derivations, wanted))
     if len(first) < wanted:
@@ -175,6 +206,8 @@ def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> D
         raise UsageFault(f"the word has {len(first)} {noun}: there is no --derivation {wanted}")
     derivation = first[-1]
     remarks: tuple[str, ...] = ()
-    if request.derivation is None and next(derivations, None) is not None:
+    if cyclic(trimmed(words.srg.cfg)):
+        remarks = ("a nonterminal of the grammar derives itself: one derivation is drawn",)
+    elif request.derivation is None and next(derivations, None) is not None:
         remarks = ("the word has several derivations: --derivation 2 draws the next",)
     return Drawing(robot_view(labelled_graph(program, grammar, derivation)), remarks)

@@ -1,4 +1,4 @@
-"""``srgc graph``: DOT texts in files, drawn as SVG or PNG where Graphviz is installed."""
+"""``srgc graph``: DOT texts in files, drawn as pictures where Graphviz is installed."""
 
 from __future__ import annotations
 
@@ -8,26 +8,33 @@ from pathlib import Path
 
 from srgc.session import UsageFault
 
-DRAWN = (".svg", ".png")
+DRAWN = (".svg", ".png", ".pdf")
+TEXT = (".dot", ".gv", ".txt", "")
 DRAWING_SECONDS = 120
 
 
-def write_graph(text: str, output: Path) -> None:
-    """Write DOT text, or the picture its file name asks for.
+def write_graph(text: str, output: Path) -> str:
+    """Write DOT text, or the picture its file name asks for; what Graphviz has to say of it.
 
     Raises:
-        UsageFault: Graphviz is needed and missing, or the file cannot be written.
+        UsageFault: a file name of another kind, Graphviz is needed and missing, or the file cannot
+            be written.
     """
+    suffix = output.suffix.lower()
+    if suffix not in (*TEXT, *DRAWN):
+        raise UsageFault(f"{output}: give a name that ends in {', '.join((*TEXT[:-1], *DRAWN))}")
     try:
-        if output.suffix not in DRAWN:
+        if suffix in TEXT:
             output.write_text(text, encoding="utf-8")
-            return
-        output.write_bytes(_drawn(text, output.suffix[1:]))
+            return ""
+        picture, said = _drawn(text, suffix[1:])
+        output.write_bytes(picture)
     except OSError as error:
         raise UsageFault(f"{output}: {error.strerror}") from None
+    return said
 
 
-def _drawn(text: str, form: str) -> bytes:
+def _drawn(text: str, form: str) -> tuple[bytes, str]:
     program = shutil.which("dot")
     if program is None:
         raise UsageFault("Graphviz (`dot`) is not installed: write a .dot file instead")
@@ -41,6 +48,7 @@ def _drawn(text: str, form: str) -> bytes:
         )
     except subprocess.TimeoutExpired:
         raise UsageFault(f"Graphviz did not finish within {DRAWING_SECONDS} s") from None
+    said = finished.stderr.decode(errors="replace").strip()
     if finished.returncode:
-        raise UsageFault(f"Graphviz failed: {finished.stderr.decode(errors='replace').strip()}")
-    return finished.stdout
+        raise UsageFault(f"Graphviz failed: {said}")
+    return finished.stdout, said

@@ -62,11 +62,16 @@ def sra_view(pda: Pda, highlight: Sequence[str] | None = None) -> Picture:
 
 def move_text(pda: Pda, transition: Transition) -> str:
     """What a move reads, the top of the stack, and what replaces it."""
-    read = EMPTY if transition.read is None else pda.alphabet[transition.read]
-    top = pda.stack_alphabet[transition.pop]
+    read = EMPTY if transition.read is None else symbol_text(pda.alphabet[transition.read])
+    top = symbol_text(pda.stack_alphabet[transition.pop])
     return f"{read}, {top} {ARROW} {stack_text(pda, transition.push)}"
+
+
+def symbol_text(name: str) -> str:
+    """A symbol's name, in quotes where it could be taken for a sign of the notation."""
+    return f"'{name}'" if name in (EMPTY, ARROW, ",") or " " in name else name
 
 
 def stack_text(pda: Pda, symbols: Iterable[int]) -> str:
     """Symbols of the stack, the top first."""
-    return " ".join(pda.stack_alphabet[s] for s in symbols) or EMPTY
+    return " ".join(symbol_text(pda.stack_alphabet[s]) for s in symbols) or EMPTY

@@ -44,16 +44,36 @@ def _is_subsequence(part: tuple[str, ...], word: tuple[str, ...]) -> bool:
     return all(symbol in rest for symbol in part)
 
 
-def added(part: tuple[str, ...], word: tuple[str, ...]) -> tuple[str, ...] | None:
-    """What is added to ``part`` to get ``word``; None where it is no subsequence."""
-    matched = 0
-    rest: list[str] = []
-    for symbol in word:
-        if matched < len(part) and part[matched] == symbol:
-            matched += 1
+def added(part: tuple[str, ...], word: tuple[str, ...]) -> tuple[str, ...]:
+    """What is added to a subsequence ``part`` to get ``word``, in as few runs as can be.
+
+    Of several ways with equally many runs, the one that adds them latest.
+    """
+    extra = len(word) - len(part)
+    # runs[m][k]: the fewest runs in word[m + k:] from part[m:], after k symbols added; the second
+    # number where a run is open before.
+    impossible = len(word) + 1
+    runs = [[(impossible, impossible)] * (extra + 2) for _ in range(len(part) + 2)]
+    runs[len(part)][extra] = (0, 0)
+    for m in range(len(part), -1, -1):
+        for k in range(extra, -1, -1):
+            if m == len(part) and k == extra:
+                continue
+            keep = m < len(part) and part[m] == word[m + k]
+            kept = runs[m + 1][k][0] if keep else impossible
+            inside = runs[m][k + 1][1] if k < extra else impossible
+            runs[m][k] = (min(kept, inside + 1), min(kept, inside))
+    found: list[str] = []
+    m, open_run = 0, False
+    while m + len(found) < len(word):
+        k = len(found)
+        keep = m < len(part) and part[m] == word[m + k]
+        if keep and runs[m + 1][k][0] == runs[m][k][open_run]:
+            m, open_run = m + 1, False
         else:
-            rest.append(symbol)
-    return tuple(rest) if matched == len(part) else None
+            found.append(word[m + k])
+            open_run = True
+    return tuple(found)
 
 
 def all_words(srg: Srg) -> Language:

@@ -85,7 +85,7 @@ def _transition(
     *,
     highlighted: bool,
 ) -> Edge:
-    symbols = added(tail, head) or ()
+    symbols = added(tail, head)
     lines = (" ".join(symbols),) if symbols else ()
     data = {"added": symbols}
     return Edge(f"w{number[tail]}", f"w{number[head]}", lines, highlighted=highlighted, data=data)

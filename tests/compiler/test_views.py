@@ -1,8 +1,10 @@
 from __future__ import annotations
 
-from itertools import islice, pairwise
+from itertools import islice, pairwise, product
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from compiler.automata.pushdown_automaton import configurations, sra
 from compiler.languages.language import Language, language
@@ -12,6 +14,7 @@ from compiler.views.highlighted_run import HighlightError
 from compiler.views.near_run import near_run
 from compiler.views.picture import Picture
 from compiler.views.sra_view import sra_view
+from compiler.views.word_transitions import added
 from compiler.views.words_view import words_view
 from tests.oracles.grammars import (
     ALPHABET,
@@ -263,3 +266,38 @@ def test_words_of_all_shapes(name: str) -> None:
         # Every transition leads from a state of the run to a longer one.
         assert len({tail for tail, _, _ in run}) == len({head for _, head, _ in run}) == len(run)
         assert all(len(tail) < len(head) for tail, head, _ in run)
+
+
+@pytest.mark.parametrize(
+    ("part", "word", "symbols"),
+    [
+        ("a", "a b c", "b c"),
+        ("a c", "a b c", "b"),
+        ("F E ]", "F [ ] E ]", "[ ]"),
+        ("[ ]", "[ [ ] ]", "[ ]"),
+        ("a b", "a a b b", "a b"),
+        ("x y", "x a x b y", "a x b"),
+        ("", "a b", "a b"),
+    ],
+)
+def test_what_is_added_comes_in_few_runs(part: str, word: str, symbols: str) -> None:
+    assert added(tuple(part.split()), tuple(word.split())) == tuple(symbols.split())
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.sampled_from("abc"), max_size=9), st.data())
+def test_runs_added_are_the_fewest(letters: list[str], data: st.DataObject) -> None:
+    kept = data.draw(st.lists(st.booleans(), min_size=len(letters), max_size=len(letters)))
+    part = tuple(s for s, keep in zip(letters, kept, strict=True) if keep)
+
+    def runs(keeps: tuple[bool, ...]) -> int:
+        return sum(not k and (i == 0 or keeps[i - 1]) for i, k in enumerate(keeps))
+
+    ways = {
+        keeps: tuple(s for s, k in zip(letters, keeps, strict=True) if not k)
+        for keeps in product((False, True), repeat=len(letters))
+        if tuple(s for s, k in zip(letters, keeps, strict=True) if k) == part
+    }
+    fewest = min(map(runs, ways))
+    found = added(part, tuple(letters))
+    assert found in {rest for keeps, rest in ways.items() if runs(keeps) == fewest}
