@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
@@ -53,6 +54,11 @@ class ClosedScope:
     def use_dof(self, member: s.Member) -> ir.Expr:
         """Never called: there are no degrees of freedom."""
         raise LookupError(member.name.text)
+
+    def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
+        """None: there are no modules of a production here."""
+        del expressions
+        return ()
 
 
 def not_rational(at: Span, sink: Sink) -> None:

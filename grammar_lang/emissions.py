@@ -66,21 +66,29 @@ class Emissions:
         self, kind: str, arguments: Mapping[str, s.Expr], emission: s.Emission
     ) -> ir.Emission:
         frame = self._frame(arguments["frame"])
+        others = [value for name, value in arguments.items() if name != "frame"]
+        mentions = self.scope.mentions(others)
         match kind:
             case "rod":
-                return self._rod(frame, arguments, emission)
+                return self._rod(frame, arguments, emission, mentions)
             case "point":
                 mass = self._positive(arguments["mass"], MASS)
-                return ir.PointMass(frame, mass, emission.span)
+                return ir.PointMass(frame, mass, emission.span, mentions)
             case "solid":
                 mass = self._positive(arguments["mass"], MASS)
                 com = self._com(arguments["com"])
                 inertia = self._inertia(arguments["inertia"])
-                return ir.Solid(frame, mass, com, inertia, emission.span)
+                return ir.Solid(frame, mass, com, inertia, emission.span, mentions)
             case _:
-                return ir.Effector(frame, emission.span)
+                return ir.Effector(frame, emission.span, mentions)
 
-    def _rod(self, frame: ir.Expr, arguments: Mapping[str, s.Expr], emission: s.Emission) -> ir.Rod:
+    def _rod(
+        self,
+        frame: ir.Expr,
+        arguments: Mapping[str, s.Expr],
+        emission: s.Emission,
+        mentions: tuple[int, ...],
+    ) -> ir.Rod:
         axis = require_axis(arguments["axis"], self.sink)
         if axis in {"z", "-z"}:
             message = f"a rod along {axis} leaves the plane"
@@ -90,7 +98,7 @@ class Emissions:
         radius = None
         if "radius" in arguments:
             radius = self._positive(arguments["radius"], LENGTH)
-        return ir.Rod(frame, axis, length, density, radius, emission.span)
+        return ir.Rod(frame, axis, length, density, radius, emission.span, mentions)
 
     # --- arguments -----------------------------------------------------------------------------
 

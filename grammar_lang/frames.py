@@ -97,11 +97,11 @@ def _in_plane(function: Literal["rot", "move"], axis: ir.Axis) -> bool:
     return (axis in {"z", "-z"}) == (function == "rot")
 
 
-def _shift(expr: s.Expr, elaborate: Elaborate, sink: Sink) -> Typed:
+def _shift(expr: s.Expr, elaborate: Elaborate, scope: Scope, sink: Sink) -> Typed:
     value = elaborate(expr)
     vector = require_vector(value, LENGTH, expr.span, sink)
     warn_implausible_vector(value, LENGTH, expr, sink)
-    return Typed(ir.Shift(vector), Sort.FRAME, None)
+    return Typed(ir.Shift(vector, scope.mentions([expr])), Sort.FRAME, None)
 
 
 def frame_call(
@@ -114,7 +114,7 @@ def frame_call(
     """The frame of a ``rot`` or ``move``."""
     arguments = [a.value for a in call.arguments if a.name is None]
     if len(arguments) == len(call.arguments) == 1 and function == "move":
-        return _shift(arguments[0], elaborate, sink)
+        return _shift(arguments[0], elaborate, scope, sink)
     if len(arguments) != 2 or len(call.arguments) != 2:
         form = (
             "`rot(axis, angle)`"
@@ -134,5 +134,5 @@ def frame_call(
         what = "rotation about" if function == "rot" else "move along"
         message = f"a {what} {axis} leaves the plane"
         scope.uses.append(DimensionUse(3, arguments[0].span, message))
-    expr = ir.Rot(axis, amount) if function == "rot" else ir.Move(axis, amount)
-    return Typed(expr, Sort.FRAME, None)
+    step = ir.Rot if function == "rot" else ir.Move
+    return Typed(step(axis, amount, scope.mentions([arguments[1]])), Sort.FRAME, None)

@@ -7,7 +7,7 @@ the coordinates of its degrees of freedom by their names, ``rate(q)`` and ``u``,
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from grammar_lang import ir
@@ -133,6 +133,11 @@ class _Scope:
 
     def use_dof(self, member: s.Member) -> ir.Expr:
         raise LookupError(member.name.text)
+
+    def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
+        """None: there are no modules of a production here."""
+        del expressions
+        return ()
 
     def rate(self, call: s.Call, sink: Sink) -> Typed:
         """The value of ``rate(q)``."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from grammar_lang import ir
@@ -73,3 +73,8 @@ class ModuleScope:
     def use_dof(self, member: s.Member) -> ir.Expr:
         """Never called: no degree of freedom is used here."""
         raise LookupError(member.name.text)
+
+    def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
+        """None: there are no modules of a production here."""
+        del expressions
+        return ()

@@ -25,6 +25,7 @@ from grammar_lang.extent import too_large
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean, nearest
+from grammar_lang.mentions import mentioned
 from grammar_lang.modules import ModuleInfo, duplicate
 from grammar_lang.productions import GrammarInfo, ProductionInfo
 from grammar_lang.readings import readings
@@ -81,6 +82,10 @@ class ProductionScope:
         use = ir.DofOf(self.info.names[member.owner.text], member.name.text)
         self.dofs.setdefault(use, []).append(member.span)
         return use
+
+    def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
+        """The modules of the production that expressions name."""
+        return mentioned(expressions, self.info)
 
     def _module(self, occurrence: int | None) -> ModuleInfo | None:
         if occurrence is None or occurrence == ir.THIS:
@@ -270,7 +275,8 @@ def _rule(placed: PlacedRule, scope: ProductionScope, sink: Sink) -> ir.Attribut
             Code.TOO_DEEP, "this expression is too large", placed.rule.span, "use more attributes"
         )
         return ir.AttributeRule(placed.target, ZERO, placed.rule.span)
-    return ir.AttributeRule(placed.target, value.expr, placed.rule.span)
+    mentions = scope.mentions([placed.rule.value])
+    return ir.AttributeRule(placed.target, value.expr, placed.rule.span, mentions)
 
 
 def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:

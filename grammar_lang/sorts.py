@@ -7,7 +7,7 @@ without units; it takes the dimension that its place requires.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -83,6 +83,10 @@ class Scope(Protocol):
 
     def use_dof(self, member: s.Member) -> ir.Expr:
         """Take note that the degree of freedom stands alone in a ``rot`` or ``move`` here."""
+        ...
+
+    def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
+        """The occurrences of modules that expressions name, in order of first mention."""
         ...
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
 from typing import NamedTuple
+
+_BLANK = re.compile(r"(?:\s|//[^\n]*|/\*(?:[^*]|\*(?!/))*\*/)+")
+"""Blanks and comments."""
 
 
 class Span(NamedTuple):
@@ -51,3 +56,14 @@ class Source:
         start = self._line_starts[number - 1]
         end = self._line_starts[number] if number < len(self._line_starts) else len(self.text)
         return self.text[start:end].rstrip("\r\n")
+
+
+def written(span: Span, sources: Sequence[Source]) -> str | None:
+    """A statement as it is written, on one line, without comments and the semicolon at its end.
+
+    None where its text is not known.
+    """
+    if span.file >= len(sources) or span.start >= span.end:
+        return None
+    text = _BLANK.sub(" ", sources[span.file].text[span.start : span.end]).strip()
+    return text.removesuffix(";").rstrip() or None

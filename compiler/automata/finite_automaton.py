@@ -70,6 +70,32 @@ class Dfa:
                     todo.append(state)
         return tuple(alive)
 
+    def longest(self) -> int | None:
+        """The length of the longest word; None where there is none such, -1 where no word."""
+        live = self.live()
+        if not live[0]:
+            return -1
+        width = len(self.alphabet)
+        pending = [0] * self.size
+        before: list[list[int]] = [[] for _ in range(self.size)]
+        for i, target in enumerate(self.table):
+            if live[target] and live[i // width]:
+                pending[i // width] += 1
+                before[target].append(i // width)
+        # From the states that nothing follows, backwards; states on a cycle are never reached.
+        todo = [s for s in range(self.size) if live[s] and not pending[s]]
+        length = [0] * self.size
+        settled = 0
+        while todo:
+            state = todo.pop()
+            settled += 1
+            for source in before[state]:
+                length[source] = max(length[source], length[state] + 1)
+                pending[source] -= 1
+                if not pending[source]:
+                    todo.append(source)
+        return length[0] if settled == sum(live) else None
+
 
 @dataclass(frozen=True, slots=True)
 class Nfa:

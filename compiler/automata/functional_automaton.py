@@ -17,6 +17,7 @@ from compiler.automata.pushdown_runs import accepting_run
 from compiler.grammars.grammar import Srg
 from grammar_lang import ir
 from grammar_lang.ir.expression_text import updates_text
+from grammar_lang.source import Source, written
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,12 +27,20 @@ class Fra:
     pda: Pda
     productions: Mapping[str, ir.Production]
     semantics: Mapping[str, ir.SemanticBlock]
+    sources: Sequence[Source] = ()
+    """Where given, updates are shown as they are written there."""
 
     def updates(self, transition: Transition) -> tuple[str, ...]:
         """What a transition updates, as text; nothing where it applies no production."""
         if transition.label is None:
             return ()
-        return updates_text(self.productions[transition.label], self.semantics[transition.label])
+        block = self.semantics[transition.label]
+        updates = updates_text(self.productions[transition.label], block)
+        statements = (*block.rules, *block.emissions)
+        return tuple(
+            written(statement.span, self.sources) or update
+            for statement, update in zip(statements, updates, strict=True)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +60,15 @@ class FunctionalStep:
         return None if self.transition is None else self.transition.label
 
 
-def fra(srg: Srg, accept: Dfa, semantics: Mapping[str, ir.SemanticBlock]) -> Fra:
+def fra(
+    srg: Srg,
+    accept: Dfa,
+    semantics: Mapping[str, ir.SemanticBlock],
+    sources: Sequence[Source] = (),
+) -> Fra:
     """The FRA of a grammar with its accept condition and its semantics.
+
+    With the ``sources`` of the program its updates are shown as they are written.
 
     Raises:
         ValueError: a production has no block in the semantics.
@@ -61,7 +77,7 @@ def fra(srg: Srg, accept: Dfa, semantics: Mapping[str, ir.SemanticBlock]) -> Fra
         if production.label not in semantics:
             raise ValueError(f"production {production.label} has no semantics")
     productions = {production.label: production for production in srg.productions}
-    return Fra(sra(srg, accept), productions, semantics)
+    return Fra(sra(srg, accept), productions, semantics, tuple(sources))
 
 
 def functional_run(fra: Fra, word: Sequence[str]) -> Iterator[FunctionalStep] | None:

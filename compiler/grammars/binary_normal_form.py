@@ -21,8 +21,8 @@ class BinaryGrammar:
     """A grammar in binary normal form.
 
     Symbols below ``terminals`` are terminals; ``rules[k]`` are the right sides of the nonterminal
-    ``terminals + k``: one terminal, or two symbols.  The language is what any of ``starts``
-    derives, and the empty word where ``empty_word``.
+    ``terminals + k``: one terminal, or two symbols; in binary form also one nonterminal.  The
+    language is what any of ``starts`` derives, and the empty word where ``empty_word``.
     """
 
     terminals: int
@@ -49,9 +49,10 @@ class BinaryGrammar:
         component = components(len(self.rules), children.__getitem__)
         length = [0] * len(self.rules)
         for k in sorted(range(len(self.rules)), key=component.__getitem__):
-            length[k] = max(
+            lengths = (
                 sum(1 if s < first else length[s - first] for s in right) for right in self.rules[k]
             )
+            length[k] = max(lengths, default=0)
         return max((length[s - first] for s in self.starts), default=0)
 
     def shortest(self) -> int | None:
@@ -135,7 +136,20 @@ def binary_form(cfg: Cfg) -> BinaryGrammar:
         if renamed != (name[left - first],):
             rules[name[left - first] - first][renamed] = None
     start = name[pairs.start - first]
-    return BinaryGrammar(first, tuple(map(tuple, rules)), (start,), pairs.start in empty)
+    # Nonterminals that derive the empty word alone have no rules left: rules with them are useless.
+    kept = trimmed(
+        Cfg(
+            first,
+            pairs.nonterminals,
+            tuple(Rule(first + n, side) for n, row in enumerate(rules) for side in row),
+            start,
+        )
+    )
+    useful: list[list[RightSide]] = [[] for _ in rules]
+    for left, side in kept.rules:
+        useful[left - first].append(side)
+    starts = (start,) if useful[start - first] else ()
+    return BinaryGrammar(first, tuple(map(tuple, useful)), starts, pairs.start in empty)
 
 
 def _binarised(cfg: Cfg) -> Cfg:

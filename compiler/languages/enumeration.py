@@ -3,55 +3,96 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import count
 
+from compiler.languages.budget import LENGTH_LIMIT, WordsTooLongError
 from compiler.reading.reading import Reading, State
 
 FIRST_HORIZON = 32
 
 
 def words_in_order(
-    reading_up_to: Callable[[int], Reading[State]], longest: int | None
+    reading_up_to: Callable[[int], Reading[State]],
+    first: int,
+    longest: int | None,
+    last: Callable[[], int | None],
 ) -> Iterator[tuple[int, ...]]:
-    """All words of at most ``longest`` symbols (None: all), by length, then by the symbols' order.
+    """All words, by length and then by the order of the symbols.
 
     Args:
         reading_up_to: makes a reading with the horizon asked for; longer words need a larger one.
-        longest: the greatest length; for a finite language at most that of its longest word, for
-            the search does not see an end by itself.
+        first: no word is shorter.
+        longest: no longer ones are asked for, or there are none; None: not known.
+        last: asked once, where there is no word of some length: the length of the longest word,
+            less than ``first`` for an empty language; None: there are infinitely many.
+
+    Raises:
+        WordsTooLongError: it comes to words of more than ``LENGTH_LIMIT`` symbols.
     """
-    reading = reading_up_to(FIRST_HORIZON if longest is None else min(longest, FIRST_HORIZON))
-    for length in count():
-        if longest is not None and length > longest:
-            return
-        if length > reading.horizon:
-            horizon = 2 * reading.horizon
+    asked = longest is not None
+    horizon = max(FIRST_HORIZON, first)
+    reading = None
+    dead: set[tuple[State, int]] = set()
+    length = first
+    while longest is None or length <= longest:
+        if length > LENGTH_LIMIT:
+            raise WordsTooLongError
+        if reading is None or length > reading.horizon:
+            horizon = horizon if reading is None else 2 * reading.horizon
             reading = reading_up_to(horizon if longest is None else min(longest, horizon))
-        yield from words_of_length(reading, length)
+            dead = set()
+        found = False
+        for word in words_of_length(reading, length, dead):
+            found = True
+            yield word
+        if not found and not asked:
+            asked, longest = True, last()
+        length += 1
 
 
-def words_of_length(reading: Reading[State], length: int) -> Iterator[tuple[int, ...]]:
-    """The words of one length in lexicographic order, by depth-first search without dead ends."""
-    if not reading.lengths(reading.root) >> length & 1:
-        return
-    word: list[int] = []
-    if length == 0:
+def words_of_length(
+    reading: Reading[State], length: int, dead: set[tuple[State, int]] | None = None
+) -> Iterator[tuple[int, ...]]:
+    """The words of one length in lexicographic order, by depth-first search.
+
+    ``dead`` remembers states from which no word of some length follows, though their lengths have
+    it: no such dead end is entered twice.
+    """
+    if length and reading.lengths(reading.root) >> length & 1:
+        yield from _search(reading, length, set() if dead is None else dead)
+    elif length == 0 and reading.accepting(reading.root):
         yield ()
-        return
-    moves, lengths = reading.moves, reading.lengths
+
+
+def _search(
+    reading: Reading[State], length: int, dead: set[tuple[State, int]]
+) -> Iterator[tuple[int, ...]]:
+    moves, lengths, accepting = reading.moves, reading.lengths, reading.accepting
+    word: list[int] = []
+    path = [reading.root]
     choices = [iter(moves(reading.root))]
+    # The length of the path at the last word, to tell dead ends from what has been listed.
+    fruitful = 0
     rest = length - 1
     while choices:
         for symbol, following in choices[-1]:
-            if lengths(following) >> rest & 1:
+            if not lengths(following) >> rest & 1:
+                continue
+            if rest:
+                if (following, rest) in dead:
+                    continue
                 word.append(symbol)
-                if rest:
-                    choices.append(iter(moves(following)))
-                    rest -= 1
-                    break
-                yield tuple(word)
-                word.pop()
+                path.append(following)
+                choices.append(iter(moves(following)))
+                rest -= 1
+                break
+            if accepting(following):
+                fruitful = len(path)
+                yield (*word, symbol)
         else:
-            choices.pop()
-            del word[-1:]
             rest += 1
+            if fruitful < len(path):
+                dead.add((path[-1], rest))
+            fruitful = min(fruitful, len(path) - 1)
+            choices.pop()
+            path.pop()
+            del word[-1:]

@@ -18,7 +18,12 @@ from compiler.automata.lr_automaton import LrAutomaton, LrConflict, LrTooLarge, 
 from compiler.automata.regular_automaton import regular_automaton
 from compiler.grammars.binary_normal_form import BinaryGrammar, binary_form, binary_normal_form
 from compiler.grammars.grammar import Srg, srg
-from compiler.languages.budget import MOVE_BUDGET
+from compiler.languages.budget import (
+    LENGTH_LIMIT,
+    MOVE_BUDGET,
+    BudgetExceededError,
+    WordsTooLongError,
+)
 from compiler.languages.derivation_counts import DerivationCounts
 from compiler.languages.enumeration import words_in_order, words_of_length
 from compiler.languages.intersection import intersect
@@ -32,6 +37,8 @@ from compiler.reading.recogniser import Recogniser
 from compiler.reading.residuals import Residuals
 from grammar_lang import ir
 
+QUICK_MOVES = 20_000
+"""So many moves are tried before the derivations of an LR(1) grammar are counted instead."""
 LR_STEPS = 300_000
 """Larger LR(1) automata are not worth their construction for reading words."""
 
@@ -97,23 +104,42 @@ class Language:
 
     def is_empty(self, *, max_modules: int | None = None) -> bool:
         """Whether there is no word (with at most ``max_modules`` modules)."""
-        return self._restricted(max_modules).is_empty()
+        return self._last(max_modules) == -1
 
     def is_finite(self, *, max_modules: int | None = None) -> bool:
         """Whether there are finitely many words (with at most ``max_modules`` modules)."""
-        return self._restricted(max_modules).is_finite()
+        return self._last(max_modules) is not None
 
     def longest(self, *, max_modules: int | None = None) -> int | None:
         """The length of the longest word; None for an infinite language, 0 for an empty one."""
-        grammar = self._restricted(max_modules)
-        return grammar.longest() if grammar.is_finite() else None
+        last = self._last(max_modules)
+        return None if last is None else max(last, 0)
+
+    def _last(self, max_modules: int | None) -> int | None:
+        """The length of the longest word; None where there is none such, -1 where no word."""
+        if self.finite_automaton is not None:
+            return self._bounded(self.finite_automaton, max_modules).longest()
+        condition = self._bounded(self.accept, max_modules)
+        if all(condition.accepting):
+            return _longest(self.binary)
+        bound = self._bound(condition)
+        if bound is None:
+            return _longest(self._restricted(max_modules))
+        if bound > LENGTH_LIMIT:
+            raise WordsTooLongError
+        reading = self.reading(bound, max_modules=max_modules)
+        for length in range(bound, -1, -1):
+            if next(words_of_length(reading, length), None) is not None:
+                return length
+        return -1
 
     def shortest_word(self) -> tuple[str, ...] | None:
-        """The first word in length-lexicographic order; None where there is none."""
-        length = self.product.shortest()
-        if length is None:
-            return None
-        return self.srg.decode(next(words_of_length(self.exact_reading(length), length)))
+        """The first word in length-lexicographic order; None where there is none.
+
+        Raises:
+            WordsTooLongError: it has more than ``LENGTH_LIMIT`` symbols.
+        """
+        return next(self.words(), None)
 
     def words(
         self, *, max_length: int | None = None, max_modules: int | None = None
@@ -123,12 +149,17 @@ class Language:
         Args:
             max_length: the greatest number of symbols, edges included; None: no bound.
             max_modules: the greatest number of modules; None: no bound.
+
+        Raises:
+            WordsTooLongError: it comes to words of more than ``LENGTH_LIMIT`` symbols.
         """
-        if self.is_empty(max_modules=max_modules):
+        first = self.binary.shortest()
+        if first is None:
             return
-        longest = _least(self.longest(max_modules=max_modules), max_length)
-        reading = partial(self.exact_reading, max_modules=max_modules)
-        for codes in words_in_order(reading, longest):
+        longest = _least(self._bound(self._bounded(self.accept, max_modules)), max_length)
+        reading = partial(self.reading, max_modules=max_modules)
+        last = partial(self._last, max_modules)
+        for codes in words_in_order(reading, first, longest, last):
             yield self.srg.decode(codes)
 
     def count_words(
@@ -151,12 +182,19 @@ class Language:
         longest = self.longest(max_modules=max_modules) if max_length is None else max_length
         if longest is None:
             raise ValueError("an infinite language needs a greatest length to be counted")
-        if self.finite_automaton is None and self.is_lr:
-            derivations = DerivationCounts(self._restricted(max_modules), longest)
-            return tuple(derivations.total(length) for length in range(longest + 1))
-        if self.finite_automaton is None and budget is None:
-            budget = MOVE_BUDGET
-        return count_by_length(self.reading(longest, max_modules=max_modules), longest, budget)
+        if longest > LENGTH_LIMIT:
+            raise WordsTooLongError
+        reading = self.reading(longest, max_modules=max_modules)
+        if self.finite_automaton is not None:
+            return count_by_length(reading, longest, budget)
+        most = MOVE_BUDGET if budget is None else budget
+        try:
+            return count_by_length(reading, longest, min(most, QUICK_MOVES))
+        except BudgetExceededError:
+            if not self.is_lr:
+                return count_by_length(reading, longest, most)
+        derivations = DerivationCounts(self._restricted(max_modules), longest)
+        return tuple(derivations.total(length) for length in range(longest + 1))
 
     def reading(self, horizon: int, *, max_modules: int | None = None) -> Reading[Any]:
         """The words read from left to right, by few states; some of them may be dead ends."""
@@ -166,11 +204,9 @@ class Language:
         condition = self._bounded(self.accept, max_modules)
         return residuals if all(condition.accepting) else ConditionedReading(residuals, condition)
 
-    def exact_reading(self, horizon: int, *, max_modules: int | None = None) -> Reading[Any]:
-        """The words read from left to right without dead ends: the lengths are exact."""
-        if self.finite_automaton is not None:
-            return FiniteReading(self._bounded(self.finite_automaton, max_modules), horizon)
-        return Residuals(self._restricted(max_modules), self.srg.terminals, horizon)
+    def _bound(self, condition: Dfa) -> int | None:
+        """A length that no word exceeds, where the grammar or the condition alone gives one."""
+        return _least(condition.longest(), _longest(self.binary))
 
     def _restricted(self, max_modules: int | None) -> BinaryGrammar:
         if max_modules is None:
@@ -208,6 +244,13 @@ def restrict(rules: Srg, accept: Dfa, limit: int | None = None) -> Language:
     if limit is not None:
         _ = found.product
     return found
+
+
+def _longest(grammar: BinaryGrammar) -> int | None:
+    """The length of the longest word of a grammar without useless nonterminals; -1 for none."""
+    if grammar.is_empty():
+        return -1
+    return grammar.longest() if grammar.is_finite() else None
 
 
 def _least(first: int | None, second: int | None) -> int | None:

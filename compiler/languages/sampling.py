@@ -11,9 +11,14 @@ from collections.abc import Callable
 from functools import partial
 from random import Random
 
-from compiler.languages.budget import MOVE_BUDGET
+from compiler.languages.budget import (
+    LENGTH_LIMIT,
+    MOVE_BUDGET,
+    BudgetExceededError,
+    WordsTooLongError,
+)
 from compiler.languages.derivation_counts import DerivationCounts
-from compiler.languages.language import Language
+from compiler.languages.language import QUICK_MOVES, Language
 from compiler.languages.prefix_counts import WordsOfLength
 
 
@@ -29,16 +34,18 @@ class WordSampler:
     def __init__(self, language: Language, length: int, budget: int = MOVE_BUDGET) -> None:
         if length < 0:
             raise ValueError(f"there are no words of {length} symbols")
-        regular = language.finite_automaton is not None
+        if length > LENGTH_LIMIT:
+            raise WordsTooLongError
         self._language = language
         self._length = length
+        words = _numbered(language, length, budget)
+        self.number: int
         self._numbered: Callable[[int], tuple[int, ...]]
-        if not regular and language.is_lr:
+        if words is None:
             derivations = DerivationCounts(language.product, length)
             self.number = derivations.total(length)
             self._numbered = partial(derivations.word, length)
         else:
-            words = WordsOfLength(language.reading(length), length, None if regular else budget)
             self.number = words.number
             self._numbered = words.word
 
@@ -61,3 +68,14 @@ class WordSampler:
         if not self.number:
             raise IndexError(f"there is no word of length {self._length}")
         return self.word(random.randrange(self.number))
+
+
+def _numbered(language: Language, length: int, budget: int) -> WordsOfLength | None:
+    """The words numbered by prefixes; None where the derivations of an LR(1) grammar are to be."""
+    reading = language.reading(length)
+    if language.finite_automaton is not None:
+        return WordsOfLength(reading, length, None)
+    try:
+        return WordsOfLength(reading, length, min(budget, QUICK_MOVES))
+    except BudgetExceededError:
+        return None if language.is_lr else WordsOfLength(reading, length, budget)

@@ -3,28 +3,75 @@
 A frame expression is a product: what it starts from (the world, or a frame attribute) and steps.
 Its *path* has, from the start outwards, the modules that it passes.
 
-- A module that a step mentions (by a degree of freedom or a parameter) is passed at that step, and
-  is called moving.  Definitions in the same block are put in for what they define.
-- A module that no step mentions (a base, an effector, a link of constant length) has both ends in
-  one place as far as the rules tell.  It is passed where the word puts it: a path passes it after
-  the start or moving module that is the nearest before it on the right side, if what the path goes
-  on to (a module, the occurrence whose attribute is defined, or the outside) stands after it.
-  Where only later occurrences lead to it (the frames run against the word) it is passed after the
-  first of them; a base never is, it stands on the world.
+- A step passes the modules that it mentions: by a degree of freedom, a parameter or a constant.
+  Definitions in the same block are put in for what they define; behind a number that comes from
+  another block stand the modules that it is made of (``Behind``), known in a derivation only.
+- A module that nothing mentions has both ends in one place as far as the rules tell; it is
+  *still*.  It is passed where the word puts it: after the start or passed module that is the
+  nearest before it on the right side, by every path that goes on from there to something after
+  it.  Where only later occurrences lead to it (the frames run against the word) that is the first
+  of them.  A module in brackets is not passed on the way to what is outside of them.
+  Effectors, if there are as many modules as emissions, are passed on the way of their emission.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from compiler.robots.neighbours import bracket_levels
 from grammar_lang import ir
 
 Attribute: TypeAlias = tuple[str, str]
-Item: TypeAlias = ir.AttributeOf | int | None
-"""A frame attribute from outside the block, a module by its position, or (first only) the world."""
+
+
+@dataclass(frozen=True, slots=True)
+class Behind:
+    """The modules that numbers are made of: those mentioned, and those behind attributes."""
+
+    modules: tuple[int, ...]
+    attributes: tuple[ir.AttributeOf, ...]
+
+    @property
+    def position(self) -> int:
+        """The last place on the right side; -1 where all comes from the left side."""
+        return max((*self.modules, *(each.occurrence for each in self.attributes)), default=-1)
+
+
+Item: TypeAlias = ir.AttributeOf | Behind | int | None
+"""A frame attribute from outside the block, modules, or (first only) the world."""
 Step: TypeAlias = ir.Rot | ir.Move | ir.Shift
+Rules: TypeAlias = Mapping[ir.AttributeOf, ir.AttributeRule]
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """A frame expression before still modules are put in.
+
+    ``target`` is what it defines, None where it is emitted.  ``limit`` is where on the right side
+    it is handed over; the end of that where it is emitted or handed to the outside.  ``body`` are
+    the modules of the other arguments of an emission.
+    """
+
+    target: ir.AttributeOf | None
+    items: tuple[Item, ...]
+    limit: int
+    body: tuple[int | Behind, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ProductionDrafts:
+    """The frame expressions of a production.
+
+    ``numbers`` are the modules behind each scalar or vector that it defines, ``tips`` the emitted
+    frames of its effectors.
+    """
+
+    production: ir.Production
+    drafts: tuple[Draft, ...]
+    numbers: Mapping[ir.AttributeOf, Behind]
+    tips: Mapping[int, Draft]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,118 +82,155 @@ class FramePath:
 
 
 @dataclass(frozen=True, slots=True)
-class ProductionPaths:
-    """The frame paths of a production: of each frame it defines, and all in the block's order.
+class Leaf:
+    """Modules that stand at the end of a path unless other paths pass them."""
 
-    ``grounded`` are the modules that stand on the world though no path says so.
-    """
-
-    defined: Mapping[ir.AttributeOf, FramePath]
-    paths: tuple[FramePath, ...]
-    grounded: frozenset[int]
+    path: FramePath
+    modules: int | Behind
 
 
 @dataclass(frozen=True, slots=True)
-class _Draft:
-    """A frame expression before the modules that no step mentions are put in.
+class ProductionPaths:
+    """The frame paths of a production: of each frame it defines, and all in the block's order."""
 
-    ``limit``: where on the right side the frame is handed over; its end where it is emitted or
-    handed to the outside.
-    """
-
-    target: ir.AttributeOf | None
-    items: tuple[Item, ...]
-    limit: int
+    defined: Mapping[ir.AttributeOf, FramePath]
+    paths: tuple[FramePath, ...]
+    leaves: tuple[Leaf, ...]
 
 
-def production_paths(
-    production: ir.Production,
-    block: ir.SemanticBlock,
-    frames: frozenset[Attribute],
-    bases: frozenset[str],
-) -> ProductionPaths:
-    """The frame paths of a production; ``frames`` are the attributes that are frames."""
-    drafts = list(_drafts(production, block, frames))
-    modules = [i for i, symbol in enumerate(production.right) if symbol.kind == "module"]
-    moving = {item for draft in drafts for item in draft.items if isinstance(item, int)}
-    anchors: dict[int, Item] = {}
-    grounded: set[int] = set()
-    for module in modules:
-        if module not in moving:
-            base = production.right[module].name in bases
-            anchor = _anchor(module, drafts, forward_only=base)
-            if anchor:
-                anchors[module] = anchor[0]
-            elif base:
-                grounded.add(module)
-    paths = [FramePath(_filled(draft, anchors)) for draft in drafts]
-    defined = {
-        draft.target: path
-        for draft, path in zip(drafts, paths, strict=True)
-        if draft.target is not None
-    }
-    return ProductionPaths(defined, tuple(paths), frozenset(grounded))
-
-
-def start_position(path: FramePath) -> int:
-    """Where the start of a path stands on the right side; -1 before it."""
-    return _position(path.items[0])
+def position(item: Item) -> int:
+    """Where an item stands on the right side; the left side and the world stand before it."""
+    match item:
+        case int():
+            return item
+        case Behind():
+            return item.position
+        case ir.AttributeOf(occurrence, _):
+            return occurrence
+        case None:
+            return -1
 
 
 # --- still modules -----------------------------------------------------------------------------
 
 
-def _position(item: Item) -> int:
-    """Where an item stands on the right side; the left side and the world stand before it."""
-    if isinstance(item, int):
-        return item
-    return -1 if item is None else item.occurrence
+def production_paths(found: ProductionDrafts, still: Sequence[int]) -> ProductionPaths:
+    """The frame paths of a production, some of whose modules are still."""
+    filling = _Filling(found, bracket_levels([symbol.name for symbol in found.production.right]))
+    ends = {module: filling.anchor(module) for module in still}
+    filling.after = {module: draft.items[-1] for module, draft in ends.items() if draft is not None}
+    paths = [filling.path(draft.items, draft.limit) for draft in found.drafts]
+    defined = {
+        draft.target: path
+        for draft, path in zip(found.drafts, paths, strict=True)
+        if draft.target is not None
+    }
+    leaves = [
+        Leaf(filling.path(draft.items, module), module)
+        for module, draft in ends.items()
+        if draft is not None
+    ]
+    for draft in found.drafts:
+        for modules in draft.body:
+            place = position(modules)
+            limit = place if place >= 0 else draft.limit
+            leaves.append(Leaf(filling.path(draft.items, limit), modules))
+    return ProductionPaths(defined, tuple(paths), tuple(leaves))
 
 
-def _anchor(module: int, drafts: Sequence[_Draft], *, forward_only: bool) -> tuple[Item] | None:
-    """After what a module that no step mentions is passed."""
-    best: tuple[Item] | None = None
-    backward: tuple[Item] | None = None
-    for draft in drafts:
-        limits = (*map(_position, draft.items[1:]), draft.limit)
-        for item, limit in zip(draft.items, limits, strict=True):
-            if limit <= module:
-                continue
-            if _position(item) > module:
-                backward = backward or (item,)
-            elif best is None or _position(item) > _position(best[0]):
-                best = (item,)
-    return best or (None if forward_only else backward)
+@dataclass(slots=True)
+class _Filling:
+    """Puts still modules into paths; ``after`` says behind which item each is passed."""
 
+    found: ProductionDrafts
+    levels: Sequence[tuple[int, ...]]
+    after: dict[int, Item] = field(default_factory=dict[int, Item])
 
-def _filled(draft: _Draft, anchors: Mapping[int, Item]) -> tuple[Item, ...]:
-    """The items with the still modules that are passed between them."""
-    after: dict[Item, list[int]] = {}
-    for module, anchor in anchors.items():
-        after.setdefault(anchor, []).append(module)
-    limits = (*map(_position, draft.items[1:]), draft.limit)
-    found: list[Item] = []
-    for item, limit in zip(draft.items, limits, strict=True):
-        found.append(item)
-        found += [module for module in after.get(item, ()) if module < limit]
-    return tuple(found)
+    def anchor(self, module: int) -> Draft | None:
+        """The beginning of a draft, up to that after which a still module is passed."""
+        tip = self.found.tips.get(module)
+        own, _ = self._anchors(module, [] if tip is None else [tip])
+        forward, backward = self._anchors(module, self.found.drafts)
+        return own or forward or backward
+
+    def _anchors(self, module: int, drafts: Sequence[Draft]) -> tuple[Draft | None, Draft | None]:
+        """The same among some drafts: along the word, and against it."""
+        best: tuple[tuple[bool, int, int], Draft] | None = None
+        backward: Draft | None = None
+        for draft in drafts:
+            limits = (*map(position, draft.items[1:]), draft.limit)
+            for index, (item, limit) in enumerate(zip(draft.items, limits, strict=True)):
+                place = position(item)
+                if limit <= module:
+                    continue
+                head = Draft(None, draft.items[: index + 1], draft.limit)
+                if place > module:
+                    backward = backward or head
+                    continue
+                level = self.level(item)
+                inside = self.levels[module][: len(level)] == level
+                rank = (inside, place, index)
+                if best is None or rank > best[0]:
+                    best = (rank, head)
+        return None if best is None else best[1], backward
+
+    def path(self, items: Sequence[Item], limit: int) -> FramePath:
+        """The items with the still modules that are passed between them."""
+        limits = (*map(position, items[1:]), limit)
+        result: list[Item] = []
+        for item, bound in zip(items, limits, strict=True):
+            result.append(item)
+            level = self.levels[bound] if 0 <= bound < len(self.levels) else self.level(item)
+            result += [
+                module
+                for module, anchor in self.after.items()
+                if anchor == item
+                and module < bound
+                and level[: len(self.levels[module])] == self.levels[module]
+            ]
+        return FramePath(tuple(result))
+
+    def level(self, item: Item) -> tuple[int, ...]:
+        """The brackets around an item."""
+        place = position(item)
+        return () if place < 0 else self.levels[place]
 
 
 # --- expressions -------------------------------------------------------------------------------
 
 
-def _drafts(
-    production: ir.Production, block: ir.SemanticBlock, frames: frozenset[Attribute]
-) -> Iterator[_Draft]:
-    local = {rule.target: rule.value for rule in block.rules}
+def production_drafts(
+    production: ir.Production,
+    block: ir.SemanticBlock,
+    frames: frozenset[Attribute],
+    effectors: frozenset[str],
+) -> ProductionDrafts:
+    """The frame expressions of a production.
+
+    ``frames`` are the attributes that are frames, ``effectors`` the modules of that role.
+    """
+    rules = {rule.target: rule for rule in block.rules}
+    drafts: list[Draft] = []
+    numbers: dict[ir.AttributeOf, Behind] = {}
     end = len(production.right)
     for rule in block.rules:
         if attribute(production, rule.target) in frames:
             inside = rule.target.occurrence != ir.THIS
             limit = rule.target.occurrence if inside else end
-            yield _Draft(rule.target, _items(rule.value, local), limit)
+            drafts.append(Draft(rule.target, _items(rule.value, rules), limit))
+        else:
+            numbers[rule.target] = _behind([rule.value], rule.mentions, rules)
     for emission in block.emissions:
-        yield _Draft(None, _items(emission.frame, local), end)
+        body = _behind(_body(emission), emission.mentions, rules)
+        modules: tuple[int | Behind, ...] = body.modules
+        if body.attributes:
+            modules += (Behind((), body.attributes),)
+        drafts.append(Draft(None, _items(emission.frame, rules), end, modules))
+    emitted = zip(drafts[len(drafts) - len(block.emissions) :], block.emissions, strict=True)
+    tips = [draft for draft, emission in emitted if isinstance(emission, ir.Effector)]
+    owners = [i for i, symbol in enumerate(production.right) if symbol.name in effectors]
+    owned = dict(zip(owners, tips, strict=True)) if len(owners) == len(tips) else {}
+    return ProductionDrafts(production, tuple(drafts), numbers, owned)
 
 
 def attribute(production: ir.Production, occurrence: ir.AttributeOf) -> Attribute:
@@ -156,55 +240,63 @@ def attribute(production: ir.Production, occurrence: ir.AttributeOf) -> Attribut
     return production.right[occurrence.occurrence].name, occurrence.name
 
 
-def _items(expression: ir.Expr, local: Mapping[ir.AttributeOf, ir.Expr]) -> tuple[Item, ...]:
+def _items(expression: ir.Expr, rules: Rules) -> tuple[Item, ...]:
     """The start of a frame expression and the modules and attributes that follow."""
-    factors = _factors(expression, local)
+    factors = list(_factors(expression, rules))
     starts_outside = bool(factors) and isinstance(factors[0], ir.AttributeOf)
     found: list[Item] = [] if starts_outside else [None]
     for factor in factors:
         if isinstance(factor, ir.AttributeOf):
             found.append(factor)
+            continue
+        step = _behind([factor], (), rules)
+        if step.attributes:
+            found.append(step)
         else:
-            found += [module for module in _mentioned(factor, local) if module not in found]
+            found += [module for module in step.modules if module not in found]
     return tuple(found)
 
 
-def _factors(
-    expression: ir.Expr, local: Mapping[ir.AttributeOf, ir.Expr]
-) -> list[ir.AttributeOf | Step]:
+def _factors(expression: ir.Expr, rules: Rules) -> Iterator[ir.AttributeOf | Step]:
     """The factors of a frame expression, without the world, local definitions put in."""
-    found: list[ir.AttributeOf | Step] = []
     todo: list[tuple[ir.Expr, frozenset[ir.AttributeOf]]] = [(expression, frozenset())]
     while todo:
         current, inside = todo.pop()
         match current:
             case ir.Compose(left, right):
                 todo += [(right, inside), (left, inside)]
-            case ir.AttributeOf() if current in local and current not in inside:
-                todo.append((local[current], inside | {current}))
+            case ir.AttributeOf() if current in rules and current not in inside:
+                todo.append((rules[current].value, inside | {current}))
             case ir.AttributeOf() | ir.Rot() | ir.Move() | ir.Shift():
-                found.append(current)
+                yield current
             case _:
                 pass
-    return found
 
 
-def _mentioned(step: Step, local: Mapping[ir.AttributeOf, ir.Expr]) -> list[int]:
-    """The modules that a step mentions, in the order of the word."""
-    found: set[int] = set()
+def _behind(expressions: Sequence[ir.Expr], mentions: Sequence[int], rules: Rules) -> Behind:
+    """What expressions are made of, local definitions put in; modules in the order of the word."""
+    modules = set(mentions)
+    attributes: dict[ir.AttributeOf, None] = {}
     seen: set[ir.AttributeOf] = set()
-    todo: list[ir.Expr] = [step]
+    todo = [*expressions]
     while todo:
         current = todo.pop()
         match current:
             case ir.DofOf(occurrence, _) | ir.ParameterOf(occurrence, _):
-                found.add(occurrence)
-            case ir.AttributeOf() if current in local and current not in seen:
-                seen.add(current)
-                todo.append(local[current])
+                modules.add(occurrence)
+            case ir.AttributeOf() if current in rules:
+                if current not in seen:
+                    seen.add(current)
+                    modules |= set(rules[current].mentions)
+                    todo.append(rules[current].value)
+            case ir.AttributeOf():
+                attributes[current] = None
+            case ir.Rot() | ir.Move() | ir.Shift():
+                modules |= set(current.mentions)
+                todo += _operands(current)
             case _:
                 todo += _operands(current)
-    return sorted(found)
+    return Behind(tuple(sorted(modules)), tuple(attributes))
 
 
 def _operands(expression: ir.Expr) -> tuple[ir.Expr, ...]:
@@ -216,4 +308,17 @@ def _operands(expression: ir.Expr) -> tuple[ir.Expr, ...]:
         case ir.Vector(x, y, z):
             return x, y, z
         case _:
+            return ()
+
+
+def _body(emission: ir.Emission) -> tuple[ir.Expr, ...]:
+    """The arguments of an emission other than its frame."""
+    match emission:
+        case ir.Rod(_, _, length, density, radius):
+            return (length, density) if radius is None else (length, density, radius)
+        case ir.PointMass(_, mass):
+            return (mass,)
+        case ir.Solid(_, mass, com, inertia):
+            return (mass, com, *inertia)
+        case ir.Effector():
             return ()

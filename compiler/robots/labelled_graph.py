@@ -4,35 +4,29 @@
 frame (end 2).  An *edge* leads from the output end of a module to the input end of the module that
 stands on it:
 
-- With semantics, a module stands on the module before it on the way that the frames of its
-  production take from the world (``frame_paths``, ``frame_parents``).
+- With semantics, a module stands on the module before it on the way that the frames take from the
+  world (``frame_paths``, ``frame_parents``).
 - A module that no frame passes, and every module of a grammar without semantics, stands on its
-  neighbour in the derivation tree (``neighbours``).
+  neighbour in the word; brackets make branches (``neighbours``).
+- A base stands on nothing.
 
-So the graph is a forest; it is connected if and only if one module alone stands on the world.
-
-The *label* of an edge has the edge symbols that stand directly before the upper module in the word
-(directly after it, where it comes before the lower one), as far as they belong to productions on
-the way between the two in the derivation tree.  Brackets around other branches that end there
-(begin there), and what they enclose, are left out.
+So the graph is a forest; it is connected if and only if one module alone stands on the world.  The
+edge symbols of the word are its labels (``edge_labels``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from compiler.grammars.derivation import Derivation
+from compiler.robots.edge_labels import edge_labels
 from compiler.robots.frame_parents import frame_parents
-from compiler.robots.neighbours import tree_neighbours
+from compiler.robots.neighbours import word_neighbours
 from grammar_lang import ir
 
 if TYPE_CHECKING:
     import networkx as nx
-
-BRACKETS = {"(": ")", "[": "]", "{": "}", "<": ">"}
-OPENING = {closing: opening for opening, closing in BRACKETS.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,66 +93,15 @@ def labelled_graph(
     Raises:
         SemanticsError: a frame is not defined, or depends on itself.
     """
-    parents = tree_neighbours(derivation)
+    bases = frozenset(name for name, module in program.modules.items() if module.role == "base")
+    parents = word_neighbours(derivation.word, program.modules, bases)
     if grammar.semantics is not None:
         parents |= frame_parents(derivation, grammar, program.modules)
-    tree = _Tree(derivation)
+    labels = edge_labels(derivation.word, parents)
     nodes = tuple(ModuleNode(place, derivation.word[place]) for place in parents)
     edges = tuple(
-        Connection(lower, upper, tree.label(lower, upper, parents))
+        Connection(lower, upper, labels.get(upper, ()))
         for upper, lower in parents.items()
         if lower is not None
     )
     return LabelledGraph(derivation.word, nodes, edges)
-
-
-class _Tree:
-    """The derivation tree with the extents of its subtrees; nodes are in pre-order."""
-
-    def __init__(self, derivation: Derivation) -> None:
-        self.derivation = derivation
-        self.owner = [0] * len(derivation.word)
-        self.above = [-1] * len(derivation.nodes)
-        self.size = [1] * len(derivation.nodes)
-        for number, node in enumerate(derivation.nodes):
-            for child, symbol in zip(node.children, node.production.right, strict=True):
-                if symbol.kind == "nonterminal":
-                    self.above[child] = number
-                else:
-                    self.owner[child] = number
-        for number in range(len(derivation.nodes) - 1, 0, -1):
-            self.size[self.above[number]] += self.size[number]
-
-    def label(self, lower: int, upper: int, modules: Container[int]) -> tuple[str, ...]:
-        """The edge symbols beside the upper module that join it to the lower one."""
-        step = -1 if lower < upper else 1
-        found: list[str] = []
-        place = upper + step
-        while place != lower and place not in modules:
-            owner = self.owner[place]
-            if self._below(self.owner[lower], owner) or self._below(self.owner[upper], owner):
-                found.append(self.derivation.word[place])
-            place += step
-        if step > 0:
-            return _outside_closed_branches(found[::-1], BRACKETS)[::-1]
-        return _outside_closed_branches(found[::-1], OPENING)
-
-    def _below(self, node: int, top: int) -> bool:
-        """Whether a node is in the subtree of another."""
-        return top <= node < top + self.size[top]
-
-
-def _outside_closed_branches(symbols: Sequence[str], partner: Mapping[str, str]) -> tuple[str, ...]:
-    """The symbols without brackets that are closed, and without what these enclose.
-
-    ``partner`` gives the opening bracket of each closing one; one that is not among the symbols is
-    taken to stand before them all.
-    """
-    kept: list[str] = []
-    for symbol in symbols:
-        if symbol not in partner:
-            kept.append(symbol)
-            continue
-        opening = [i for i, earlier in enumerate(kept) if earlier == partner[symbol]]
-        del kept[opening[-1] if opening else 0 :]
-    return tuple(kept)

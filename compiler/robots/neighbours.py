@@ -1,42 +1,60 @@
-"""On which module each module of a derivation stands, told from the derivation tree alone."""
+"""On which module each module of a word stands, told from the word and its brackets alone."""
 
 from __future__ import annotations
 
-from compiler.grammars.derivation import Derivation
+from collections.abc import Container, Sequence
+
+BRACKETS = {"(": ")", "[": "]", "{": "}", "<": ">"}
+OPENING = {closing: opening for opening, closing in BRACKETS.items()}
 
 
-def tree_neighbours(derivation: Derivation) -> dict[int, int | None]:
+def word_neighbours(
+    word: Sequence[str], modules: Container[str], bases: Container[str]
+) -> dict[int, int | None]:
     """The module that each module stands on, by place in the word; None where there is none.
 
-    On a right side, a symbol stands on the nearest module before it; where there is none, on the
-    last module of the nearest nonterminal before it that has one; where there is none, on what the
-    left side stands on.  The last module of a nonterminal is that of its right side; where it has
-    none, that of its last nonterminal that has one.
+    A module stands on the one before it at its level.  An opening bracket begins a level that
+    starts at the module before it, the closing one goes back to that; brackets that do not
+    balance are ignored.  A base stands on nothing.
     """
-    last = _last_modules(derivation)
-    below: list[int | None] = [None] * len(derivation.nodes)
+    partners = bracket_partners(word)
+    balanced = len(partners) == sum(symbol in BRACKETS or symbol in OPENING for symbol in word)
     found: dict[int, int | None] = {}
-    for number, node in enumerate(derivation.nodes):
-        place, own = below[number], False
-        for child, symbol in zip(node.children, node.production.right, strict=True):
-            if symbol.kind == "module":
-                found[child] = place
-                place, own = child, True
-            elif symbol.kind == "nonterminal":
-                below[child] = place
-                if not own and last[child] is not None:
-                    place = last[child]
-    return dict(sorted(found.items()))
+    outer: list[int | None] = []
+    below: int | None = None
+    for place, symbol in enumerate(word):
+        if symbol in modules:
+            found[place] = None if symbol in bases else below
+            below = place
+        elif balanced and symbol in BRACKETS:
+            outer.append(below)
+        elif balanced and symbol in OPENING:
+            below = outer.pop()
+    return found
 
 
-def _last_modules(derivation: Derivation) -> list[int | None]:
-    """Per node its last module, by place in the word."""
-    last: list[int | None] = [None] * len(derivation.nodes)
-    for number in range(len(last) - 1, -1, -1):
-        node = derivation.nodes[number]
-        pairs = list(zip(node.children, node.production.right, strict=True))
-        own = [child for child, symbol in pairs if symbol.kind == "module"]
-        inner = [last[child] for child, symbol in pairs if symbol.kind == "nonterminal"]
-        candidates = own or [place for place in inner if place is not None]
-        last[number] = candidates[-1] if candidates else None
-    return last
+def bracket_partners(word: Sequence[str]) -> dict[int, int]:
+    """The bracket that each bracket belongs to, by place; nothing for those without a partner."""
+    partners: dict[int, int] = {}
+    opened: list[int] = []
+    for place, symbol in enumerate(word):
+        if symbol in BRACKETS:
+            opened.append(place)
+        elif symbol in OPENING and opened and word[opened[-1]] == OPENING[symbol]:
+            partners[place] = opened.pop()
+            partners[partners[place]] = place
+    return partners
+
+
+def bracket_levels(symbols: Sequence[str]) -> tuple[tuple[int, ...], ...]:
+    """Per symbol the places of the brackets around it; all empty where they do not balance."""
+    partners = bracket_partners(symbols)
+    if any(i not in partners for i, s in enumerate(symbols) if s in BRACKETS or s in OPENING):
+        return ((),) * len(symbols)
+    found: list[tuple[int, ...]] = []
+    level: tuple[int, ...] = ()
+    for place, symbol in enumerate(symbols):
+        level = level[:-1] if symbol in OPENING else level
+        found.append(level)
+        level = (*level, place) if symbol in BRACKETS else level
+    return tuple(found)

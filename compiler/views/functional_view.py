@@ -11,7 +11,7 @@ from compiler.automata.pushdown_automaton import Transition
 from compiler.languages.language import language
 from compiler.robots.attributes import SemanticsError
 from compiler.views.picture import Edge, Picture
-from compiler.views.sra_view import move_text, sra_view
+from compiler.views.sra_view import ARROW, EMPTY, move_text, sra_view
 from grammar_lang import ir
 
 UPDATE = "↳ "
@@ -29,7 +29,7 @@ def functional_view(
     if grammar.semantics is None:
         raise SemanticsError(f"grammar `{grammar.name}` has no semantics")
     family = language(grammar, program.terminals, program.modules)
-    automaton = fra(family.srg, family.accept, grammar.semantics)
+    automaton = fra(family.srg, family.accept, grammar.semantics, program.sources)
     picture = sra_view(automaton.pda, highlight)
     edges = tuple(_with_updates(edge, automaton) for edge in picture.edges)
     return replace(picture, name="fra", edges=edges)
@@ -44,6 +44,14 @@ def _with_updates(edge: Edge, automaton: Fra) -> Edge:
 
 def move_lines(automaton: Fra, transition: Transition) -> tuple[str, ...]:
     """A move with the production that it applies, and the updates of that, a line each."""
-    label = "" if transition.label is None else f"{transition.label}: "
+    if transition.label is None:
+        return (move_text(automaton.pda, transition),)
     updates = (f"{UPDATE}{update}" for update in automaton.updates(transition))
-    return (f"{label}{move_text(automaton.pda, transition)}", *updates)
+    return (f"{transition.label}: {_applied(automaton, transition.label)}", *updates)
+
+
+def _applied(automaton: Fra, label: str) -> str:
+    """The move that applies a production, with the names that its updates use: ``left:Arm``."""
+    production = automaton.productions[label]
+    right = [s.name if s.alias is None else f"{s.alias}:{s.name}" for s in production.right]
+    return f"{EMPTY}, {production.left} {ARROW} {' '.join(right) or EMPTY}"

@@ -1,7 +1,12 @@
-"""Expressions of the intermediate representation: trees over exact rationals and pi."""
+"""Expressions of the intermediate representation: trees over exact rationals and pi.
+
+The ``mentions`` of a step of a frame are the occurrences of modules that its arguments name, by a
+coordinate, a parameter or a constant, in order of first mention.
+"""
 
 from __future__ import annotations
 
+from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
@@ -125,6 +130,7 @@ class Rot:
 
     axis: Axis
     angle: Expr
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 @node
@@ -133,6 +139,7 @@ class Move:
 
     axis: Axis
     distance: Expr
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 @node
@@ -140,6 +147,7 @@ class Shift:
     """Translation by a vector of the local frame."""
 
     vector: Expr
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 @node

@@ -226,11 +226,16 @@ Accept: TypeAlias = Contains | StartsWith | EndsWith | Count | Matches | AllOf |
 
 @node
 class AttributeRule:
-    """``target = value``: synthesized where the target is ``THIS``, else inherited."""
+    """``target = value``: synthesized where the target is ``THIS``, else inherited.
+
+    ``mentions`` are the occurrences of modules that the value names, in order of first mention;
+    those of an emission are named in its arguments other than the frame.
+    """
 
     target: AttributeOf
     value: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 @node
@@ -243,6 +248,7 @@ class Rod:
     density: Expr
     radius: Expr | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 @node
@@ -252,6 +258,7 @@ class PointMass:
     frame: Expr
     mass: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 @node
@@ -263,6 +270,7 @@ class Solid:
     com: Expr
     inertia: tuple[Expr, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 @node
@@ -271,6 +279,7 @@ class Effector:
 
     frame: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
 Emission: TypeAlias = Rod | PointMass | Solid | Effector

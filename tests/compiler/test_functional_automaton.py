@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import islice
 from pathlib import Path
@@ -179,13 +180,37 @@ def test_the_picture_is_that_of_the_sra_with_updates() -> None:
     assert lines[at + 1 : at + 4] == [
         "↳ this.turned = this.at * rot(z, JO.q)",
         "↳ Arm.at = this.turned * move(x, L.length)",
-        "↳ rod(frame: this.turned, axis: x, length: L.length, density: 2)",
+        "↳ rod(frame: this.turned, axis: x, length: L.length, density: L.density)",
     ]
     moves = [line for edge in plain.edges for line in edge.lines]
     without = [line.split(": ", 1)[-1] for line in lines if not line.startswith("↳")]
-    assert without == moves
+    assert [line.replace("left:", "").replace("right:", "") for line in without] == moves
+    assert "beam: ε, Robot → B eps W eps T [ left:Arm ] [ right:Arm ]" in lines
+    assert "↳ left.at = this.turned * move(y, T.reach) * rot(z, 90 deg)" in lines
     assert to_dot(picture).startswith('digraph "fra"')
     assert to_dot(picture) == to_dot(functional_view(program, grammar, word))
+
+
+def test_updates_are_shown_as_they_are_written() -> None:
+    """On one line, without comments, with names and units; numbers where no text is known."""
+    text = AMBIGUOUS.replace(
+        "this.tip = this.at * move(y, 2 * L.length);",
+        """this.tip = this.at // up
+            * move( y,  /* twice; */ (50 cm + 150 cm) *
+              L.length / (1 m) );""",
+    )
+    program = load_text(text, "g.srg").program
+    assert program is not None
+    (grammar,) = program.grammars.values()
+    shown = [line for e in functional_view(program, grammar).edges for line in e.lines]
+    at = shown.index("side: ε, A → L")
+    assert shown[at + 1] == "↳ this.tip = this.at * move( y, (50 cm + 150 cm) * L.length / (1 m) )"
+    assert "put: ε, A → first:A up second:A" in shown
+    assert "nothing: ε, E → ε" in shown
+    bare = replace(program, sources=())
+    shown = [line for e in functional_view(bare, grammar).edges for line in e.lines]
+    assert shown[at] == "side: ε, A → L"
+    assert shown[at + 1] == "↳ this.tip = this.at * move(y, 2 * L.length / 1)"
 
 
 def test_no_picture_of_a_word_that_is_not_accepted() -> None:

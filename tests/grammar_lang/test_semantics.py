@@ -91,6 +91,34 @@ def test_emissions() -> None:
     )
 
 
+def test_steps_rules_and_emissions_know_which_modules_they_mention() -> None:
+    """By a coordinate, a parameter or a constant that is folded away, in order of mention."""
+    modules = """
+    module J { role joint; dof q: revolute z; const arm = 1 m; const off = (1, 2) m; }
+    module L { role link; param length in [1, 2] m; const half = 50 cm; }
+    edge e; grammar G { start S; p: S -> J e L e left:J e T; t: T -> L; }
+    """
+    rules = """semantics G { p {
+      this.len = 2 * L.half - left.arm + 0 * J1.arm;
+      T.at = rot(z, left.q) * move(J1.off) * move(x, T.len + L.half / J1.arm * L.length);
+      rod(frame: rot(z, J1.q), axis: x, length: left.arm + L.half, density: 1);
+      effector(frame: move(x, L.length));
+    } t { this.len = L.half; effector(frame: this.at); } }"""
+    loaded = load_text(modules + rules, "t.srg")
+    assert loaded.program is not None, loaded.diagnostics
+    block = (loaded.program.grammars["G"].semantics or {})["p"]
+    assert [rule.mentions for rule in block.rules] == [(2, 4, 0), (4, 0, 2)]
+    assert [emission.mentions for emission in block.emissions] == [(4, 2), ()]
+    match block.rules[1].value:
+        case ir.Compose(ir.Compose(ir.Rot() as first, ir.Shift() as second), ir.Move() as third):
+            assert [step.mentions for step in (first, second, third)] == [(4,), (0,), (2, 0)]
+        case other:
+            pytest.fail(repr(other))
+    assert block.rules[0] == ir.AttributeRule(this("len"), num("0"))
+    assert hash(third) == hash(ir.Move("x", third.distance))
+    assert "mentions" not in repr(third)
+
+
 def test_named_occurrences_and_dofs() -> None:
     found = blocks(
         "a: S -> left:T JO right:T; b: T -> empty;",
