@@ -10,20 +10,39 @@ from __future__ import annotations
 from operator import mul
 
 from compiler.grammars.binary_normal_form import BinaryGrammar, RightSide
+from compiler.languages.budget import BudgetExceededError
+
+SPARSE = 4
+"""Where fewer than one length in so many has words, only these are looked at."""
+
+
+PRODUCT_BUDGET = 100_000_000
+"""So many products of two numbers are summed up at most."""
 
 
 class DerivationCounts:
-    """``of(symbol)[n]``: the derivations of words of n symbols, n up to ``longest``."""
+    """``of(symbol)[n]``: the derivations of words of n symbols, n up to ``longest``.
+
+    Raises:
+        BudgetExceededError: ``PRODUCT_BUDGET`` does not suffice.
+    """
 
     def __init__(self, grammar: BinaryGrammar, longest: int) -> None:
         self.grammar = grammar
         self.longest = longest
+        self._products = 0
         self._terminal = [0, 1][: longest + 1] + [0] * (longest - 1)
         self._rows: list[list[int]] = [[0] for _ in grammar.rules]
+        # Per nonterminal the lengths of its words: often few.
+        self._lengths: list[list[int]] = [[] for _ in grammar.rules]
         for length in range(1, longest + 1):
             found = [sum(self._ways(side, length) for side in rights) for rights in grammar.rules]
-            for row, number in zip(self._rows, found, strict=True):
+            for row, lengths, number in zip(self._rows, self._lengths, found, strict=True):
                 row.append(number)
+                if number:
+                    lengths.append(length)
+            if self._products > PRODUCT_BUDGET:
+                raise BudgetExceededError("counting derivations", PRODUCT_BUDGET, "of long words")
 
     def of(self, symbol: int) -> list[int]:
         """The numbers for a symbol, by length."""
@@ -66,7 +85,14 @@ class DerivationCounts:
             return self.of(right)[length - 1]
         if right < first:
             return self.of(left)[length - 1]
-        return sum(map(mul, self.of(left)[1:length], self.of(right)[length - 1 : 0 : -1]))
+        ways, more = self.of(left), self.of(right)
+        some = min(self._lengths[left - first], self._lengths[right - first], key=len)
+        self._products += len(some)
+        if some is self._lengths[right - first]:
+            ways, more = more, ways
+        if len(some) * SPARSE < length:
+            return sum(ways[cut] * more[length - cut] for cut in some if cut < length)
+        return sum(map(mul, ways[1:length], more[length - 1 : 0 : -1]))
 
     def _start(self, length: int, index: int) -> tuple[int, int]:
         for start in self.grammar.starts:

@@ -97,13 +97,14 @@ def test_horizons_double() -> None:
         asked.append(horizon)
         return lang.reading(horizon)
 
-    words = words_in_order(reading, None)  # type: ignore[arg-type]
+    words = words_in_order(reading, 0, None, lambda: None)  # type: ignore[arg-type]
     assert next(words) == ()
     assert asked == [FIRST_HORIZON]
     assert len(next(islice(words, 4 * FIRST_HORIZON, None))) == 4 * FIRST_HORIZON + 1
     assert asked == [FIRST_HORIZON * 2**k for k in range(4)]
     asked.clear()
-    assert len(list(words_in_order(reading, FIRST_HORIZON + 2))) == FIRST_HORIZON + 3  # type: ignore[arg-type]
+    some = words_in_order(reading, 0, FIRST_HORIZON + 2, lambda: None)  # type: ignore[arg-type]
+    assert len(list(some)) == FIRST_HORIZON + 3
     assert asked == [FIRST_HORIZON, FIRST_HORIZON + 2]
 
 
