@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from compiler.automata.pushdown_automaton import Pda, Transition, sra
+from compiler.automata.pushdown_automaton import Pda, Transition, run_along, sra
 from compiler.automata.pushdown_runs import accepting_run
 from compiler.grammars.derivation import Derivation, replay
+from compiler.grammars.grammar import cyclic, trimmed
 from compiler.languages.language import Language, language
+from compiler.languages.structures import derivations_of
 from compiler.reading.pushdown_reader import PushdownReader
 from compiler.reading.viable_prefix import viable_prefix
 from grammar_lang import ir
@@ -25,13 +27,23 @@ def acceptance_text(
     family = language(grammar, program.terminals, program.modules)
     if not family.accepts(word):
         return False, f"not accepted: {_reason(family, word)}"
-    pda = sra(family.srg, family.accept)
-    run = accepting_run(pda, word) if trace else None
-    if run is None:
+    if not trace:
         return True, "accepted"
-    derivation = replay(grammar, tuple(step.label for step in run if step.label is not None))
+    pda = sra(family.srg, family.accept)
+    derivation = _first_derivation(family, grammar, pda, word)
+    run = run_along(pda, derivation.labels)
     lines = ["accepted", *_run(pda, run), *_derivation(derivation)]
     return True, "\n".join(lines)
+
+
+def _first_derivation(
+    family: Language, grammar: ir.Grammar, pda: Pda, word: tuple[str, ...]
+) -> Derivation:
+    """The first one; any one where there may be infinitely many."""
+    if not cyclic(trimmed(family.srg.cfg)):
+        return next(derivations_of(family, word))
+    run = accepting_run(pda, word) or ()
+    return replay(grammar, tuple(step.label for step in run if step.label is not None))
 
 
 def _reason(family: Language, word: tuple[str, ...]) -> str:

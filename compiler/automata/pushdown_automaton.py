@@ -120,3 +120,29 @@ def configurations(
             raise ValueError(f"{transition} does not apply in state {pda.states[state]}")
         state, stack = transition.target, transition.push + stack[1:]
         remaining = remaining[1:] if reads else remaining
+
+
+def run_along(pda: Pda, labels: Sequence[str]) -> tuple[Transition, ...]:
+    """The run of the SRA that applies these productions, those of a leftmost derivation, in order.
+
+    Raises:
+        ValueError: there is no accepting one.
+    """
+    moves: dict[tuple[int, int, str | None], Transition] = {}
+    for transition in pda.transitions:
+        moves[transition.state, transition.pop, transition.label] = transition
+    replaced = {transition.pop for transition in pda.transitions if transition.label is not None}
+    state, stack, rest = pda.initial, list(reversed(pda.initial_stack)), iter(labels)
+    run: list[Transition] = []
+    while stack:
+        top = stack.pop()
+        label = next(rest, None) if top in replaced else None
+        step = moves.get((state, top, label))
+        if step is None:
+            raise ValueError("no run applies these productions")
+        run.append(step)
+        stack += reversed(step.push)
+        state = step.target
+    if state != pda.final or next(rest, None) is not None:
+        raise ValueError("no run applies these productions")
+    return tuple(run)

@@ -9,12 +9,13 @@ Scott & Johnstone 2010.)  Symbols derive no empty word here.  So a system of equ
 has exactly one solution (Arden 1961; the same argument over words in place of letters), and
 continuations that fulfil the equations of new ones *are* these: nothing new is made.  That keeps
 the ambiguous ``E -> E + E`` as small as a grammar that was written without the ambiguity, and no
-alternative is discarded for it.
+alternative is discarded for it.  For the same reason an item X K may be left out where there is an
+item X K' and K' is known to include K: the true languages fulfil the equations without it, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -41,10 +42,11 @@ class Continuation:
     """A language that may follow; compared by identity.
 
     ``lengths``: those of its words, where asked for.  ``height``: how many continuations, at most,
-    are one after the other down to the end, those of a knot counting once.
+    are one after the other down to the end, those of a knot counting once.  ``includes``: some
+    whose words are all words of this one.
     """
 
-    __slots__ = ("final", "height", "items", "knot", "lengths")
+    __slots__ = ("final", "height", "includes", "items", "knot", "lengths")
 
     def __init__(self, final: bool) -> None:  # noqa: FBT001
         self.final = final
@@ -52,6 +54,38 @@ class Continuation:
         self.lengths = 0
         self.height = 0
         self.knot: Knot | None = None
+        self.includes: set[Continuation] = set()
+
+
+MOST_INCLUDED = 16
+"""Of the continuations that one includes, so many are remembered."""
+
+
+def _include(point: Continuation, others: Iterable[Continuation]) -> None:
+    for other in others:
+        if other is not point and len(point.includes) < MOST_INCLUDED:
+            point.includes.add(other)
+
+
+def maximal(points: Iterable[Continuation]) -> list[Continuation]:
+    """The continuations without those that others of them include."""
+    kept = dict.fromkeys(points)
+    for point in list(kept):
+        if point in kept:
+            for other in point.includes:
+                kept.pop(other, None)
+    return list(kept)
+
+
+def without_included(items: Iterable[Item]) -> frozenset[Item]:
+    """The items without those that others with the same symbol include."""
+    kept = set(items)
+    for item in tuple(kept):
+        if item in kept:
+            symbol, point = item
+            for other in point.includes:
+                kept.discard((symbol, other))
+    return frozenset(kept)
 
 
 class Continuations:
@@ -82,19 +116,22 @@ class Continuations:
         """
         parts: list[Part] = []
         candidates: list[Continuation] = []
+        included: list[list[Continuation]] = []
         for place, frames in enumerate(group.outer):
             targets = [t for member in group.direct[place] for t in direct.get(member, ())]
             candidates += targets
             targets += [points[caller] for caller in group.above[place]]
-            items = frozenset((frame.symbol, points[frame.caller]) for frame in frames)
-            items = items.union(*(target.items for target in targets))
-            parts.append((any(target.final for target in targets), items))
+            items = {(frame.symbol, points[frame.caller]) for frame in frames}
+            items.update(*(target.items for target in maximal(targets)))
+            parts.append((any(target.final for target in targets), without_included(items)))
+            included.append(targets)
         if not any(group.inner):
             points[group.members[0]] = self._of(parts[0])
+            _include(points[group.members[0]], included[0])
             return
         number = {member: place for place, member in enumerate(group.members)}
         inner = tuple(tuple((f.symbol, number[f.caller]) for f in row) for row in group.inner)
-        knot = self._tied(group.members, inner, tuple(parts), candidates)
+        knot = self._tied(group.members, inner, tuple(parts), candidates, included)
         points.update(zip(group.members, knot.points, strict=True))
 
     def plugged(self, items: frozenset[Item], below: Continuation) -> frozenset[Item]:
@@ -103,26 +140,30 @@ class Continuations:
             if level.knot is None:
                 parts = [self._plugged_part(level, below, frozenset())]
                 self._plugged[level, below] = self._of(parts[0])
+                _include(self._plugged[level, below], [below] if level.final else [])
             else:
                 inside = frozenset(level.knot.points)
                 parts = [self._plugged_part(p, below, inside) for p in level.knot.points]
-                knot = self._tied(level.knot.members, level.knot.inner, tuple(parts), [below])
+                included = [[below] if p.final else [] for p in level.knot.points]
+                knot = self._tied(
+                    level.knot.members, level.knot.inner, tuple(parts), [below], included
+                )
                 for old, new in zip(level.knot.points, knot.points, strict=True):
                     self._plugged[old, below] = new
-        return frozenset((symbol, self._plugged[target, below]) for symbol, target in items)
+        return without_included((symbol, self._plugged[target, below]) for symbol, target in items)
 
     def _plugged_part(
         self, point: Continuation, below: Continuation, knot: frozenset[Continuation]
     ) -> Part:
         """A continuation with another end, but for what leads into its own knot."""
-        items = frozenset(
+        items = {
             (symbol, self._plugged[target, below])
             for symbol, target in point.items
             if target not in knot
-        )
-        if not point.final:
-            return False, items
-        return below.final, items | below.items
+        }
+        if point.final:
+            items |= below.items
+        return point.final and below.final, without_included(items)
 
     def _of(self, part: Part) -> Continuation:
         known = self._known.get(part)
@@ -140,8 +181,12 @@ class Continuations:
         inner: tuple[tuple[tuple[int, int], ...], ...],
         parts: tuple[Part, ...],
         candidates: Sequence[Continuation],
+        included: Sequence[Sequence[Continuation]],
     ) -> Knot:
-        """The solution of the equations of a knot; a candidate's knot where that fulfils them."""
+        """The solution of the equations of a knot; a candidate's knot where that fulfils them.
+
+        ``included``: per member, continuations that it includes.
+        """
         known = self._knots.get((members, parts))
         if known is None:
             for candidate in candidates:
@@ -155,8 +200,10 @@ class Continuations:
                         known = knot
                         break
             else:
-                known = self._new(members, inner, parts)
+                known = self._new(members, inner, parts, included)
             self._knots[members, parts] = known
+        for point, targets in zip(known.points, included, strict=True):
+            _include(point, targets)
         return known
 
     def _new(
@@ -164,8 +211,11 @@ class Continuations:
         members: tuple[int, ...],
         inner: tuple[tuple[tuple[int, int], ...], ...],
         parts: tuple[Part, ...],
+        included: Sequence[Sequence[Continuation]],
     ) -> Knot:
         knot = Knot(members, inner, tuple(Continuation(final) for final, _ in parts))
+        for point, targets in zip(knot.points, included, strict=True):
+            _include(point, targets)
         whole = _with_inner(knot.points, inner, parts)
         height = 1 + max((t.height for _, items in parts for _, t in items), default=-1)
         for point, part in zip(knot.points, whole, strict=True):
@@ -204,7 +254,7 @@ def _with_inner(
 ) -> list[Part]:
     """The parts with the symbols before continuations of the knot, which are ``points``."""
     return [
-        (final, items.union((symbol, points[place]) for symbol, place in row))
+        (final, without_included(items.union((symbol, points[place]) for symbol, place in row)))
         for (final, items), row in zip(parts, inner, strict=True)
     ]
 

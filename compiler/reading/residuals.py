@@ -16,7 +16,13 @@ from typing import TypeAlias
 
 from compiler.grammars.binary_normal_form import BinaryGrammar
 from compiler.grammars.left_corners import LeftCorners, Move
-from compiler.reading.continuations import Continuation, Continuations, Item
+from compiler.reading.continuations import (
+    Continuation,
+    Continuations,
+    Item,
+    maximal,
+    without_included,
+)
 from compiler.reading.word_lengths import WordLengths
 
 CACHE_LIMIT = 50_000
@@ -130,9 +136,9 @@ class Residuals:
                     self._continuations.add(group, calls.direct, points)
             items.update((frame.symbol, points[frame.caller]) for frame in move.frames)
             last += [points[symbol] for symbol in move.ends]
-        items.update(*(point.items for point in last))
+        items.update(*(point.items for point in maximal(last)))
         final = any(point.final for point in last)
-        return self.of(frozenset(items), accepting=final)
+        return self.of(without_included(items), accepting=final)
 
     def of(self, items: frozenset[Item], *, accepting: bool) -> Residual:
         """The residual with these items."""
@@ -152,7 +158,7 @@ class Residuals:
         items = self._continuations.plugged(residual.agenda, following)
         if not residual.accepting:
             return self.of(items, accepting=False)
-        return self.of(items | following.items, accepting=following.final)
+        return self.of(without_included(items | following.items), accepting=following.final)
 
     @property
     def end(self) -> Continuation:

@@ -12,11 +12,13 @@ from compiler.automata.pushdown_automaton import (
     Pda,
     Transition,
     configurations,
+    run_along,
     sra,
 )
 from compiler.automata.pushdown_runs import accepting_run, accepts
-from compiler.grammars.grammar import linearity, srg, trimmed
+from compiler.grammars.grammar import cyclic, linearity, srg, trimmed
 from compiler.languages.language import language
+from compiler.languages.structures import derivations_of
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import (
@@ -190,3 +192,19 @@ def test_finite_automaton_of_the_running_example() -> None:
     assert not dfa.accepts(("B", "eps", "JO", "eps", "EN", "eps"))
     tree = srg(grammar("T -> a T T | b", ALPHABET), ALPHABET, frozenset())
     assert linear_automaton(tree, accept_dfa(ir.AllOf(()), ALPHABET)) is None
+
+
+@settings(deadline=None, max_examples=60)
+@given(random_grammars())
+def test_runs_along_derivations(g: ir.Grammar) -> None:
+    lang = language(g, AB, frozenset(AB))
+    assume(not cyclic(trimmed(lang.srg.cfg)))
+    pda = sra(lang.srg, lang.accept)
+    for word in islice(lang.words(max_length=5), 10):
+        for derivation in islice(derivations_of(lang, word), 4):
+            run = run_along(pda, derivation.labels)
+            assert [step.label for step in run if step.label] == list(derivation.labels)
+            steps = list(configurations(pda, word, run))
+            assert steps[-1] == Configuration(pda.states[pda.final], (), ())
+    with pytest.raises(ValueError, match="no run"):
+        run_along(pda, ("no such label",))
