@@ -26,7 +26,7 @@ Item: TypeAlias = "tuple[int, Continuation]"
 Part: TypeAlias = tuple[bool, frozenset[Item]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Knot:
     """Continuations that were made together, one per member of ``members``.
 
@@ -57,7 +57,7 @@ class Continuation:
         self.includes: set[Continuation] = set()
 
 
-MOST_INCLUDED = 16
+MOST_INCLUDED = 4
 """Of the continuations that one includes, so many are remembered."""
 
 
@@ -189,16 +189,11 @@ class Continuations:
         """
         known = self._knots.get((members, parts))
         if known is None:
-            for candidate in candidates:
-                knot = candidate.knot
-                if knot is not None and knot.members == members:
-                    whole = _with_inner(knot.points, inner, parts)
-                    if all(
-                        p.final == q[0] and p.items == q[1]
-                        for p, q in zip(knot.points, whole, strict=True)
-                    ):
-                        known = knot
-                        break
+            knots = dict.fromkeys(point.knot for point in candidates)
+            for knot in knots:
+                if knot is not None and _fulfils(knot, members, inner, parts):
+                    known = knot
+                    break
             else:
                 known = self._new(members, inner, parts, included)
             self._knots[members, parts] = known
@@ -257,6 +252,25 @@ def _with_inner(
         (final, without_included(items.union((symbol, points[place]) for symbol, place in row)))
         for (final, items), row in zip(parts, inner, strict=True)
     ]
+
+
+def _fulfils(
+    knot: Knot,
+    members: tuple[int, ...],
+    inner: tuple[tuple[tuple[int, int], ...], ...],
+    parts: Sequence[Part],
+) -> bool:
+    """Whether the continuations of a knot solve these equations."""
+    if knot.members != members:
+        return False
+    for point, (final, items), row in zip(knot.points, parts, inner, strict=True):
+        own = items.union((symbol, knot.points[place]) for symbol, place in row)
+        # Cheap to refuse: leaving out what is included only takes items away.
+        if point.final != final or not point.items <= own:
+            return False
+        if point.items != without_included(own):
+            return False
+    return True
 
 
 def _settle(points: Sequence[Continuation], whole: Sequence[Part], lengths: WordLengths) -> None:
