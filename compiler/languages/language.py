@@ -108,6 +108,9 @@ class Language:
 
     def is_finite(self, *, max_modules: int | None = None) -> bool:
         """Whether there are finitely many words (with at most ``max_modules`` modules)."""
+        condition = self._bounded(self.accept, max_modules)
+        if self.finite_automaton is None and self._bound(condition) is not None:
+            return True
         return self._last(max_modules) is not None
 
     def longest(self, *, max_modules: int | None = None) -> int | None:

@@ -51,10 +51,14 @@ def test_first_words_of_a_chain_of_empty_productions() -> None:
     assert list(islice(lang.words(), 3)) == [(), ("a",), ("a", "a")]
 
 
-def doubling(levels: int) -> Language:
+def doubling_rules(levels: int) -> str:
     """One word, of 2 ** levels symbols."""
     rules = [f"S{i}n -> S{i + 1}n S{i + 1}n" for i in range(levels)]
-    return over("\n".join([*rules, f"S{levels}n -> a"]))
+    return "\n".join([*rules, f"S{levels}n -> a"])
+
+
+def doubling(levels: int) -> Language:
+    return over(doubling_rules(levels))
 
 
 def test_an_exponentially_long_word_is_refused_by_its_length() -> None:
@@ -66,6 +70,8 @@ def test_an_exponentially_long_word_is_refused_by_its_length() -> None:
         with pytest.raises(WordsTooLongError, match=str(LENGTH_LIMIT)):
             question()
     assert huge.accepts(("a",) * 1000) is False
+    # Whether there is an end is known without looking for it.
+    assert over(doubling_rules(40), ir.Count("a", ">=", 1)).is_finite()
     assert list(huge.words(max_length=10)) == []
 
 
