@@ -1,12 +1,15 @@
-r"""Equations of motion of any robot model as one CasADi expression graph.
+r"""The equations of motion of any robot model as one CasADi expression graph.
 
-.. math:: M(q, \theta)\,\ddot q + c(q, \dot q, \theta) + g(q, \theta) = u
+.. math::
+    M(q, \theta)\,\ddot q + c(q, \dot q, \theta) + g(q, \theta) = \tau(q, \dot q, s, u, \theta),
+    \qquad \dot s = \sigma(q, \dot q, s, u, \theta)
 
-from the kinetic and potential energy of its bodies (Lagrange's equations of the second kind).
+with the modules' own states s; together one controlled system x' = f(x, theta, u), Definition 5.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -14,26 +17,31 @@ import casadi as ca
 
 from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.dynamics.absolute_angles import Coordinates, own_coordinates
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics, kinematics
-from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody
+from compiler.dynamics.drive import Motion, drive
+from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.rigid_bodies import centrifugal, gravitational, mass_matrix
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_inputs, robot_states
 
 
 @dataclass(frozen=True, slots=True)
 class RobotGraph:
     """One robot's expression graph, read by several back ends.
 
-    Inputs, each a column: ``q``, ``v`` (rates), ``u`` (free inputs), ``theta`` and ``k``, the
-    exact constants listed in ``constants``.  Where ``coordinates`` are absolute angles, ``q`` and
-    ``v`` stand for those and their rates; ``u`` are the joints' own inputs always.  With n degrees
-    of freedom, e effectors, b body points and d the dimension of the workspace:
+    Inputs, each a column: ``q``, ``w`` (the rates v of q, then the modules' own states), ``u``
+    (inputs), ``theta`` and ``k``, the exact constants listed in ``constants``.  Where
+    ``coordinates`` are absolute angles, ``q`` and ``v`` stand for those and their rates; ``u`` are
+    the joints' own inputs always.  With n degrees of freedom, r own states, m inputs, e effectors,
+    b body points and d the dimension of the workspace:
 
     - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows);
     - ``bias(q, v, theta, k)``: c + g, shape (n,), N m (N);
-    - ``acceleration(q, v, u, theta, k)``: the second derivative of q, shape (n,);
-    - ``balance(q, v, u, theta, k)``: M column by column (n * n,), then u - c - g (n,): the parts
-      that a validated reading solves itself, without the graph's own divisions;
-    - ``variation(q, v, a, u, theta, k)``: the Jacobian of u - c - g - M a in (q, v) for given
-      accelerations a, column by column (n * 2n,);
+    - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,);
+    - ``balance(q, w, u, theta, k)``: M column by column (n * n,), then tau - c - g (n,), then the
+      derivatives of the own states (r,): the parts that a validated reading solves itself,
+      without the graph's own divisions;
+    - ``variation(q, w, a, u, theta, k)``: the Jacobian of (tau - c - g - M a, own derivatives) in
+      (q, w) for given accelerations a, column by column ((n + r) * (2n + r),);
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
       them span which body.
@@ -65,15 +73,21 @@ def robot_graph(
         coordinates: what the motion is written in, default the joints' own coordinates.
     """
     coordinates = coordinates or own_coordinates(model)
-    n = len(model.dofs)
-    q, v, u, a = (ca.SX.sym(name, n) for name in "qvua")
+    n, r = len(model.dofs), len(robot_states(model))
+    q, w, u, a = (
+        ca.SX.sym(name, size)
+        for name, size in (("q", n), ("w", n + r), ("u", len(robot_inputs(model))), ("a", n))
+    )
+    v = w[:n]
     theta = ca.SX.sym("theta", len(model.parameters))
     constants = ConstantInputs()
     body = kinematics(model, q, theta, constants, coordinates)
-    mass = _mass_matrix(model, body, q, constants, coordinates)
-    bias = _bias(mass, q, v, constants) + _gravity(model, body, q, gravity, constants)
-    drive = _generalised(coordinates, u) - bias
-    acceleration = _solve(_unfolded(mass, constants), drive) if n else ca.SX(0, 1)
+    mass = mass_matrix(model, body, q, constants, coordinates)
+    bias = centrifugal(mass, q, v, constants) + gravitational(model, body, q, gravity, constants)
+    own = _own(coordinates, q), _own(coordinates, v)
+    driven = drive(model, Motion(*own, w[n:], u, theta), constants)
+    force = _generalised(coordinates, driven.forces) - bias
+    acceleration = _solve(_unfolded(mass, constants), force) if n else ca.SX(0, 1)
     d = model.dimension
     points = [body.body_points(item) for item in model.bodies]
     hulls, start = [], 0
@@ -93,9 +107,17 @@ def robot_graph(
         tuple(constants.symbols),
         function("mass_matrix", [q], mass),
         function("bias", [q, v], bias),
-        function("acceleration", [q, v, u], acceleration),
-        function("balance", [q, v, u], ca.vertcat(ca.vec(ca.densify(mass)), drive)),
-        function("variation", [q, v, a, u], _jacobian(drive - mass @ a, ca.vertcat(q, v))),
+        function("acceleration", [q, w, u], ca.vertcat(acceleration, driven.derivatives)),
+        function(
+            "balance",
+            [q, w, u],
+            ca.vertcat(ca.vec(ca.densify(mass)), force, driven.derivatives),
+        ),
+        function(
+            "variation",
+            [q, w, a, u],
+            _jacobian(ca.vertcat(force - mass @ a, driven.derivatives), ca.vertcat(q, w)),
+        ),
         function("effectors", [q], tips),
         function("body_points", [q], corners),
         tuple(hulls),
@@ -111,15 +133,23 @@ def _unfolded(matrix: ca.SX, constants: ConstantInputs) -> ca.SX:
     return result
 
 
-def _generalised(coordinates: Coordinates, u: ca.SX) -> ca.SX:
-    """The joints' own inputs as generalised forces: D' u, by virtual work."""
-    rows = coordinates.rows
-    forces = [ca.SX(0)] * len(rows)
-    for i, row in enumerate(rows):
-        for j, entry in enumerate(row):
-            if entry:
-                forces[j] = forces[j] + (u[i] if entry > 0 else -u[i])
-    return _stack(forces)
+def _own(coordinates: Coordinates, y: ca.SX) -> ca.SX:
+    """D y: the joints' own coordinates or rates."""
+    return _stack([_weighed(row, y) for row in coordinates.rows])
+
+
+def _generalised(coordinates: Coordinates, forces: ca.SX) -> ca.SX:
+    """The forces on the joints' own coordinates as generalised forces: D' tau, by virtual work."""
+    return _stack([_weighed(column, forces) for column in zip(*coordinates.rows, strict=True)])
+
+
+def _weighed(weights: Sequence[int], values: ca.SX) -> ca.SX:
+    """The sum of values with weights 1, 0 and -1."""
+    total = ca.SX(0)
+    for i, weight in enumerate(weights):
+        if weight:
+            total = total + (values[i] if weight > 0 else -values[i])
+    return total
 
 
 def _jacobian(value: ca.SX, state: ca.SX) -> ca.SX:
@@ -128,110 +158,6 @@ def _jacobian(value: ca.SX, state: ca.SX) -> ca.SX:
 
 def _stack(columns: list[ca.SX]) -> ca.SX:
     return ca.vertcat(*columns) if columns else ca.SX(0, 1)
-
-
-def _inertia(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Mass, position of the com, and inertia about it in world axes."""
-    half, twelfth = (constants.read(Constant(Fraction(1, i))) for i in (2, 12))
-    match body:
-        case RodBody(frame, axis, sign, length, density, _):
-            extent, mass = at.scalars[length], at.scalars[density] * at.scalars[length]
-            direction = sign * at.axis(frame, axis)
-            com = at.origins[frame] + direction * (extent * half)
-            about = mass * extent**2 * twelfth
-            return mass, com, about * (ca.SX.eye(3) - direction @ direction.T)
-        case PointBody(frame, mass_scalar):
-            return at.scalars[mass_scalar], at.origins[frame], ca.SX.zeros(3, 3)
-        case SolidBody(frame, mass_scalar, com_local, inertia):
-            local = ca.SX.zeros(3, 3)
-            items = [at.scalars[i] for i in inertia]
-            if len(items) == 1:
-                local[2, 2] = items[0]
-            else:
-                places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
-                for (row, column), item in zip(places, items, strict=True):
-                    local[row, column] = item
-                    local[column, row] = item
-            turn = at.orientations[frame].matrix()
-            return at.scalars[mass_scalar], at.point(frame, com_local), turn @ local @ turn.T
-
-
-def _angular_jacobian(
-    model: RobotModel, at: Kinematics, frame: int, coordinates: Coordinates
-) -> ca.SX:
-    """The Jacobian of the angular velocity of a frame in y, shape (3, n)."""
-    columns = ca.SX.zeros(3, len(model.dofs))
-    for node in model.chain(frame):
-        step = model.frames[node].step
-        if not isinstance(step, Joint) or model.dofs[step.dof].kind != "revolute":
-            continue
-        if step.dof not in coordinates.absolute:
-            columns[:, step.dof] += step.sign * at.axis(node, step.axis)
-            continue
-        # Measured from a fixed direction: the rate of the joint it is measured from drops out.
-        for other, entry in enumerate(coordinates.rows[step.dof]):
-            if entry and other != step.dof:
-                columns[:, other] = 0
-        columns[:, step.dof] = at.axis(node, step.axis)
-    return columns
-
-
-def _mass_matrix(
-    model: RobotModel,
-    at: Kinematics,
-    q: ca.SX,
-    constants: ConstantInputs,
-    coordinates: Coordinates,
-) -> ca.SX:
-    """M, the Hessian of the kinetic energy in the rates."""
-    total = ca.SX.zeros(len(model.dofs), len(model.dofs))
-    for body in model.bodies:
-        mass, com, inertia = _inertia(body, at, constants)
-        linear = ca.jacobian(com, q)
-        angular = _angular_jacobian(model, at, body.frame, coordinates)
-        if model.dimension == 2:
-            spin = angular[2, :]
-            total += mass * (linear.T @ linear) + inertia[2, 2] * (spin.T @ spin)
-        else:
-            total += mass * (linear.T @ linear) + angular.T @ inertia @ angular
-    return total
-
-
-def _bias(mass: ca.SX, q: ca.SX, v: ca.SX, constants: ConstantInputs) -> ca.SX:
-    r"""Coriolis and centrifugal forces by Christoffel symbols of the first kind.
-
-    .. math:: c_i = \sum_{jk} \Bigl(\partial_k M_{ij} - \tfrac12 \partial_i M_{jk}\Bigr) v_j v_k
-    """
-    n, rows = q.numel(), []
-    half = constants.read(Constant(Fraction(1, 2)))
-    for i in range(n):
-        row = ca.SX(0)
-        for j in range(n):
-            for k in range(j, n):
-                # Doubled throughout, and halved once by an exact input below.
-                term = ca.jacobian(mass[i, j], q[k]) + ca.jacobian(mass[i, k], q[j])
-                twice = term - ca.jacobian(mass[j, k], q[i])
-                row += twice * v[j] * v[k] * (1 if j == k else 2)
-        rows.append(row * half)
-    return _stack(rows)
-
-
-def _gravity(
-    model: RobotModel,
-    at: Kinematics,
-    q: ca.SX,
-    gravity: tuple[Fraction, ...],
-    constants: ConstantInputs,
-) -> ca.SX:
-    """g, the gradient of the potential energy."""
-    if not any(gravity):
-        return ca.SX.zeros(len(model.dofs))
-    pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
-    potential = ca.SX(0)
-    for body in model.bodies:
-        mass, com, _ = _inertia(body, at, constants)
-        potential -= mass * ca.dot(pull, com[: len(gravity)])
-    return ca.gradient(potential, q)
 
 
 def _solve(matrix: ca.SX, right: ca.SX) -> ca.SX:

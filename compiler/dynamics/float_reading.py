@@ -24,6 +24,7 @@ from compiler.arithmetic.scalars import (
     read_scalars,
 )
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.robots.state_and_input import robot_inputs, robot_states
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ LONGEST_STEP = 0.3
 class Linearisation:
     """The step map about (x, u, theta) at K samples: value and Jacobians.
 
-    Shapes: value (K, 2n), state (K, 2n, 2n), input (K, 2n, n), parameter (K, 2n, p).
+    Shapes: value (K, N), state (K, N, N), input (K, N, m), parameter (K, N, p).
     """
 
     value: Array
@@ -56,16 +57,23 @@ class Points:
 
 
 class FloatReading:
-    """Evaluates a robot's graph in doubles; not for proofs."""
+    """Evaluates a robot's graph in doubles; not for proofs.
+
+    A state x has N = 2n + r entries: n coordinates, n rates and the r states of the modules' own;
+    there are m inputs and p parameters.
+    """
 
     def __init__(self, graph: RobotGraph) -> None:
         self.graph = graph
         self.n = len(graph.model.dofs)
+        self.r = len(robot_states(graph.model))
+        self.m = len(robot_inputs(graph.model))
         self.p = len(graph.model.parameters)
         self.d = graph.model.dimension
         self.constants = np.array(
             [float(c.value) if isinstance(c, Constant) else np.pi for c in graph.constants]
         )
+        self.size = 2 * self.n + self.r
         self._maps: dict[tuple[str, int], ca.Function] = {}
         self._rollouts: dict[tuple[str, int, float, int], ca.Function] = {}
         self._functions = {
@@ -85,31 +93,30 @@ class FloatReading:
         return [np.asarray(output.full()).reshape(-1, count, order="F").T for output in outputs]
 
     def acceleration(self, x: Array, u: Array, theta: Array) -> tuple[Array, Array]:
-        """Accelerations (K, n) and their Jacobian in (q, v, u, theta), shape (K, n, 3n + p)."""
-        n, count = self.n, len(x)
+        """The derivative of rates and own states (K, n + r), its Jacobian in (x, u, theta)."""
+        n, height, count = self.n, self.n + self.r, len(x)
         value, *blocks = self._call("step", [x[:, :n], x[:, n:], u], theta)
-        jacobian = [block.reshape(count, -1, n).transpose(0, 2, 1) for block in blocks]
+        jacobian = [block.reshape(count, -1, height).transpose(0, 2, 1) for block in blocks]
         return value, np.concatenate(jacobian, axis=2)
 
     def step(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Linearisation:
-        """The state ``dt`` later and its Jacobians; x (K, 2n), u (K, n), theta (p,)."""
-        n, width = self.n, 3 * self.n + self.p
-        count = len(x)
-        sensitivity = np.zeros((count, 2 * n, width))
-        sensitivity[:, : 2 * n, : 2 * n] = np.eye(2 * n)
+        """The state ``dt`` later and its Jacobians; x (K, N), u (K, m), theta (p,)."""
+        size, inputs = self.size, self.m
+        sensitivity = np.zeros((len(x), size, size + inputs + self.p))
+        sensitivity[:, :, :size] = np.eye(size)
         h = dt / substeps
         for _ in range(substeps):
             x, sensitivity = self._substep(x, u, theta, h, sensitivity)
         return Linearisation(
-            x, sensitivity[:, :, : 2 * n], sensitivity[:, :, 2 * n : 3 * n],
-            sensitivity[:, :, 3 * n :],
+            x, sensitivity[:, :, :size], sensitivity[:, :, size : size + inputs],
+            sensitivity[:, :, size + inputs :],
         )  # fmt: skip
 
     def _substep(
         self, x: Array, u: Array, theta: Array, h: float, sensitivity: Array
     ) -> tuple[Array, Array]:
         """One classical Runge-Kutta step of the state and its sensitivities."""
-        n = self.n
+        n, size = self.n, self.size
         slope = np.zeros_like(x)
         slope_s = np.zeros_like(sensitivity)
         total, total_s = np.zeros_like(x), np.zeros_like(sensitivity)
@@ -117,16 +124,16 @@ class FloatReading:
             at = x + fraction * h * slope
             at_s = sensitivity + fraction * h * slope_s
             value, jacobian = self.acceleration(at, u, theta)
-            slope = np.concatenate([at[:, n:], value], axis=1)
-            bottom = jacobian[:, :, : 2 * n] @ at_s
-            bottom[:, :, 2 * n :] += jacobian[:, :, 2 * n :]
-            slope_s = np.concatenate([at_s[:, n:], bottom], axis=1)
+            slope = np.concatenate([at[:, n : 2 * n], value], axis=1)
+            bottom = jacobian[:, :, :size] @ at_s
+            bottom[:, :, size:] += jacobian[:, :, size:]
+            slope_s = np.concatenate([at_s[:, n : 2 * n], bottom], axis=1)
             total += weight * slope
             total_s += weight * slope_s
         return x + h / 6 * total, sensitivity + h / 6 * total_s
 
     def simulate(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Array:
-        """States (k + 1, 2n) from an initial one (2n,) under inputs (k, n), by the step map."""
+        """States (k + 1, N) from an initial one (N,) under inputs (k, m), by the step map."""
         key = ("simulate", len(u), dt, substeps)
         if key not in self._rollouts:
             self._rollouts[key] = _rollout(self.graph, dt, substeps, len(u))
@@ -207,12 +214,12 @@ def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Functi
 def _rollout(graph: RobotGraph, dt: float, substeps: int, steps: int) -> ca.Function:
     """All steps of the classical Runge-Kutta method in one call."""
     f = graph.acceleration
-    n, p, c = f.size1_in(0), f.size1_in(3), f.size1_in(4)
-    x, extra = ca.SX.sym("x", 2 * n), ca.SX.sym("e", n + p + c)
-    u, theta, k = ca.vertsplit(extra, [0, n, n + p, n + p + c])
+    n, w, m, p, c = (f.size1_in(i) for i in range(5))
+    x, extra = ca.SX.sym("x", n + w), ca.SX.sym("e", m + p + c)
+    u, theta, k = ca.vertsplit(extra, [0, m, m + p, m + p + c])
 
     def slope(at: ca.SX) -> ca.SX:
-        return ca.vertcat(at[n:], f(at[:n], at[n:], u, theta, k))
+        return ca.vertcat(at[n : 2 * n], f(at[:n], at[n:], u, theta, k))
 
     after, h = x, dt / substeps
     for _ in range(substeps):

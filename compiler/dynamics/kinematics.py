@@ -66,13 +66,16 @@ def scalar_expressions(
     def apply(node: Apply, arguments: list[ca.SX]) -> ca.SX:
         if node.operation in FUNCTIONS:
             return FUNCTIONS[node.operation](constants.unfolded(arguments[0]))
-        return _apply(node, arguments)
+        if node.operation == "^":
+            return power(arguments[0], node.exponent)
+        return apply_operation(node.operation, arguments)
 
     return read_scalars(model.scalars, leaf, apply)
 
 
-def _apply(node: Apply, arguments: list[ca.SX]) -> ca.SX:
-    match node.operation, arguments:
+def apply_operation(operation: str, arguments: list[ca.SX]) -> ca.SX:
+    """An operation other than a power or a transcendental function on graph nodes."""
+    match operation, arguments:
         case "+", [a, b]:
             return a + b
         case "-", [a, b]:
@@ -85,13 +88,11 @@ def _apply(node: Apply, arguments: list[ca.SX]) -> ca.SX:
             return -a
         case "abs", [a]:
             return ca.fabs(a)
-        case "^", [a]:
-            return _power(a, node.exponent)
         case _:
-            raise ValueError(f"unknown operation {node.operation}")
+            raise ValueError(f"unknown operation {operation}")
 
 
-def _power(base: ca.SX, exponent: int) -> ca.SX:
+def power(base: ca.SX, exponent: int) -> ca.SX:
     """An integer power by repeated squaring."""
     result, square, left = ca.SX(1), base, abs(exponent)
     while left:

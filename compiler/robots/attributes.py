@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from compiler.arithmetic.scalars import ScalarTable
 from compiler.grammars.derivation import Derivation
+from compiler.robots.own_dynamics import OwnDynamics, own_dynamics
 from compiler.robots.robot import (
     WORLD,
     Body,
@@ -88,6 +89,7 @@ class _Evaluation:
     parameter_index: dict[tuple[int, str], int] = field(default_factory=dict[tuple[int, str], int])
     dofs: list[RobotDof] = field(default_factory=list[RobotDof])
     dof_index: dict[tuple[int, str], int] = field(default_factory=dict[tuple[int, str], int])
+    own: list[OwnDynamics] = field(default_factory=list[OwnDynamics])
 
     def __post_init__(self) -> None:
         self.parents = [(-1, -1)] * len(self.derivation.nodes)
@@ -109,6 +111,9 @@ class _Evaluation:
         for dof in module.dofs:
             self.dof_index[index, dof.name] = len(self.dofs)
             self.dofs.append(RobotDof((index,), dof.kind, dof.axis, dof.range, dof.rate))
+        own = own_dynamics(index, module, self.parameter_index, self.dof_index)
+        if own is not None:
+            self.own.append(own)
 
     # --- instances ------------------------------------------------------------------------------
 
@@ -354,4 +359,5 @@ def evaluate(
         tuple(evaluation.parameters),
         tuple(bodies),
         tuple(effectors),
+        own=tuple(evaluation.own),
     )

@@ -7,6 +7,7 @@ only one of them has to be tried.  The converse need not hold; a missed equality
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
@@ -18,6 +19,7 @@ from compiler.arithmetic.scalars import (
     ScalarTable,
     read_scalars,
 )
+from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import (
     WORLD,
     Body,
@@ -52,7 +54,8 @@ def normalise(model: RobotModel) -> RobotModel:
         if pair is None:
             break
         model = _merged(model, *pair)
-    return _compressed(model)
+    acting = (own.acting() for own in model.own)
+    return _compressed(replace(model, own=tuple(own for own in acting if own.torques)))
 
 
 # --- joints that move nothing --------------------------------------------------------------------
@@ -101,7 +104,14 @@ def _without(model: RobotModel, dof: int) -> RobotModel:
     dofs = model.dofs[:dof] + model.dofs[dof + 1 :]
     removed = tuple(sorted(model.removed + model.dofs[dof].symbols))
     frames = tuple(_renumbered(node, dof) for node in model.frames)
-    return replace(model, dofs=dofs, frames=frames, removed=removed)
+    own = _own_renumbered(model, [i for i in range(len(model.dofs)) if i != dof])
+    return replace(model, dofs=dofs, frames=frames, removed=removed, own=own)
+
+
+def _own_renumbered(model: RobotModel, order: list[int]) -> tuple[OwnDynamics, ...]:
+    """The modules' own dynamics when only these degrees of freedom are left, in this order."""
+    places = {old: new for new, old in enumerate(order)}
+    return tuple(own.renumbered(places) for own in model.own)
 
 
 def _renumbered(node: FrameNode, gone: int) -> FrameNode:
@@ -119,12 +129,16 @@ def _renumbered(node: FrameNode, gone: int) -> FrameNode:
 def _coaxial_pair(model: RobotModel) -> tuple[int, int] | None:
     """Two joint frames, the second directly behind the first about one axis, nothing between.
 
-    A coordinate that occurs in several frames is left alone: the others do not follow.
+    A coordinate that occurs in several frames is left alone: the others do not follow.  So is one
+    that a module's own dynamics read: they are about the joint alone.
     """
+    read = {dof for own in model.own for dof in own.bound_dofs.values()}
     used = {node for frame, _ in _items(model) for node in model.chain(frame)}
     joints = {n: s for n in used if isinstance(s := model.frames[n].step, Joint)}
     uses = Counter(step.dof for step in joints.values())
-    alone = {node: step for node, step in joints.items() if uses[step.dof] == 1}
+    alone = {
+        node: step for node, step in joints.items() if uses[step.dof] == 1 and step.dof not in read
+    }
     carriers = {node: _origin(model, model.frames[node].parent) for node in used}
     occupied = {_origin(model, frame) for frame, _ in _items(model)}
     for second in sorted(alone):
@@ -183,7 +197,8 @@ def _merged(model: RobotModel, first: int, second: int) -> RobotModel:
         for node in smaller.frames
     )
     sorted_dofs = tuple(smaller.dofs[i] for i in order)
-    return replace(smaller, dofs=sorted_dofs, frames=frames, removed=model.removed)
+    own = _own_renumbered(smaller, order)
+    return replace(smaller, dofs=sorted_dofs, frames=frames, removed=model.removed, own=own)
 
 
 # --- rigid steps ---------------------------------------------------------------------------------
@@ -259,9 +274,8 @@ def robot_key(model: RobotModel) -> str:
     different occurrences compare equal.
     """
     used = _used_scalars(model)
-    parameters = sorted(
-        node.index for i in used if isinstance(node := model.scalars[i], ParameterLeaf)
-    )
+    read = {node.index for i in used if isinstance(node := model.scalars[i], ParameterLeaf)}
+    parameters = sorted(read.union(*(own.read_parameters for own in model.own)))
     names = {index: f"p{number}" for number, index in enumerate(parameters)}
 
     def leaf(node: Constant | PiConstant | ParameterLeaf) -> str:
@@ -281,8 +295,15 @@ def robot_key(model: RobotModel) -> str:
     parts += [_frame_text(model, frame, texts) for frame in model.frames]
     parts += [_body_text(body, texts) for body in model.bodies]
     parts.append(f"effectors {model.effectors}")
+    parts += [_own_text(own, names) for own in model.own]
     parts += [f"{name}: {model.parameters[index].domain}" for index, name in names.items()]
     return "\n".join(parts)
+
+
+def _own_text(own: OwnDynamics, names: Mapping[int, str]) -> str:
+    """The dynamics of a module's own with the parameters by their names in the key."""
+    parameters = [(name, names.get(index)) for name, index in own.parameters]
+    return f"own {own.states} {own.inputs} {own.torques} {parameters} {own.dofs}"
 
 
 def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from compiler.arithmetic.scalars import ScalarNode
+from compiler.robots.own_dynamics import OwnDynamics
 from grammar_lang import ir
 
 WORLD = 0
@@ -107,7 +108,8 @@ class RobotModel:
     """A robot.
 
     ``frames`` are in topological order, frame 0 is the world.  ``effectors`` holds frames, in
-    word order.  ``removed`` holds the word indices of joints that move nothing.
+    word order.  ``removed`` holds the word indices of joints that move nothing, ``own`` the
+    dynamics of their own that modules have, in word order.
     """
 
     dimension: Literal[2, 3]
@@ -118,6 +120,7 @@ class RobotModel:
     bodies: tuple[Body, ...]
     effectors: tuple[int, ...]
     removed: tuple[int, ...] = ()
+    own: tuple[OwnDynamics, ...] = ()
 
     def chain(self, frame: int) -> list[int]:
         """The frames from the world (excluded) to ``frame`` (included)."""

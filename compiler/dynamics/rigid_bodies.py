@@ -1,0 +1,119 @@
+r"""Mass matrix, Coriolis forces and gravity of rigid bodies as CasADi expressions.
+
+From kinetic and potential energy (Lagrange's equations of the second kind).
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import casadi as ca
+
+from compiler.arithmetic.scalars import Constant
+from compiler.dynamics.absolute_angles import Coordinates
+from compiler.dynamics.kinematics import ConstantInputs, Kinematics
+from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody
+
+
+def _inertia(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Mass, position of the com, and inertia about it in world axes."""
+    half, twelfth = (constants.read(Constant(Fraction(1, i))) for i in (2, 12))
+    match body:
+        case RodBody(frame, axis, sign, length, density, _):
+            extent, mass = at.scalars[length], at.scalars[density] * at.scalars[length]
+            direction = sign * at.axis(frame, axis)
+            com = at.origins[frame] + direction * (extent * half)
+            about = mass * extent**2 * twelfth
+            return mass, com, about * (ca.SX.eye(3) - direction @ direction.T)
+        case PointBody(frame, mass_scalar):
+            return at.scalars[mass_scalar], at.origins[frame], ca.SX.zeros(3, 3)
+        case SolidBody(frame, mass_scalar, com_local, inertia):
+            local = ca.SX.zeros(3, 3)
+            items = [at.scalars[i] for i in inertia]
+            if len(items) == 1:
+                local[2, 2] = items[0]
+            else:
+                places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+                for (row, column), item in zip(places, items, strict=True):
+                    local[row, column] = item
+                    local[column, row] = item
+            turn = at.orientations[frame].matrix()
+            return at.scalars[mass_scalar], at.point(frame, com_local), turn @ local @ turn.T
+
+
+def _angular_jacobian(
+    model: RobotModel, at: Kinematics, frame: int, coordinates: Coordinates
+) -> ca.SX:
+    """The Jacobian of the angular velocity of a frame in y, shape (3, n)."""
+    columns = ca.SX.zeros(3, len(model.dofs))
+    for node in model.chain(frame):
+        step = model.frames[node].step
+        if not isinstance(step, Joint) or model.dofs[step.dof].kind != "revolute":
+            continue
+        if step.dof not in coordinates.absolute:
+            columns[:, step.dof] += step.sign * at.axis(node, step.axis)
+            continue
+        # Measured from a fixed direction: the rate of the joint it is measured from drops out.
+        for other, entry in enumerate(coordinates.rows[step.dof]):
+            if entry and other != step.dof:
+                columns[:, other] = 0
+        columns[:, step.dof] = at.axis(node, step.axis)
+    return columns
+
+
+def mass_matrix(
+    model: RobotModel,
+    at: Kinematics,
+    q: ca.SX,
+    constants: ConstantInputs,
+    coordinates: Coordinates,
+) -> ca.SX:
+    """M, the Hessian of the kinetic energy in the rates."""
+    total = ca.SX.zeros(len(model.dofs), len(model.dofs))
+    for body in model.bodies:
+        mass, com, inertia = _inertia(body, at, constants)
+        linear = ca.jacobian(com, q)
+        angular = _angular_jacobian(model, at, body.frame, coordinates)
+        if model.dimension == 2:
+            spin = angular[2, :]
+            total += mass * (linear.T @ linear) + inertia[2, 2] * (spin.T @ spin)
+        else:
+            total += mass * (linear.T @ linear) + angular.T @ inertia @ angular
+    return total
+
+
+def centrifugal(mass: ca.SX, q: ca.SX, v: ca.SX, constants: ConstantInputs) -> ca.SX:
+    r"""Coriolis and centrifugal forces by Christoffel symbols of the first kind.
+
+    .. math:: c_i = \sum_{jk} \Bigl(\partial_k M_{ij} - \tfrac12 \partial_i M_{jk}\Bigr) v_j v_k
+    """
+    n, rows = q.numel(), []
+    half = constants.read(Constant(Fraction(1, 2)))
+    for i in range(n):
+        row = ca.SX(0)
+        for j in range(n):
+            for k in range(j, n):
+                # Doubled throughout, and halved once by an exact input below.
+                term = ca.jacobian(mass[i, j], q[k]) + ca.jacobian(mass[i, k], q[j])
+                twice = term - ca.jacobian(mass[j, k], q[i])
+                row += twice * v[j] * v[k] * (1 if j == k else 2)
+        rows.append(row * half)
+    return ca.vertcat(*rows) if rows else ca.SX(0, 1)
+
+
+def gravitational(
+    model: RobotModel,
+    at: Kinematics,
+    q: ca.SX,
+    gravity: tuple[Fraction, ...],
+    constants: ConstantInputs,
+) -> ca.SX:
+    """g, the gradient of the potential energy."""
+    if not any(gravity):
+        return ca.SX.zeros(len(model.dofs))
+    pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
+    potential = ca.SX(0)
+    for body in model.bodies:
+        mass, com, _ = _inertia(body, at, constants)
+        potential -= mass * ca.dot(pull, com[: len(gravity)])
+    return ca.gradient(potential, q)
