@@ -32,7 +32,8 @@ def _family(
     grammar: GrammarInfo, semantics: SemanticsInfo | None, modules: Mapping[str, ModuleInfo]
 ) -> Family:
     symbols = [s.name for p in grammar.grammar.productions for s in p.right]
-    dofs = [dof for name in symbols if name in modules for dof in modules[name].dofs.values()]
+    used = [modules[name].module for name in symbols if name in modules]
+    dofs = [dof for module in used for dof in module.free_dofs]
     kinds: tuple[ir.DofKind, ...] = ("revolute", "prismatic")
     return Family(
         kinds=tuple(kind for kind in kinds if any(dof.kind == kind for dof in dofs)),

@@ -36,7 +36,7 @@ Named = TypeVar("Named")
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A robot family as a task sees it: ``kinds`` of its degrees of freedom, in fixed order."""
+    """A robot family as a task sees it: ``kinds`` of joints with a free input, in fixed order."""
 
     kinds: tuple[ir.DofKind, ...]
     has_semantics: bool

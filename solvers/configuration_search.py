@@ -27,6 +27,7 @@ RETIMING = Effort(10, 1e-4, 1e-8)
 RETIMING_RADIUS = 0.1
 RELEASES = (0.3, 0.3)
 """Trust regions of the attempts with the cells released."""
+NARROWINGS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,3 +180,18 @@ def _moved(entries: tuple[int, ...], cell: int, shift: int, steps: int) -> tuple
     moved[cell] += shift
     after = moved[cell + 1] if cell + 1 < len(moved) else steps + 1
     return tuple(moved) if moved[cell - 1] < moved[cell] < after else None
+
+
+def within_limits(follower: Follower, found: Configuration) -> tuple[Follower, Configuration]:
+    """A configuration whose motion keeps the limits of joints and rates within its steps too.
+
+    The limits that it passes there are narrowed and the motion is found anew, a few times.
+    """
+    for _ in range(NARROWINGS):
+        narrowed = follower.narrowed(found.outcome.trajectory) if found.outcome.feasible else None
+        if narrowed is None:
+            break
+        follower = narrowed
+        outcome = follower.solve(found.outcome.trajectory, found.entries)
+        found = replace(found, outcome=outcome)
+    return follower, found

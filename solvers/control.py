@@ -16,9 +16,7 @@ import numpy as np
 from compiler.dynamics.float_reading import Array, FloatReading
 from solvers.conic import NotSolved
 from solvers.convex_step import (
-    InputGroup,
     Model,
-    MotionLimits,
     PositionRows,
     StepResult,
     Trajectory,
@@ -26,6 +24,7 @@ from solvers.convex_step import (
     convex_step,
     fictitious_inputs,
 )
+from solvers.motion_limits import InputGroup, MotionLimits
 
 RowsOf = Callable[[Array], PositionRows]
 """Position rows for the positions (k + 1, m, d) of a reference trajectory."""
@@ -63,8 +62,8 @@ class ControlProblem:
 
     @property
     def scale(self) -> float:
-        """The largest effort bound, the unit in which defects are weighed."""
-        return max((group.bound for group in self.groups), default=1.0)
+        """The largest margin of an input, the unit in which defects are weighed."""
+        return max((group.widest_margin for group in self.groups), default=1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,37 +119,34 @@ class _Measured:
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:
-    """The least bound minus effort over all steps and groups."""
-    margins = []
-    for group in groups:
-        inputs = u[:, list(group.dofs)]
-        size = np.linalg.norm(inputs, axis=1) if group.norm2 else np.abs(inputs)
-        margins.append(group.bound - float(np.max(size, initial=0.0)))
-    return min(margins, default=0.0)
+    """The least margin over all steps and groups."""
+    return min((group.margin(u) for group in groups), default=0.0)
 
 
 def effort_peak(groups: tuple[InputGroup, ...], u: Array) -> float:
     """The largest effort over all steps, of whichever group attains it."""
     return max(
         (
-            float(np.max(np.linalg.norm(u[:, list(g.dofs)], axis=1), initial=0.0))
+            float(np.max(np.linalg.norm(u[:, list(g.inputs)], axis=1), initial=0.0))
             if g.norm2
-            else float(np.max(np.abs(u[:, list(g.dofs)]), initial=0.0))
+            else float(np.max(np.abs(u[:, list(g.inputs)]), initial=0.0))
             for g in groups
+            if g.effort
         ),
         default=0.0,
     )
 
 
 def limit_excess(limits: MotionLimits, x: Array) -> float:
-    """By how much states (k + 1, 2n) leave the limits of a motion at most; 0 if they keep them."""
+    """By how much states (k + 1, N) leave the limits of a motion at most; 0 if they keep them."""
     n = len(limits.lower)
-    q, v = x[:, :n], x[:, n:]
+    q, v = x[:, :n], x[:, n : 2 * n]
     gaps = [limits.lower - q, q - limits.upper, (limits.rate_lower - v)[1:]]
     gaps += [(v - limits.rate_upper)[1:], np.abs(v[:1]) - limits.start_rates]
     gaps.append(np.abs(v[-1:]) - limits.final_rates)
     if limits.start_values is not None:
         gaps.append(np.abs(q[:1] - limits.start_values))
+    gaps.append(np.abs(x[0, 2 * n :] - limits.own_start))
     return max(float(np.max(gap, initial=0.0)) for gap in gaps)
 
 
@@ -316,9 +312,10 @@ def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
     """The trajectory that the inputs cause from the same initial state."""
     first = trajectory.x[0].copy()
     if problem.limits.start_rates == 0.0:
-        first[problem.reading.n :] = 0.0
+        first[problem.reading.n : 2 * problem.reading.n] = 0.0
     if problem.limits.start_values is not None:
         first[: problem.reading.n] = problem.limits.start_values
+    first[2 * problem.reading.n :] = problem.limits.own_start
     states = problem.reading.simulate(
         first, trajectory.u, trajectory.theta, problem.dt, problem.substeps
     )

@@ -22,35 +22,10 @@ from scipy.sparse import csc_matrix
 
 from compiler.dynamics.float_reading import FloatReading, Linearisation, Points
 from solvers.conic import ConicProgram, NotSolved, solve
+from solvers.motion_limits import InputGroup, MotionLimits
 
 Array: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.int64]
-
-
-@dataclass(frozen=True, slots=True)
-class InputGroup:
-    """Inputs with one bound: each of them, or their Euclidean norm (``norm2``)."""
-
-    dofs: tuple[int, ...]
-    bound: float
-    norm2: bool
-
-
-@dataclass(frozen=True, slots=True)
-class MotionLimits:
-    """What binds the state apart from positions; arrays have one entry per degree of freedom.
-
-    ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones (inf:
-    free), ``start_values`` fixes the initial coordinates.
-    """
-
-    lower: Array
-    upper: Array
-    rate_lower: Array
-    rate_upper: Array
-    start_rates: float
-    final_rates: float
-    start_values: Array | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +48,7 @@ class PositionRows:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """States (k + 1, 2n), inputs (k, n) and parameters (p,) of a robot."""
+    """States (k + 1, N), inputs (k, m) and parameters (p,) of a robot; N = 2n + r."""
 
     x: Array
     u: Array
@@ -130,57 +105,70 @@ class _Rows:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """Where each unknown lives in the vector z."""
+    """Where each unknown lives in the vector z: x, u, v, theta, three scalars, slacks.
+
+    ``n`` coordinates, states of ``width`` entries, ``m`` inputs, ``k`` steps, ``p`` parameters.
+    """
 
     n: int
+    width: int
+    m: int
     k: int
     p: int
     slacks: int = 0
 
     @property
     def x(self) -> Indices:
-        return np.arange((self.k + 1) * 2 * self.n).reshape(self.k + 1, 2 * self.n)
+        return np.arange((self.k + 1) * self.width).reshape(self.k + 1, self.width)
 
     @property
     def u(self) -> Indices:
-        start = (self.k + 1) * 2 * self.n
-        return start + np.arange(self.k * self.n).reshape(self.k, self.n)
+        start = (self.k + 1) * self.width
+        return start + np.arange(self.k * self.m).reshape(self.k, self.m)
 
     @property
     def v(self) -> Indices:
-        start = (self.k + 1) * 2 * self.n + self.k * self.n
-        return start + np.arange(self.k * 2 * self.n).reshape(self.k, 2 * self.n)
+        start = (self.k + 1) * self.width + self.k * self.m
+        return start + np.arange(self.k * self.width).reshape(self.k, self.width)
 
     @property
     def theta(self) -> Indices:
-        return (5 * self.k + 2) * self.n + np.arange(self.p)
+        return self._motion + np.arange(self.p)
 
     @property
     def scalars(self) -> tuple[int, int, int]:
         """V, sigma, rho."""
-        start = (5 * self.k + 2) * self.n + self.p
+        start = self._motion + self.p
         return start, start + 1, start + 2
 
     @property
     def g(self) -> Indices:
         """One slack per step, where they are asked for."""
-        return (5 * self.k + 2) * self.n + self.p + 3 + np.arange(self.slacks)
+        return self._motion + self.p + 3 + np.arange(self.slacks)
 
     @property
     def size(self) -> int:
-        return (5 * self.k + 2) * self.n + self.p + 3 + self.slacks
+        return self._motion + self.p + 3 + self.slacks
+
+    @property
+    def _motion(self) -> int:
+        """How many unknowns the motion takes: x, u and v."""
+        return (2 * self.k + 1) * self.width + self.k * self.m
 
 
 def fictitious_inputs(reading: FloatReading, trajectory: Trajectory, dt: float) -> Array:
-    """B' of C.2, shape (k, 2n, 2n): a unit slack is the effort that causes it within a step.
+    """B' of C.2, shape (k, N, N): a unit slack is the effort that causes it within a step.
 
-    An effort f held for dt moves a coordinate by dt^2/2 M^-1 f and its rate by dt M^-1 f.
+    An effort f held for dt moves a coordinate by dt^2/2 M^-1 f and its rate by dt M^-1 f.  A state
+    of a module's own is moved by dt in its own unit.
     """
     n, k = reading.n, len(trajectory.u)
     inverse = np.linalg.inv(reading.mass_matrix(trajectory.x[:-1, :n], trajectory.theta))
-    matrix = np.zeros((k, 2 * n, 2 * n))
+    matrix = np.zeros((k, reading.size, reading.size))
     matrix[:, :n, :n] = dt**2 / 2 * inverse
-    matrix[:, n:, n:] = dt * inverse
+    matrix[:, n : 2 * n, n : 2 * n] = dt * inverse
+    own = np.arange(2 * n, reading.size)
+    matrix[:, own, own] = dt
     return matrix
 
 
@@ -212,9 +200,10 @@ def convex_step(
     shortest prefix that cannot be followed (Problem 4 of the paper's appendix).
     """
     about = model.about
-    k, n = about.u.shape
+    k, m = about.u.shape
     p = 0 if theta_box is None else len(about.theta)
-    layout = _Layout(n, k, p, 0 if epsilon is None else k)
+    sizes_of = len(limits.lower), about.x.shape[1], m, k, p
+    layout = _Layout(*sizes_of, slacks=0 if epsilon is None else k)
     equalities, inequalities = _Rows(), _Rows()
     _dynamics_rows(equalities, layout, model)
     _limit_rows(equalities, inequalities, layout, limits)
@@ -263,15 +252,14 @@ def _assemble(
 
 
 def _dynamics_rows(rows: _Rows, layout: _Layout, model: Model) -> None:
-    """C.2: one block of 2n equalities per step."""
-    k, n, about, lin = layout.k, layout.n, model.about, model.dynamics
+    """C.2: one block of N equalities per step."""
+    k, width, about, lin = layout.k, layout.width, model.about, model.dynamics
     known = lin.value - np.einsum("kij,kj->ki", lin.state, about.x[:-1])
     known -= np.einsum("kij,kj->ki", lin.input, about.u)
     blocks = [(layout.x[:-1], lin.state), (layout.u, lin.input), (layout.v, model.fictitious)]
     if layout.p:
         known -= lin.parameter @ about.theta
         blocks.append((np.broadcast_to(layout.theta, (k, layout.p)), lin.parameter))
-    width = 2 * n
     wide = [
         (np.repeat(columns, width, axis=0), values.reshape(k * width, -1))
         for columns, values in blocks
@@ -283,8 +271,9 @@ def _dynamics_rows(rows: _Rows, layout: _Layout, model: Model) -> None:
 def _limit_rows(
     equalities: _Rows, inequalities: _Rows, layout: _Layout, limits: MotionLimits
 ) -> None:
-    """Start and final rates, joint limits and rate limits."""
+    """Start and final rates, joint limits and rate limits, initial states of modules' own."""
     n, x = layout.n, layout.x
+    equalities.add(limits.own_start, (x[0, 2 * n :, None], np.array([[1.0]])))
     if limits.start_values is None:
         inequalities.add_bounds(x[0, :n], limits.lower, limits.upper)
     else:
@@ -297,12 +286,12 @@ def _limit_rows(
     upper = np.array(np.broadcast_to(limits.rate_upper, shape))
     for sample, bound in ((0, limits.start_rates), (count, limits.final_rates)):
         if bound == 0.0:
-            equalities.add(np.zeros(n), (x[sample, n:, None], np.array([[1.0]])))
+            equalities.add(np.zeros(n), (x[sample, n : 2 * n, None], np.array([[1.0]])))
             lower[sample], upper[sample] = -np.inf, np.inf
             continue
         lower[sample] = np.maximum(lower[sample], -bound)
         upper[sample] = np.minimum(upper[sample], bound)
-    inequalities.add_bounds(x[:, n:].ravel(), lower.ravel(), upper.ravel())
+    inequalities.add_bounds(x[:, n : 2 * n].ravel(), lower.ravel(), upper.ravel())
 
 
 def _position_rows(rows: _Rows, layout: _Layout, model: Model, wanted: PositionRows) -> None:
@@ -361,21 +350,17 @@ def _input_rows(
     rho, u = layout.scalars[2], layout.u
     cones, sizes = _Rows(), []
     for group in groups:
-        dofs = list(group.dofs)
-        columns = u[:, dofs]
+        columns = u[:, list(group.inputs)]
         if not group.norm2:
-            for sign in (1.0, -1.0):
-                flat = columns.reshape(-1, 1)
-                pair = np.concatenate([flat, np.full_like(flat, rho)], axis=1)
-                rows.add(np.full(len(flat), group.bound), (pair, np.array([[sign, 1.0]])))
+            flat = columns.reshape(-1, 1)
+            pair = np.concatenate([flat, np.full_like(flat, rho)], axis=1)
+            for sign, bound in ((1.0, group.upper), (-1.0, -group.lower)):
+                rows.add(np.full(len(flat), bound), (pair, np.array([[sign, 1.0]])))
             continue
         for step in columns:
-            cones.add(np.array([group.bound]), (np.array([[rho]]), np.array([[1.0]])))
+            cones.add(np.array([group.upper]), (np.array([[rho]]), np.array([[1.0]])))
             cones.add(np.zeros(len(step)), (step[:, None], np.array([[-1.0]])))
             sizes.append(1 + len(step))
-    bounds = [group.bound for group in groups]
-    if bounds:
-        rows.add(np.array([min(bounds)]), (np.array([[rho]]), np.array([[1.0]])))
-    else:
-        rows.add(np.zeros(1), (np.array([[rho]]), np.array([[1.0]])))
+    widest = min((group.widest_margin for group in groups), default=0.0)
+    rows.add(np.array([widest]), (np.array([[rho]]), np.array([[1.0]])))
     return cones, tuple(sizes)

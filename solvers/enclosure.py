@@ -37,8 +37,8 @@ class EnclosureFailure(ArithmeticError):
 class TubeSegment:
     """The solution on [start, start + length] as polynomials with ball coefficients.
 
-    ``states[i]`` holds the coefficients of coordinate i (first n) or rate i - n, in the time since
-    ``start``; ``number`` counts the input in force.
+    ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
+    states) in the time since ``start``; ``number`` counts the input in force.
     """
 
     start: arb
@@ -62,17 +62,19 @@ def polynomial(coefficients: Sequence[arb], tau: arb) -> arb:
 
 @dataclass(frozen=True, slots=True)
 class VectorField:
-    """q' = v, M(q) v' = r(q, v, u), and its variational equation, as series with ball coefficients.
+    """q' = v, M(q) v' = b, s' = d with b, d of (q, v, s, u), as series with ball coefficients.
 
-    ``balance`` gives M and r, ``variation`` the Jacobian of r - M a in (q, v); ``tail`` holds the
-    balls of theta and k.  The linear systems are solved coefficient by coefficient with the
-    constant term of M, preconditioned: far tighter than eliminating in series.
+    ``balance`` gives M, b and d, ``variation`` the Jacobian of (b - M a, d) in (q, v, s) for the
+    variational equation; ``tail`` holds the balls of theta and k; s has ``own`` entries.  The
+    linear systems are solved coefficient by coefficient with the constant term of M,
+    preconditioned: far tighter than eliminating in series.
     """
 
     balance: Tape
     variation: Tape
     dofs: int
     tail: tuple[arb, ...]
+    own: int = 0
 
     def acceleration(self, state: Sequence[arb], u: Sequence[arb]) -> list[arb]:
         """Accelerations for a state given as balls.
@@ -82,7 +84,8 @@ class VectorField:
         """
         flat = self.balance.run([*state, *u, *self.tail], BallArithmetic())
         mass = _Mass(self._square(flat[: self.dofs**2]))
-        return mass.solve(arb_mat([[item] for item in flat[self.dofs**2 :]])).entries()
+        forces = flat[self.dofs**2 : self.dofs**2 + self.dofs]
+        return mass.solve(arb_mat([[item] for item in forces])).entries()
 
     def taylor(self, state: Sequence[arb], u: Sequence[arb], order: int) -> list[Coefficients]:
         """Taylor coefficients 0 ... order of the solution through a state.
@@ -106,18 +109,21 @@ class VectorField:
         Raises:
             ZeroDivisionError: M may be singular on the state.
         """
-        n = self.dofs
+        n, size, height = self.dofs, 2 * self.dofs + self.own, self.dofs + self.own
         x = [[item] for item in state]
         mass, masses, pulls = self._extend(x, u, order)
         slopes: list[arb_mat] = []
-        s = [[[arb(1 if i == j else 0)] for j in range(2 * n)] for i in range(2 * n)]
+        s = [[[arb(1 if i == j else 0)] for j in range(size)] for i in range(size)]
         ctx.cap = order
         inputs = [arb_series(item) for item in (*x, *pulls)]
         out = self.variation.run(
             [*inputs, *(arb_series([item]) for item in (*u, *self.tail))], SeriesArithmetic()
         )
-        table = [[[series[m] for series in out[i::n]] for i in range(n)] for m in range(order)]
-        blocks = [arb_mat(rows) for rows in table]
+        table = [
+            [[series[m] for series in out[i::height]] for i in range(height)] for m in range(order)
+        ]
+        blocks = [arb_mat(rows[:n]) for rows in table]
+        own_blocks = [arb_mat(rows[n:]) for rows in table] if self.own else []
         grown: list[arb_mat] = []
         for length in range(1, order + 1):
             last = length - 1
@@ -126,10 +132,15 @@ class VectorField:
             for m in range(1, length):
                 right = right + blocks[m] * grown[last - m] - masses[m] * slopes[last - m]
             slopes.append(mass.solve(right))
-            for i in range(n):
-                for j in range(2 * n):
+            own = arb_mat(self.own, size)
+            for block, earlier in zip(own_blocks, reversed(grown), strict=False):
+                own = own + block * earlier
+            for j in range(size):
+                for i in range(n):
                     s[i][j].append(s[n + i][j][last] / length)
                     s[n + i][j].append(slopes[last][i, j] / length)
+                for i in range(self.own):
+                    s[2 * n + i][j].append(own[i, j] / length)
         return s
 
     def _extend(
@@ -149,13 +160,15 @@ class VectorField:
             masses.append(self._square([item[last] for item in flat[: n * n]]))
             if mass is None:
                 mass = _Mass(masses[0])
-            right = arb_mat([[item[last]] for item in flat[n * n :]])
+            right = arb_mat([[item[last]] for item in flat[n * n : n * n + n]])
             for m in range(1, length):
                 right = right - masses[m] * pulls[last - m]
             pulls.append(mass.solve(right))
             for i in range(n):
                 x[i].append(x[n + i][last] / length)
                 x[n + i].append(pulls[last][i, 0] / length)
+            for i in range(self.own):
+                x[2 * n + i].append(flat[n * n + n + i][last] / length)
         if mass is None:
             raise ValueError("an order of at least 1 is due")
         return mass, masses, [[pull[i, 0] for pull in pulls] for i in range(n)]

@@ -12,11 +12,18 @@ from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import Body, RobotModel, RodBody
 from grammar_lang import ir
-from grammar_lang.constants import to_float
 from solvers.control import FULL, WORST, ControlOutcome, ControlProblem, Effort, synthesise_control
-from solvers.convex_step import InputGroup, MotionLimits, Trajectory
+from solvers.convex_step import Trajectory
 from solvers.inverse_kinematics import branches
+from solvers.motion_limits import MotionLimits
 from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation
+from solvers.task_limits import (
+    input_groups,
+    motion_limits,
+    parameter_bounds,
+    resting_inputs,
+    state_limits,
+)
 
 SUBSTEPS = 2
 MOST_SUBSTEPS = 32
@@ -29,17 +36,18 @@ LEAST_MARGIN = 2e-3
 """The position margin in metres that a search begins with."""
 OVERSHOOT = 4.0
 """A wider position margin widens that distance so much faster: motions overshoot within steps."""
-NARROW = 0.1
-"""But at most at this part of a range's width."""
-RATE_MARGIN = 0.5
-"""A final rest is asked for at this fraction of its bound."""
+WITHIN = 4
+"""How often limits are looked at within a step once a motion is there."""
+BEYOND = 1.25
+"""How much farther a limit is moved than motions went beyond it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Follower:
     """An effector of a robot that has to follow a path of cells, and what else binds the robot.
 
-    ``effector`` starts (unless the task names another) and reaches.
+    ``effector`` starts (unless the task names another) and reaches.  ``insets`` narrows the limits
+    of joints and rates further, shape (n, 2, 2): motions were seen to pass them within steps.
     """
 
     reading: FloatReading
@@ -52,6 +60,7 @@ class Follower:
     seed: int
     branch_count: int = 4
     substeps: int = SUBSTEPS
+    insets: Array | None = None
 
     @property
     def model(self) -> RobotModel:
@@ -69,6 +78,12 @@ class Follower:
     def limit_margin(self) -> float:
         """The distance kept from joint and rate limits, in rad or m (/s)."""
         return LIMIT_MARGIN + OVERSHOOT * max(0.0, self.margin - LEAST_MARGIN)
+
+    @property
+    def limits(self) -> MotionLimits:
+        """The limits of the motion, narrowed so that the proof passes."""
+        insets = 0.0 if self.insets is None else self.insets
+        return motion_limits(self.model, self.task, self.limit_margin + insets)
 
     @property
     def starts_in_its_cell(self) -> bool:
@@ -174,7 +189,7 @@ class Follower:
     def problem(self, entries: tuple[int, ...] | None) -> ControlProblem:
         """The control problem for given entry steps, or with all cells but the ends released."""
         task = self.task
-        limits = motion_limits(self.model, task, self.limit_margin)
+        limits = self.limits
         groups = input_groups(self.model, task)
         plan = self.plan(entries)
         return ControlProblem(
@@ -186,7 +201,7 @@ class Follower:
     def seeds(self, theta: Array) -> list[Trajectory]:
         """One seed trajectory per branch of the inverse kinematics at the start."""
         place, _ = self.waypoints()
-        limits = motion_limits(self.model, self.task, self.limit_margin)
+        limits = self.limits
         box = (limits.lower, limits.upper)
         if limits.start_values is not None:
             first = limits.start_values[None, :]
@@ -194,14 +209,15 @@ class Follower:
             first = branches(
                 self.reading, theta, self.effector, place[0], box, self.seed, self.branch_count
             )
-        dt, n = float(self.task.step), self.reading.n
+        dt = float(self.task.step)
+        u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.reading.m)
         found = []
         for start in first:
             q = self.reading.track(start, theta, self.effector, place, box)
             v = np.gradient(q, dt, axis=0)
             v[0] = 0.0
-            u = np.zeros((self.task.steps, n))
-            found.append(Trajectory(np.concatenate([q, v], axis=1), u, theta))
+            own = np.tile(limits.own_start, (len(q), 1))
+            found.append(Trajectory(np.concatenate([q, v, own], axis=1), u, theta))
         return found
 
     def solve(
@@ -261,6 +277,23 @@ class Follower:
                     break
                 substeps, x = 2 * substeps, finer
         return replace(self, substeps=substeps)
+
+    def narrowed(self, trajectory: Trajectory) -> Follower | None:
+        """The same task with the limits narrowed that a motion passes within its steps, or None."""
+        reading, n = self.reading, self.reading.n
+        u = np.repeat(trajectory.u, WITHIN, axis=0)
+        dt, theta = float(self.task.step) / WITHIN, trajectory.theta
+        with np.errstate(all="ignore"):
+            x = reading.simulate(trajectory.x[0], u, theta, dt, max(1, self.substeps // WITHIN))
+        states = x[:, : 2 * n].reshape(len(x), 2, n).transpose(2, 1, 0)
+        limits = state_limits(self.model)
+        below = limits[:, :, 0] - np.min(states, axis=2)
+        above = np.max(states, axis=2) - limits[:, :, 1]
+        beyond = np.stack([below, above], axis=2) + LIMIT_MARGIN / 2
+        if not bool(np.any(beyond > 0)):
+            return None
+        before = 0.0 if self.insets is None else self.insets
+        return replace(self, insets=before + np.maximum(0.0, BEYOND * beyond))
 
     def visited(self, trajectory: Trajectory) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
         """The cells a trajectory visits and when it enters them, if that is a path of the task."""
@@ -326,52 +359,3 @@ def _convex(polytope: Polytope) -> ConvexSet:
         polytope = polytope.intersection(Polytope(tuple(rows)))
     vertices = np.array([[float(x) for x in vertex] for vertex in polytope.vertices])
     return ConvexSet(polytope.A, polytope.b, vertices)
-
-
-def parameter_bounds(model: RobotModel) -> list[tuple[float, float]]:
-    """The least and largest value of every parameter, SI."""
-    bounds = []
-    for parameter in model.parameters:
-        domain = parameter.domain
-        if isinstance(domain, ir.Interval):
-            bounds.append((to_float(domain.lower), to_float(domain.upper)))
-        else:
-            values = [to_float(value) for value in domain.values]
-            bounds.append((min(values), max(values)))
-    return bounds
-
-
-def motion_limits(model: RobotModel, task: ir.Task, slack: float = LIMIT_MARGIN) -> MotionLimits:
-    """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
-
-    Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width.
-    """
-
-    def ends(interval: ir.Interval | None) -> tuple[float, float]:
-        if interval is None:
-            return -np.inf, np.inf
-        low, high = to_float(interval.lower), to_float(interval.upper)
-        inset = min(slack, NARROW * (high - low))
-        return low + inset, high - inset
-
-    ranges = np.array([ends(dof.range) for dof in model.dofs]).reshape(-1, 2)
-    rates = np.array([ends(dof.rate) for dof in model.dofs]).reshape(-1, 2)
-    start = task.start
-    values = None
-    if isinstance(start, ir.StartAt):
-        values = np.array([to_float(value) for value in start.values])
-    start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
-    final = RATE_MARGIN * 1e-3 if task.goal.at_rest else np.inf
-    return MotionLimits(
-        ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values
-    )
-
-
-def input_groups(model: RobotModel, task: ir.Task) -> tuple[InputGroup, ...]:
-    """The bounded inputs of a robot in a task."""
-    groups = []
-    for effort in task.effort:
-        dofs = tuple(i for i, dof in enumerate(model.dofs) if dof.kind == effort.kind)
-        if dofs:
-            groups.append(InputGroup(dofs, float(effort.bound), effort.norm2))
-    return tuple(groups)

@@ -13,7 +13,7 @@ from solvers.configuration_search import Configuration
 from solvers.control import ControlOutcome, input_margin
 from solvers.convex_step import Trajectory
 from solvers.parameter_search import parameter_space
-from solvers.path_following import input_groups
+from solvers.task_limits import input_groups, resting_inputs
 
 SAMPLES_LOG2 = 9
 KEPT = 4
@@ -65,8 +65,9 @@ def _depth(workspace: ir.Workspace, name: str, point: Array) -> float:
 
 def _motionless(reading: FloatReading, task: ir.Task, theta: Array) -> Configuration:
     k = task.steps
-    still = Trajectory(np.zeros((k + 1, 0)), np.zeros((k, 0)), theta)
     groups = input_groups(reading.graph.model, task)
+    inputs = resting_inputs(groups, k, reading.m)
+    still = Trajectory(np.zeros((k + 1, reading.size)), inputs, theta)
     margin = input_margin(groups, still.u)
     outcome = ControlOutcome(
         still,

@@ -33,14 +33,15 @@ from solvers.conclusion import (
     module_bound,
     robot_limit,
 )
-from solvers.configuration_search import Configuration, search_configuration
+from solvers.configuration_search import Configuration, search_configuration, within_limits
 from solvers.counterexample import infeasible_prefix
 from solvers.parameter_search import exact_text
-from solvers.path_following import LEAST_MARGIN, Follower, motion_limits, parameter_bounds
+from solvers.path_following import LEAST_MARGIN, Follower
 from solvers.planner import Planner, path_planner
 from solvers.progress import Conduct, OutOfTimeError
 from solvers.standing_robot import standing_configurations
 from solvers.structure_refutation import Refutation, refute_structure
+from solvers.task_limits import motion_limits, parameter_bounds
 from solvers.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.tube_checks import Status
 from solvers.verdict import Holds, Unknown
@@ -282,6 +283,7 @@ class _Run:
                 follower = wider
                 outcome = follower.solve(found.outcome.trajectory, found.entries)
                 found = replace(found, outcome=outcome)
+            follower, found = within_limits(follower, found)
             if not found.outcome.feasible:
                 break
             design = self.certified(derivation, follower, found)
@@ -316,7 +318,7 @@ class _Run:
                 for p, value in zip(model.parameters, trajectory.theta, strict=True)
             ),
             follower.effector,
-            tuple(decimal(value) for value in trajectory.x[0]),
+            tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
             tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
             tuple(tuple(names) for names in follower.cell_names(trajectory, found.entries)),
             found,

@@ -27,6 +27,7 @@ from compiler.dynamics.tape import tape
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import RobotModel, RodBody
+from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
 from solvers.enclosure import Accuracy, EnclosureFailure, VectorField, tube
 from solvers.tube_checks import (
@@ -47,7 +48,10 @@ REST_RATE = Fraction(1, 1000)
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """What drives a robot: exact parameters, initial state and inputs (one row per step)."""
+    """What drives a robot: exact parameters, initial state and inputs (one row per step).
+
+    ``state`` holds coordinates and rates; the spec says where modules' own states begin.
+    """
 
     theta: tuple[Fraction, ...]
     state: tuple[Fraction, ...]
@@ -111,11 +115,15 @@ def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding
     graph, task = scene.graph, scene.task
     tail = tuple(ball(value) for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
-    field = VectorField(tape(graph.balance), tape(graph.variation), len(graph.model.dofs), tail)
+    own = robot_states(graph.model)
+    field = VectorField(
+        tape(graph.balance), tape(graph.variation), len(graph.model.dofs), tail, len(own)
+    )
     reading = PointReading(tape(all_points(graph)), field, graph.model.dimension)
     n, coordinates = len(graph.model.dofs), graph.coordinates
     exact = [coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
     state = [ball(value) for part in exact for value in part]
+    state += [arb(0) if item.initial is None else closed_ball(item.initial) for item in own]
     inputs = [[ball(value) for value in step] for step in motion.inputs]
     always = _always(scene, tail)
     limits = _limits(graph)
@@ -196,11 +204,12 @@ def _limits(graph: RobotGraph) -> list[StateLimit]:
     """Joint limits and rate limits as balls, on the rows of q = D y."""
     found = []
     none = (0,) * len(graph.model.dofs)
+    own = (0,) * len(robot_states(graph.model))
     for number, dof in enumerate(graph.model.dofs):
         weights_of = graph.coordinates.rows[number]
         for weights, interval, what in (
-            ((*weights_of, *none), dof.range, "range"),
-            ((*none, *weights_of), dof.rate, "rate"),
+            ((*weights_of, *none, *own), dof.range, "range"),
+            ((*none, *weights_of, *own), dof.rate, "rate"),
         ):
             if interval is not None:
                 ends = closed_ball(interval.lower), closed_ball(interval.upper)

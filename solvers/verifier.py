@@ -21,7 +21,9 @@ from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.grammars.derivation import BadDerivation, Derivation
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kinds
 from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_inputs
 from grammar_lang import ir
 from grammar_lang.constants import rational
 from solvers.certificate import (
@@ -194,11 +196,11 @@ def _modules(derivation: Derivation, program: ir.Program, task: ir.Task) -> None
 
 def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
     """The claim's numbers, exact, of the right shapes, with every parameter in its domain."""
-    n = len(model.dofs)
+    n, m = len(model.dofs), len(robot_inputs(model))
     if claim.steps != task.steps or exact(claim.step) != task.step:
         raise Refused("the horizon is not the task's")
-    if len(claim.inputs) != task.steps or any(len(row) != n for row in claim.inputs):
-        raise Refused(f"the inputs are not {task.steps} rows of {n}")
+    if len(claim.inputs) != task.steps or any(len(row) != m for row in claim.inputs):
+        raise Refused(f"the inputs are not {task.steps} rows of {m}")
     if len(claim.start) != 2 * n:
         raise Refused(f"the start is not {n} coordinates and {n} rates")
     if not 0 <= claim.effector < len(model.effectors):
@@ -257,28 +259,18 @@ def _efforts(claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
     """Every input is within its bound, exactly; the claimed peak and robustness are true."""
     peak, margins, findings = Fraction(0), list[Fraction](), list[Finding]()
     all_exact = True
-    free = {dof.kind for dof in model.dofs} - {effort.kind for effort in task.effort}
+    free = unbounded_kinds(model, task)
     if free:
-        raise Refused(f"the task bounds no effort of {' and '.join(sorted(free))} joints")
-    for effort in task.effort:
-        dofs = [i for i, dof in enumerate(model.dofs) if dof.kind == effort.kind]
-        if not dofs:
-            continue
-        step, squared = 0, Fraction(0)
-        for number, row in enumerate(motion.inputs):
-            size = sum((row[i] ** 2 for i in dofs), Fraction(0))
-            size = size if effort.norm2 else max(row[i] ** 2 for i in dofs)
-            step, squared = (number, size) if size > squared else (step, squared)
-        time = float(step * task.step)
-        unit = "N*m" if effort.kind == "revolute" else "N"
-        largest = _square_root(squared)
-        all_exact = all_exact and largest**2 == squared
-        holds = squared <= effort.bound**2
-        status = Status.HOLDS if holds else Status.FAILS
-        margin = effort.bound - largest
-        findings.append(Finding(f"effort ({unit})", status, float(margin), unit, time))
-        peak = max(peak, largest)
-        margins.append(margin)
+        raise Refused(f"the task bounds no effort of {' and '.join(free)} joints")
+    for bound in input_bounds(model, task):
+        held = _held(bound, motion)
+        time = float(held.step * task.step)
+        all_exact = all_exact and held.exact
+        status = Status.HOLDS if held.holds else Status.FAILS
+        name = f"effort ({bound.unit})" if bound.effort else bound.name
+        findings.append(Finding(name, status, float(held.margin), bound.unit, time))
+        peak = max(peak, held.largest) if bound.effort else peak
+        margins.append(held.margin)
     true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}
     if all(finding.status is Status.HOLDS for finding in findings):
         for name, true in true_values.items():
@@ -286,6 +278,34 @@ def _efforts(claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
             if not _states(stated, true, exactly=all_exact):
                 raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
     return findings
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """How inputs keep a bound: the least margin, at which step, and the largest size.
+
+    ``exact`` says that both are exact, not roots rounded up.
+    """
+
+    holds: bool
+    margin: Fraction
+    step: int
+    largest: Fraction
+    exact: bool = True
+
+
+def _held(bound: InputBound, motion: Motion) -> _Held:
+    """The inputs of a motion against one bound."""
+    if bound.norm2:
+        squares = [sum((row[i] ** 2 for i in bound.inputs), Fraction(0)) for row in motion.inputs]
+        square = max(squares)
+        root = _square_root(square)
+        holds, margin = square <= bound.upper**2, bound.upper - root
+        return _Held(holds, margin, squares.index(square), root, root**2 == square)
+    margins = [bound.margin(row) for row in motion.inputs]
+    least = min(margins)
+    largest = max(abs(row[i]) for row in motion.inputs for i in bound.inputs)
+    return _Held(least >= 0, least, margins.index(least), largest)
 
 
 def _states(stated: Fraction, true: Fraction, *, exactly: bool) -> bool:

@@ -10,6 +10,8 @@ from typing import Any
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.float_reading import FloatReading
+from compiler.robots.input_bounds import input_bounds
+from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.certificate import (
     FoundClaim,
@@ -31,18 +33,16 @@ def proof_name(index: int) -> str:
 def _efforts(design: Design, task: ir.Task) -> tuple[str, str]:
     """Peak effort and robustness as exact decimals (rounded towards caution for a norm)."""
     peak, margins = Fraction(0), list[Fraction]()
-    inputs = [[Fraction(text) for text in row] for row in design.inputs]
-    for effort in task.effort:
-        dofs = [i for i, dof in enumerate(design.model.dofs) if dof.kind == effort.kind]
-        if not dofs:
-            continue
-        if effort.norm2:
-            squares = [sum((row[i] ** 2 for i in dofs), Fraction(0)) for row in inputs]
+    inputs = [tuple(Fraction(text) for text in row) for row in design.inputs]
+    for bound in input_bounds(design.model, task):
+        if bound.norm2:
+            squares = [sum((row[i] ** 2 for i in bound.inputs), Fraction(0)) for row in inputs]
             largest = Fraction(decimal(float(max(squares)) ** 0.5))
+            margins.append(bound.upper - largest)
         else:
-            largest = max(abs(row[i]) for row in inputs for i in dofs)
-        peak = max(peak, largest)
-        margins.append(effort.bound - largest)
+            largest = max(abs(row[i]) for row in inputs for i in bound.inputs)
+            margins.append(min(bound.margin(row) for row in inputs))
+        peak = max(peak, largest) if bound.effort else peak
     rho = min(margins, default=Fraction(0))
     try:
         return exact_decimal(peak), exact_decimal(rho)
@@ -155,20 +155,22 @@ def design_text(
 
 
 def trajectory_csv(design: Design, task: ir.Task) -> str:
-    """The sampled trajectory in SI units: t, q, rates, inputs, effector positions."""
+    """The sampled trajectory in SI units: t, q, rates, own states, inputs, effector positions."""
     trajectory = design.configuration.outcome.trajectory
     n, d = len(design.model.dofs), design.model.dimension
+    states, inputs_of = robot_states(design.model), robot_inputs(design.model)
     reading = FloatReading(robot_graph(design.model, task.gravity))
     tips = reading.points(trajectory.x[:, :n], trajectory.theta).value
     effectors = len(design.model.effectors)
     head = ["t", *(f"q{i + 1}" for i in range(n)), *(f"qd{i + 1}" for i in range(n))]
-    head += [f"u{i + 1}" for i in range(n)]
+    head += [f"s{i + 1}" for i in range(len(states))]
+    head += [f"u{i + 1}" for i in range(len(inputs_of))]
     head += [f"e{e + 1}_{axis}" for e in range(effectors) for axis in "xyz"[:d]]
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(head)
     for i, state in enumerate(trajectory.x):
-        inputs = design.inputs[i] if i < len(design.inputs) else ("",) * n
+        inputs = design.inputs[i] if i < len(design.inputs) else ("",) * len(inputs_of)
         writer.writerow(
             [
                 decimal(float(i * task.step)),

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.float_reading import Array, FloatReading
 from compiler.geometry.polytope import polytope_of
+from compiler.robots.input_bounds import input_bounds
 from compiler.robots.robot import WORLD
 from grammar_lang import ir
 from solvers.synthesis import Design, Synthesis
@@ -202,41 +203,40 @@ def input_figure(design: Design, task: ir.Task) -> str:
     trajectory = design.configuration.outcome.trajectory
     time: Array = np.arange(task.steps + 1, dtype=np.float64) * float(task.step)
     with mpl.rc_context(SETTINGS):
-        kinds = [e for e in task.effort if any(d.kind == e.kind for d in design.model.dofs)]
-        figure = Figure(figsize=(7.2, 2.6 * max(1, len(kinds)) + 0.6), layout="constrained")
+        bounds = input_bounds(design.model, task)
+        figure = Figure(figsize=(7.2, 2.6 * max(1, len(bounds)) + 0.6), layout="constrained")
         FigureCanvasSVG(figure)
-        panels = figure.subplots(max(1, len(kinds)), 1, squeeze=False)[:, 0]
-        for axes, effort in zip(panels, kinds, strict=False):
-            bound = float(effort.bound)
-            unit = "N m" if effort.kind == "revolute" else "N"
-            for i, dof in enumerate(design.model.dofs):
-                if dof.kind == effort.kind:
-                    values = np.append(trajectory.u[:, i], trajectory.u[-1:, i])
-                    axes.step(time, values, where="post", lw=1.4, label=f"u{i + 1}")
-            for sign in (-1, 1):
-                label = f"bound ±{bound:g} {unit}" if sign > 0 else None
-                axes.axhline(sign * bound, color=COLOURS["obstacle"], lw=1.0, ls="--", label=label)
+        panels = figure.subplots(max(1, len(bounds)), 1, squeeze=False)[:, 0]
+        for axes, bound in zip(panels, bounds, strict=False):
+            low, high = float(bound.lower), float(bound.upper)
+            unit = bound.unit.replace("*", " ")
+            for i in bound.inputs:
+                values = np.append(trajectory.u[:, i], trajectory.u[-1:, i])
+                axes.step(time, values, where="post", lw=1.4, label=f"u{i + 1}")
+            label = f"bound ±{high:g} {unit}" if low == -high else f"{low:g} to {high:g} {unit}"
+            for value, shown in ((low, None), (high, label)):
+                axes.axhline(value, color=COLOURS["obstacle"], lw=1.0, ls="--", label=shown)
             axes.axhline(0, color=INK, lw=0.5, alpha=0.4)
-            axes.set_ylabel(f"effort ({unit})")
+            axes.set_ylabel(f"{'effort' if bound.effort else 'input'} ({unit})")
             axes.set_xlim(time[0], time[-1])
-            axes.set_ylim(-1.15 * bound, 1.15 * bound)
-            _magnified(axes, time, design, effort, unit)
+            margin = 0.075 * (high - low)
+            axes.set_ylim(low - margin, high + margin)
+            if bound.effort:
+                _magnified(axes, time, trajectory.u[:, list(bound.inputs)], high, unit)
             axes.legend(
                 loc="lower right", bbox_to_anchor=(1, 1), fontsize=8, frameon=False, ncols=4
             )
-        if not kinds:
+        if not bounds:
             panels[0].set_title("the robot has no inputs", fontsize=10, loc="left")
             panels[0].set_xlim(time[0], time[-1])
         panels[-1].set_xlabel("time (s)")
         return _svg(figure)
 
 
-def _magnified(axes: Axes, time: Array, design: Design, effort: ir.Effort, unit: str) -> None:
+def _magnified(axes: Axes, time: Array, u: Array, bound: float, unit: str) -> None:
     """An inset with the inputs on their own scale, where they use little of the bound."""
-    dofs = [i for i, dof in enumerate(design.model.dofs) if dof.kind == effort.kind]
-    u = design.configuration.outcome.trajectory.u[:, dofs]
     peak = float(np.max(np.abs(u), initial=0.0))
-    if not 0 < peak < 0.25 * float(effort.bound):
+    if not 0 < peak < 0.25 * bound:
         return
     inset = axes.inset_axes((0.08, 0.58, 0.5, 0.36))
     for column in u.T:

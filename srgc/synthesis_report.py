@@ -4,7 +4,19 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from solvers.synthesis import Synthesis
+from compiler.robots.state_and_input import robot_inputs
+from solvers.synthesis import Design, Synthesis
+
+
+def _declared_inputs(design: Design) -> list[str]:
+    """The range that each declared input uses."""
+    lines = []
+    for place, item in enumerate(robot_inputs(design.model)):
+        if item.domain is not None:
+            values = [float(Fraction(row[place])) for row in design.inputs]
+            used = f"{min(values):.4f} to {max(values):.4f} {item.unit}".rstrip()
+            lines.append(f"input:   {item.module}.{item.name} {used} (symbol {item.symbol})")
+    return lines
 
 
 def synthesis_text(result: Synthesis, folder: str) -> str:
@@ -20,6 +32,10 @@ def synthesis_text(result: Synthesis, folder: str) -> str:
         lines.append(
             f"effort:  peak {outcome.effort_peak:.4f}, robustness {outcome.robustness:.4f}"
         )
+        lines += _declared_inputs(design)
+        if design.model.removed:
+            gone = ", ".join(str(symbol) for symbol in design.model.removed)
+            lines.append(f"removed: joints that move nothing (symbols {gone})")
     refuted = sum(1 for r in result.records if r.verdict == "refuted")
     same = sum(1 for r in result.records if r.same_robot_as is not None)
     lines.append(

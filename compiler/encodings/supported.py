@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compiler.grammars.grammar import srg, useful_rules
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Diagnostic, Severity
@@ -16,8 +15,8 @@ from grammar_lang.source import Span
 
 
 def unsupported(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
-    """An error for every clause of a task, of its workspace and modules, that is not compiled."""
-    found = [*_modules(program, task), *_workspace(program, task), *_clauses(task)]
+    """An error for every clause of a task, of its workspace, that is not compiled."""
+    found = [*_workspace(program, task), *_clauses(task)]
     return tuple(
         Diagnostic(
             Code.NOT_SUPPORTED,
@@ -37,26 +36,6 @@ def _within(inner: Span, outer: Span) -> bool:
 
 def _needed_by(task: ir.Task) -> tuple[tuple[Span, str], ...]:
     return ((task.span, f"task `{task.name}` needs it"),)
-
-
-def _modules(program: ir.Program, task: ir.Task) -> Iterator[tuple[str, Span]]:
-    """The modules with dynamics of their own that occur in a word of the task's grammar."""
-    rules = srg(program.grammars[task.grammar], program.terminals, program.modules)
-    used = {
-        symbol
-        for number in useful_rules(rules.cfg)
-        for symbol in rules.cfg.rules[number].right
-        if symbol < rules.cfg.terminals
-    }
-    for number, name in enumerate(rules.terminals):
-        module = program.modules.get(name)
-        if module is None or number not in used:
-            continue
-        spans = [state.span for state in module.states]
-        spans += [declared.span for declared in module.inputs]
-        spans += [torque.span for torque in module.torques]
-        if spans:
-            yield f"the own dynamics of module `{name}`", min(spans)
 
 
 def _workspace(program: ir.Program, task: ir.Task) -> Iterator[tuple[str, Span]]:

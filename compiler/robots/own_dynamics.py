@@ -34,7 +34,7 @@ class OwnDynamics:
     def read_parameters(self) -> frozenset[int]:
         """The robot's parameters that the expressions name."""
         numbers = dict(self.parameters)
-        found = (leaf for expression in self.expressions() for leaf in leaves(expression))
+        found = (leaf for expression in self.expressions() for leaf in ir.leaves(expression))
         return frozenset(numbers[leaf.name] for leaf in found if isinstance(leaf, ir.ParameterOf))
 
     def expressions(self) -> Iterator[ir.Expr]:
@@ -58,7 +58,7 @@ class OwnDynamics:
         todo = [torque.value for torque in torques]
         by_name = {state.name: state for state in self.states}
         while todo:
-            for leaf in leaves(todo.pop()):
+            for leaf in ir.leaves(todo.pop()):
                 if leaf not in read:
                     read.add(leaf)
                     if isinstance(leaf, ir.StateOf):
@@ -69,20 +69,6 @@ class OwnDynamics:
             states=tuple(s for s in self.states if ir.StateOf(ir.THIS, s.name) in read),
             inputs=tuple(i for i in self.inputs if ir.InputOf(ir.THIS, i.name) in read),
         )
-
-
-def leaves(expression: ir.Expr) -> Iterator[ir.Expr]:
-    """The leaves of a scalar expression, from left to right."""
-    todo = [expression]
-    while todo:
-        current = todo.pop()
-        match current:
-            case ir.Unary(_, operand):
-                todo.append(operand)
-            case ir.Binary(_, left, right):
-                todo += [right, left]
-            case _:
-                yield current
 
 
 def own_dynamics(

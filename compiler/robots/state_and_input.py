@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.robots.own_dynamics import OwnDynamics, leaves
+from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 
@@ -67,7 +67,7 @@ def robot_inputs(model: RobotModel) -> tuple[RobotInput, ...]:
 
 def _without_free_input(own: OwnDynamics) -> set[int]:
     """The degrees of freedom with a torque of their own whose input is read nowhere."""
-    found = (leaf for expression in own.expressions() for leaf in leaves(expression))
+    found = (leaf for expression in own.expressions() for leaf in ir.leaves(expression))
     read = {leaf.name for leaf in found if isinstance(leaf, ir.EffortOf)}
     bound = own.bound_dofs
     return {bound[torque.dof] for torque in own.torques if torque.dof not in read}

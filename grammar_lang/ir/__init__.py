@@ -34,6 +34,7 @@ from grammar_lang.ir.expressions import (
     Unary,
     Vector,
     World,
+    leaves,
 )
 from grammar_lang.ir.family import (
     Accept,
@@ -204,6 +205,7 @@ __all__ = [
     "Window",
     "Workspace",
     "World",
+    "leaves",
 ]
 
 

@@ -6,6 +6,7 @@ coordinate, a parameter or a constant, in order of first mention.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
@@ -177,3 +178,17 @@ Expr: TypeAlias = (
     | Shift
     | Compose
 )
+
+
+def leaves(expression: Expr) -> Iterator[Expr]:
+    """The leaves of a scalar expression, from left to right."""
+    todo: list[Expr] = [expression]
+    while todo:
+        current = todo.pop()
+        match current:
+            case Unary(_, operand):
+                todo.append(operand)
+            case Binary(_, left, right):
+                todo += [right, left]
+            case _:
+                yield current

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from grammar_lang.ir.expressions import NOWHERE, AttributeOf, Axis, Expr
+from grammar_lang.ir.expressions import NOWHERE, AttributeOf, Axis, EffortOf, Expr, leaves
 from grammar_lang.node import node
 from grammar_lang.source import Span
 
@@ -100,6 +100,16 @@ class Module:
     states: tuple[State, ...] = ()
     inputs: tuple[Input, ...] = ()
     torques: tuple[Torque, ...] = ()
+
+    @property
+    def free_dofs(self) -> tuple[Dof, ...]:
+        """The degrees of freedom with a free input ``u``: all but those whose torque needs none."""
+        expressions = [state.derivative for state in self.states]
+        expressions += [torque.value for torque in self.torques]
+        found = [leaf for expression in expressions for leaf in leaves(expression)]
+        read = {leaf.name for leaf in found if isinstance(leaf, EffortOf)}
+        driven = {torque.dof for torque in self.torques} - read
+        return tuple(dof for dof in self.dofs if dof.name not in driven)
 
 
 SymbolKind: TypeAlias = Literal["module", "edge", "nonterminal"]

@@ -37,7 +37,8 @@ import cvxpy as cp
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.convex_step import InputGroup, Model, MotionLimits, PositionRows, Weights
+from solvers.convex_step import Model, PositionRows, Weights
+from solvers.motion_limits import InputGroup, MotionLimits
 
 Array = NDArray[np.float64]
 
@@ -77,9 +78,12 @@ def _inputs(
 ) -> list[cp.Constraint]:
     constraints = []
     for group in groups:
-        inputs = u[:, list(group.dofs)]
-        size = cp.norm(inputs, 2, axis=1) if group.norm2 else cp.max(cp.abs(inputs), axis=1)
-        constraints += [size <= group.bound - rho, rho <= group.bound]
+        inputs = u[:, list(group.inputs)]
+        if group.norm2:
+            constraints += [cp.norm(inputs, 2, axis=1) <= group.upper - rho, rho <= group.upper]
+            continue
+        constraints += [inputs <= group.upper - rho, inputs >= group.lower + rho]
+        constraints.append(2 * rho <= group.upper - group.lower)
     return constraints or [rho <= 0]
 
 
@@ -87,8 +91,11 @@ def _limits(x: cp.Variable, limits: MotionLimits) -> list[cp.Constraint]:
     n = len(limits.lower)
     first = 0 if limits.start_values is None else 1
     constraints = _between(x[first:, :n], limits.lower, limits.upper)
-    constraints += _between(x[:, n:], limits.rate_lower, limits.rate_upper)
-    constraints += _bounded(x[0, n:], limits.start_rates) + _bounded(x[-1, n:], limits.final_rates)
+    v = x[:, n : 2 * n]
+    constraints += _between(v, limits.rate_lower, limits.rate_upper)
+    constraints += _bounded(v[0], limits.start_rates) + _bounded(v[-1], limits.final_rates)
+    if len(limits.own_start):
+        constraints.append(x[0, 2 * n :] == limits.own_start)
     if limits.start_values is not None:
         constraints.append(x[0, :n] == limits.start_values)
     return constraints

@@ -18,7 +18,8 @@ from solvers.control import (
     input_margin,
     synthesise_control,
 )
-from solvers.convex_step import InputGroup, MotionLimits, PositionRows, Trajectory
+from solvers.convex_step import PositionRows, Trajectory
+from solvers.motion_limits import InputGroup, MotionLimits
 from tests.oracles.robots import rod_chain
 
 Array = NDArray[np.float64]
@@ -54,7 +55,7 @@ def one_link(
         DT,
         1,
         limits(1, final, **changes),
-        (InputGroup((0,), bound, norm2=False),),
+        (InputGroup((0,), -bound, bound, norm2=False),),
         lambda _: rows,
     )
     x = np.stack([np.linspace(0, angle, steps + 1), np.full(steps + 1, angle / steps / DT)], axis=1)
@@ -188,7 +189,7 @@ def test_two_links_reach_a_height_at_rest(norm2: bool) -> None:
         np.array([-0.9, 0.8]),
     )  # fmt: skip
     problem = ControlProblem(
-        reading, DT, 2, limits(2, 0.0), (InputGroup((0, 1), 10.0, norm2),), lambda _: rows
+        reading, DT, 2, limits(2, 0.0), (InputGroup((0, 1), -10.0, 10.0, norm2),), lambda _: rows
     )
     x = np.zeros((steps + 1, 4))
     x[:, :2] = np.linspace([0, 0], [0.9, 0.6], steps + 1)
@@ -206,7 +207,7 @@ def test_free_lengths_are_used() -> None:
         np.array([steps]), np.array([0]), np.array([[0.0, -1.0]]), np.array([-height])
     )
     problem = ControlProblem(
-        ONE, DT, 1, limits(1, np.inf), (InputGroup((0,), 10.0, norm2=False),), lambda _: rows
+        ONE, DT, 1, limits(1, np.inf), (InputGroup((0,), -10.0, 10.0, norm2=False),), lambda _: rows
     )
     x = np.stack([np.linspace(0, 0.8, steps + 1), np.full(steps + 1, 0.8)], axis=1)
     seed = Trajectory(x, np.zeros((steps, 1)), np.array([1.5]))
@@ -254,8 +255,8 @@ def test_a_seed_outside_the_joint_limits_is_not_taken_for_a_solution() -> None:
 
 def test_margins_and_peaks_by_group() -> None:
     u = np.array([[3.0, -4.0, 1.0], [1.0, 2.0, -2.5]])
-    groups = (InputGroup((0, 1), 6.0, norm2=True), InputGroup((2,), 3.0, norm2=False))
+    groups = (InputGroup((0, 1), -6.0, 6.0, norm2=True), InputGroup((2,), -3.0, 3.0, norm2=False))
     assert input_margin(groups, u) == pytest.approx(0.5)
     assert effort_peak(groups, u) == pytest.approx(5.0)
-    assert input_margin((InputGroup((0, 1), 6.0, norm2=False),), u) == pytest.approx(2.0)
+    assert input_margin((InputGroup((0, 1), -6.0, 6.0, norm2=False),), u) == pytest.approx(2.0)
     assert input_margin((), u) == 0.0

@@ -12,9 +12,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.float_reading import FloatReading
 from solvers.conic import NotSolved
 from solvers.convex_step import (
-    InputGroup,
     Model,
-    MotionLimits,
     PositionRows,
     StepResult,
     Trajectory,
@@ -22,6 +20,7 @@ from solvers.convex_step import (
     convex_step,
     fictitious_inputs,
 )
+from solvers.motion_limits import InputGroup, MotionLimits
 from tests.oracles.convex_step_cvxpy import solve_reference
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain
@@ -39,7 +38,7 @@ FREE = MotionLimits(
     final_rates=np.inf,
     start_values=None,
 )
-GROUPS = (InputGroup((0, 1), 10.0, norm2=False),)
+GROUPS = (InputGroup((0, 1), -10.0, 10.0, norm2=False),)
 NONE = PositionRows(
     np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros(0)
 )
@@ -95,9 +94,9 @@ CASES = {
     ),
     "given start": (replace(FREE, start_values=np.array([0.1, 0.2])), GROUPS, 0.2, 0.5, None),
     "tight trust region": (FREE, GROUPS, 0.3, 0.05, None),
-    "norm": (FREE, (InputGroup((0, 1), 5.0, norm2=True),), 0.2, 0.5, None),
+    "norm": (FREE, (InputGroup((0, 1), -5.0, 5.0, norm2=True),), 0.2, 0.5, None),
     "two groups": (
-        FREE, (InputGroup((0,), 5.0, norm2=False), InputGroup((1,), 3.0, norm2=True)),
+        FREE, (InputGroup((0,), -5.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
         0.2, 0.5, None,
     ),
     "a jump: needs V": (
@@ -109,7 +108,7 @@ CASES = {
     ),
     "free lengths": (FREE, GROUPS, 0.3, 0.5, BOX),
     "free lengths, norm, tight": (
-        replace(FREE, final_rates=0.0), (InputGroup((0, 1), 8.0, norm2=True),), 0.3, 0.1, BOX,
+        replace(FREE, final_rates=0.0), (InputGroup((0, 1), -8.0, 8.0, norm2=True),), 0.3, 0.1, BOX,
     ),
     "lengths in a small box": (FREE, GROUPS, 0.3, 0.5, (np.full(2, 0.99), np.full(2, 2.0))),
 }  # fmt: skip
@@ -166,10 +165,10 @@ def test_the_point_satisfies_every_constraint(case: str) -> None:
     at = np.einsum("rd,rd->r", rows.normal, moved[rows.sample, rows.point])
     assert np.all(at <= rows.offset + found.position_slack + tolerance)
     for group in groups:
-        part = u[:, list(group.dofs)]
+        part = u[:, list(group.inputs)]
         size = np.linalg.norm(part, axis=1) if group.norm2 else np.abs(part).max(axis=1)
-        assert np.all(size <= group.bound - found.margin + tolerance)
-        assert found.margin <= group.bound + tolerance
+        assert np.all(size <= group.upper - found.margin + tolerance)
+        assert found.margin <= group.upper + tolerance
     bound = x[0 if limits.start_values is None else 1 :, :2]
     assert np.all(bound >= limits.lower - tolerance)
     assert np.all(bound <= limits.upper + tolerance)
@@ -194,7 +193,7 @@ def test_slacks_by_step_under_c6(epsilon: float) -> None:
     for changed in (limits, replace(FREE, start_values=np.zeros(2), final_rates=0.0)):
         model = linearised(2)
         rows = end_in(model, 0.4)
-        small = (replace(groups[0], bound=0.5),)
+        small = (replace(groups[0], lower=-0.5, upper=0.5),)
         args = model, rows, changed, small, radius, None, weights
         found, wanted = convex_step(*args, epsilon), solve_reference(*args, epsilon)
         assert isinstance(found, StepResult)

@@ -14,7 +14,8 @@ from compiler.robots.family import family_of
 from grammar_lang.load import load
 from solvers.control import ControlOutcome
 from solvers.convex_step import Trajectory
-from solvers.path_following import LIMIT_MARGIN, Follower, motion_limits
+from solvers.path_following import LIMIT_MARGIN, Follower
+from solvers.task_limits import motion_limits
 from tests.oracles.small_specs import TURNER
 
 WORD = ("tool", "link", "joint", "base")
