@@ -25,6 +25,7 @@ from grammar_lang.extent import too_large
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean, nearest
+from grammar_lang.ir.expression_text import occurrence_names
 from grammar_lang.mentions import mentioned
 from grammar_lang.modules import ModuleInfo, duplicate
 from grammar_lang.productions import GrammarInfo, ProductionInfo
@@ -352,9 +353,9 @@ def _check_cycle(grammar: GrammarInfo, blocks: Mapping[str, ir.SemanticBlock], s
     if found is None:
         return
     production, nodes = found
+    called = occurrence_names(production)
     names = [
-        f"{'this' if n.occurrence == ir.THIS else production.right[n.occurrence].name}.{n.name}"
-        for n in nodes
+        f"{'this' if n.occurrence == ir.THIS else called[n.occurrence]}.{n.name}" for n in nodes
     ]
     if len(names) > 2 * _ENDS + 1:
         names[_ENDS:-_ENDS] = [f"… {len(names) - 2 * _ENDS} more …"]

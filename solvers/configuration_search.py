@@ -192,6 +192,13 @@ def within_limits(follower: Follower, found: Configuration) -> tuple[Follower, C
         if narrowed is None:
             break
         follower = narrowed
-        outcome = follower.solve(found.outcome.trajectory, found.entries)
-        found = replace(found, outcome=outcome)
+        found = resolved(follower, found)
     return follower, found
+
+
+def resolved(follower: Follower, found: Configuration) -> Configuration:
+    """A configuration under other margins; the parameters may move along with the motion."""
+    trajectory = found.outcome.trajectory
+    space = parameter_space(follower.model)
+    box = None if space.is_point else space.free_box(trajectory.theta)
+    return replace(found, outcome=follower.solve(trajectory, found.entries, box))

@@ -33,7 +33,12 @@ from solvers.conclusion import (
     module_bound,
     robot_limit,
 )
-from solvers.configuration_search import Configuration, search_configuration, within_limits
+from solvers.configuration_search import (
+    Configuration,
+    resolved,
+    search_configuration,
+    within_limits,
+)
 from solvers.counterexample import infeasible_prefix
 from solvers.parameter_search import exact_text
 from solvers.path_following import LEAST_MARGIN, Follower
@@ -281,8 +286,7 @@ class _Run:
             wider = follower.with_margin(margin).refined(found.outcome.trajectory)
             if (wider.margin, wider.substeps) != (follower.margin, follower.substeps):
                 follower = wider
-                outcome = follower.solve(found.outcome.trajectory, found.entries)
-                found = replace(found, outcome=outcome)
+                found = resolved(follower, found)
             follower, found = within_limits(follower, found)
             if not found.outcome.feasible:
                 break

@@ -49,8 +49,9 @@ from compiler.encodings.real_terms import (
     sum_of_squares,
 )
 from compiler.encodings.scalar_terms import ScalarTerms, absolute
+from compiler.encodings.segments import Chain, Segment, segments
 from compiler.geometry.polytope import polytope_of
-from compiler.robots.robot import Joint, Offset, RobotModel, Step, Turn
+from compiler.robots.robot import Joint, Offset, RobotModel, Turn
 from grammar_lang import ir
 
 PRECISION = 128
@@ -90,17 +91,6 @@ class PoseQuestion:
     start_values: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """What lies between two revolute joints; ``axis`` of the first one, None at the base."""
-
-    axis: int | None
-    steps: tuple[Step, ...]
-
-
-Chain: TypeAlias = tuple[Segment, ...]
-
-
 def pose_question(workspace: ir.Workspace, task: ir.Task) -> PoseQuestion:
     """What a task asks of the poses at its two ends."""
 
@@ -132,20 +122,6 @@ def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[in
     reaching = range(count) if reach is None else [reach]
     pairs = [(e if start is None or question.start is None else start, e) for e in reaching]
     return [pair for pair in pairs if max(pair) < count]
-
-
-def segments(model: RobotModel, frame: int) -> tuple[Segment, ...]:
-    """The segments from the world to a frame, the base segment first.
-
-    A rigid turn right behind a revolute joint about its axis is left out: the joint absorbs it.
-    """
-    found: list[tuple[int | None, list[Step]]] = [(None, [])]
-    for step in model.steps(frame):
-        if isinstance(step, Joint) and model.dofs[step.dof].kind == "revolute":
-            found.append((step.axis, []))
-        elif not (isinstance(step, Turn) and found[-1] == (step.axis, [])):
-            found[-1][1].append(step)
-    return tuple(Segment(axis, tuple(steps)) for axis, steps in found)
 
 
 def refutation_script(model: RobotModel, question: PoseQuestion) -> str:

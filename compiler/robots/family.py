@@ -9,6 +9,7 @@ from typing import Literal
 from compiler.grammars.derivation import Derivation, replay
 from compiler.languages.language import Language, language
 from compiler.robots.attributes import evaluate
+from compiler.robots.evaluation_order import EvaluationOrder
 from compiler.robots.normalise import normalise
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
@@ -27,6 +28,11 @@ class RobotFamily:
         """L(SRG) intersected with L(accept)."""
         return language(self.grammar, self.program.terminals, self.program.modules)
 
+    @cached_property
+    def evaluation_order(self) -> EvaluationOrder:
+        """In which order attributes are evaluated, in all derivations of the grammar."""
+        return EvaluationOrder(self.grammar.productions, self.grammar.semantics or {})
+
     def replay(self, labels: tuple[str, ...]) -> Derivation:
         """The derivation with these labels; BadDerivation if there is none."""
         return replay(self.grammar, labels)
@@ -38,7 +44,8 @@ class RobotFamily:
             SemanticsError: the grammar has no semantics, or they define no robot here.
         """
         semantics = self.grammar.semantics or {}
-        model = evaluate(derivation, self.program.modules, semantics, self.dimension)
+        order = self.evaluation_order
+        model = evaluate(derivation, self.program.modules, semantics, self.dimension, order)
         return normalise(model)
 
 

@@ -317,6 +317,20 @@ def test_a_later_joint_after_an_arm_that_turns():
     assert decide(arm, asked_in_space(at(3, 0, 0), at(0, -2, "1.01"))) == UNSAT
 
 
+def test_a_joint_along_a_displacement_moves_nothing():
+    """A wrist about the forearm leaves the height; turned aside, the tip leaves it too."""
+    arm = ArmBuilder(3).revolute(2).move(2, 0, 1).revolute(0).move(1)
+    assert decide(arm.effector(), asked_in_space(at(3, 0, 1), at(0, -3, 1))) == SAT
+    assert decide(arm, asked_in_space(at(3, 0, 1), at(0, -3, "1.01"))) == UNSAT
+    assert decide(arm, asked_in_space(at(3, 0, 1), at(0, "-2.99", 1))) == UNSAT
+    sliding = ArmBuilder(3).revolute(2).move(2, 0, 1).revolute(0).turn(1, 0).prismatic(0, (0, 1))
+    assert decide(sliding.effector(), asked_in_space(at(2, 0, 1), at(0, 3, 1))) == SAT
+    assert decide(sliding, asked_in_space(at(2, 0, 1), at(0, 3, "1.01"))) == UNSAT
+    bent = ArmBuilder(3).revolute(2).move(2, 0, 1).revolute(0).move(1).move(0, 1).effector()
+    above = asked_in_space(at(3, 1, 1), tuple(box_about((0, -3, 1.5), Fraction(1, 2))))
+    assert decide(bent, above) == SAT
+
+
 # --- the text ------------------------------------------------------------------------------------
 
 

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from fractions import Fraction
 
 import pytest
 
@@ -60,30 +58,3 @@ def test_obstacles_from_a_file() -> None:
     [error] = unsupported(replace(found, workspaces={"W": workspace}), found.tasks["P"])
     assert error.message.startswith("`obstacles from` of workspace `W`")
     assert error.notes == ((found.tasks["P"].span, "task `P` needs it"),)
-
-
-STATE = ir.State("w", "m", None, ir.Num(Fraction(0)))
-INPUT = ir.Input("v", ir.Interval(ir.Num(Fraction(0)), ir.Num(Fraction(1))), "m")
-TORQUE = ir.Torque("q", ir.EffortOf(ir.THIS, "q"))
-
-
-@pytest.mark.parametrize(
-    "add",
-    [
-        lambda module: replace(module, states=(STATE,)),
-        lambda module: replace(module, inputs=(INPUT,)),
-        lambda module: replace(module, torques=(TORQUE,)),
-    ],
-    ids=["state", "input", "torque"],
-)
-def test_own_dynamics(add: Callable[[ir.Module], ir.Module]) -> None:
-    """Of modules that some word of the grammar has, and of no others."""
-    text = spec(CLAUSES, SHAPES["disjoint"])
-    text = text.replace("base: N -> B;", "base: N -> B; idle: N -> N Q R; dead: Q -> Q B;")
-    text = text.replace("edge eps;", "edge eps; module R { role link; } module U { role link; }")
-    found = program(text.replace("  tool ", "  idle { this.frame = N.frame; } dead { }\n  tool "))
-    for name, used in (("J", True), ("R", False), ("U", False)):
-        changed = replace(found, modules={**found.modules, name: add(found.modules[name])})
-        messages = [error.message for error in unsupported(changed, found.tasks["P"])]
-        expected = f"the own dynamics of module `{name}` cannot be compiled by this version"
-        assert messages == ([expected] if used else [])
