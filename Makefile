@@ -19,7 +19,12 @@ demo: .venv/installed
 test: .venv/installed
 	$(BIN)/pytest -n 2 -m "not slow"
 
-test-slow: .venv/installed
+# Pinocchio, an independent library of rigid-body dynamics, is installed for the slow tests alone.
+.venv/oracles: .venv/installed requirements/slow.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/slow.lock
+	touch $@
+
+test-slow: .venv/oracles
 	$(BIN)/pytest -n 2
 
 # Rewrites what the pages of codes and of tests/golden show; read the difference before you keep it.
@@ -51,6 +56,7 @@ types: .venv/installed
 bench: .venv/compared
 	$(BIN)/python benchmarks/front_end.py
 	$(BIN)/python benchmarks/language.py
+	$(BIN)/python benchmarks/dynamics.py
 	$(BIN)/python benchmarks/run.py
 
 # Needs pip-tools and the network; every other target uses what it wrote.
@@ -60,6 +66,9 @@ lock:
 	pip-compile --extra bench --generate-hashes --allow-unsafe --strip-extras \
 	  --no-emit-index-url --no-emit-find-links -c requirements/dev.lock \
 	  -o requirements/bench.lock pyproject.toml
+	pip-compile --extra oracles --generate-hashes --allow-unsafe --strip-extras \
+	  --no-emit-index-url --no-emit-find-links -c requirements/dev.lock \
+	  -o requirements/slow.lock pyproject.toml
 
 clean:
 	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info

@@ -1,0 +1,83 @@
+"""The robot of a result folder, rebuilt from its certificate and its own copy of the spec.
+
+Nothing is proved here: that the robot does its task is what ``srgc verify`` shows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from compiler.grammars.derivation import BadDerivation, Derivation
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.family import family_of
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_inputs
+from grammar_lang import ir
+from solvers.certificate import CertificateError, FoundClaim, exact, from_text
+from solvers.spec_copy import read_copy
+from srgc.session import UsageFault
+
+
+@dataclass(frozen=True, slots=True)
+class FoundDesign:
+    """A design: the claim of the certificate, and what it is about."""
+
+    claim: FoundClaim
+    program: ir.Program
+    task: ir.Task
+    derivation: Derivation
+    model: RobotModel
+    theta: tuple[Fraction, ...]
+    start: tuple[Fraction, ...]
+
+
+def found_design(folder: Path) -> FoundDesign:
+    """The design in a result folder.
+
+    Raises:
+        UsageFault: there is none, or the certificate or the spec has been altered.
+    """
+    try:
+        claim = _found_claim(folder)
+        program, _ = read_copy(folder / "spec", claim.spec, claim.spec_sha256)
+        return _design(claim, program)
+    except OSError as error:
+        raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise UsageFault(f"{folder}: the certificate is not UTF-8") from None
+    except (CertificateError, BadDerivation, SemanticsError) as error:
+        raise UsageFault(f"{folder}: {error}") from None
+
+
+def _found_claim(folder: Path) -> FoundClaim:
+    if not folder.is_dir():
+        raise UsageFault(f"{folder} is not a folder")
+    path = folder / "certificate.json"
+    if not path.exists():
+        raise UsageFault(f"{folder} has no certificate: only a robot that was found is exported")
+    claim = from_text(path.read_text(encoding="utf-8"))
+    if not isinstance(claim, FoundClaim):
+        raise UsageFault(f"{folder}: the verdict is impossible, so there is no robot to export")
+    return claim
+
+
+def _design(claim: FoundClaim, program: ir.Program) -> FoundDesign:
+    task = program.tasks.get(claim.task)
+    if task is None:
+        raise CertificateError(f"the spec has no task `{claim.task}`")
+    family = family_of(program, task)
+    derivation = family.replay(claim.derivation)
+    if derivation.word != claim.word:
+        raise CertificateError("the derivation does not derive the word")
+    model = family.robot(derivation)
+    claimed = [(item.symbol, item.name) for item in claim.parameters]
+    if claimed != [(item.symbol, item.name) for item in model.parameters]:
+        raise CertificateError("the parameters are not those of the robot")
+    n, m = len(model.dofs), len(robot_inputs(model))
+    if len(claim.start) < 2 * n or any(len(row) != m for row in claim.inputs):
+        raise CertificateError("the start or the inputs are not those of the robot")
+    theta = tuple(exact(item.value) for item in claim.parameters)
+    start = tuple(exact(text) for text in claim.start)
+    return FoundDesign(claim, program, task, derivation, model, theta, start)

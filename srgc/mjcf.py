@@ -1,0 +1,197 @@
+"""MJCF: the model format of MuJoCo (mujoco.readthedocs.io, XML reference).
+
+A link without mass that carries nothing but one joint is no body of its own: MuJoCo gives several
+joints to one body instead, which is exact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+
+from compiler.arithmetic.balls import working_precision
+from compiler.robots.ball_pose import WORLD_POSE, Pose, doubles, unit
+from compiler.robots.link_shape import Shape
+from compiler.robots.mass_moments import inertial
+from compiler.robots.rigid_tree import PRECISION, LinkJoint, RigidLink
+from srgc.exported_robot import ExportedRobot
+from srgc.xml_lines import Value, XmlLines
+
+LEAST = Fraction(1, 10**12)
+"""MuJoCo refuses moving bodies with masses (kg) or moments (kg m^2) below 1e-15."""
+LONGEST_STEP = Fraction(1, 1000)
+"""Of the simulation, in seconds."""
+JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
+
+
+@dataclass(frozen=True, slots=True)
+class _BodyJoint:
+    """A joint by its place in the frame of the body that it moves."""
+
+    joint: LinkJoint
+    place: Pose
+
+
+def substeps(step: Fraction) -> int:
+    """Into how many steps of the simulation a step of the task is divided."""
+    return max(1, ceil(step / LONGEST_STEP))
+
+
+def mjcf_text(robot: ExportedRobot) -> str:
+    """The robot as MJCF.
+
+    Raises:
+        ValueError: a link has an inertia that no body has.
+    """
+    with working_precision(PRECISION):
+        return _Writer(robot).document()
+
+
+class _Writer:
+    def __init__(self, robot: ExportedRobot) -> None:
+        self.robot = robot
+        self.xml = XmlLines()
+        self.children = robot.tree.children()
+        self.tools = robot.tree.tools()
+        self.order: list[int] = []
+
+    def document(self) -> str:
+        robot, xml = self.robot, self.xml
+        count = substeps(robot.step)
+        for remark in robot.remarks:
+            xml.comment(remark)
+        xml.comment(f"{count} steps of the simulation are one step of the task ({robot.step} s)")
+        xml.open("mujoco", model=robot.name)
+        # inertiafromgeom: geoms are for the eye alone.
+        xml.element("compiler", angle="radian", inertiafromgeom="false", balanceinertia="false")
+        timestep = float(robot.step / count)
+        xml.open("option", timestep=timestep, integrator="RK4", gravity=robot.gravity)
+        xml.element("flag", contact="disable")
+        xml.close()
+        xml.open("worldbody")
+        self.bodies()
+        xml.close()
+        self.motors()
+        self.keyframe()
+        xml.close()
+        return xml.document()
+
+    def bodies(self) -> None:
+        """All bodies, depth first; None on the stack closes one."""
+        todo: list[tuple[int, tuple[LinkJoint, ...]] | None] = [(0, ())]
+        while todo:
+            item = todo.pop()
+            if item is None:
+                self.xml.close()
+                continue
+            number, joints = item
+            below = self.robot.tree.links[number].joint
+            joints = joints if below is None else (*joints, below)
+            if self.passed_over(number):
+                todo.append((self.children[number][0], joints))
+                continue
+            self.order += [joint.dof for joint in joints]
+            self.body(number, joints)
+            todo.append(None)
+            todo += [(child, ()) for child in reversed(self.children[number])]
+
+    def passed_over(self, number: int) -> bool:
+        """Whether a link is no body of its own."""
+        link = self.robot.tree.links[number]
+        bare = number > 0 and link.moments.massless and not link.shapes
+        return bare and len(self.children[number]) == 1 and not self.tools[number]
+
+    def body(self, number: int, joints: tuple[LinkJoint, ...]) -> None:
+        """The start of a body with all that is fixed in it."""
+        robot, xml = self.robot, self.xml
+        pose, placed = _placed(joints)
+        xml.open(
+            "body",
+            name=robot.names.links[number],
+            pos=doubles(pose.origin),
+            quat=pose.quaternion(),
+        )
+        link = robot.tree.links[number]
+        if number > 0 or not link.moments.massless:
+            self.inertial(link)
+        for item in placed:
+            self.joint(item)
+        for shape in link.shapes:
+            self.geom(shape)
+        for tool in self.tools[number]:
+            pose = robot.tree.effectors[tool].pose
+            origin, turn = doubles(pose.origin), pose.quaternion()
+            xml.element("site", name=robot.names.effectors[tool], pos=origin, quat=turn)
+
+    def inertial(self, link: RigidLink) -> None:
+        values = inertial(link.moments, self.robot.tree.dimension, LEAST)
+        self.xml.element("inertial", pos=values.com, mass=values.mass, fullinertia=values.inertia)
+
+    def joint(self, item: _BodyJoint) -> None:
+        joint, place = item.joint, item.place
+        limits: dict[str, Value] = {"limited": "false"}
+        if joint.range is not None:
+            limits = {"limited": "true", "range": joint.range}
+        self.xml.element(
+            "joint",
+            name=self.robot.names.joints[joint.dof],
+            type=JOINT_TYPES[joint.kind],
+            pos=doubles(place.origin),
+            axis=doubles(place.rotation * unit(joint.axis, joint.sign)),
+            **limits,
+        )
+
+    def geom(self, shape: Shape) -> None:
+        size = shape.size
+        if shape.kind == "cylinder":
+            size = (shape.size[0], shape.size[1] / 2)
+        elif shape.kind == "box":
+            size = tuple(side / 2 for side in shape.size)
+        self.xml.element(
+            "geom",
+            type=shape.kind,
+            size=size,
+            pos=doubles(shape.pose.origin),
+            quat=shape.pose.quaternion(),
+            contype="0",
+            conaffinity="0",
+        )
+
+    def motors(self) -> None:
+        self.xml.open("actuator")
+        for motor in self.robot.motors():
+            limits: dict[str, Value] = {"ctrllimited": "false"}
+            if motor.bound is not None:
+                limits = {"ctrllimited": "true", "ctrlrange": (-motor.bound, motor.bound)}
+            self.xml.element("motor", name=motor.name, joint=motor.name, **limits)
+        self.xml.close()
+
+    def keyframe(self) -> None:
+        """The start of the motion, in the order in which MuJoCo numbers the joints."""
+        start, n = self.robot.start, len(self.order)
+        if not start:
+            return
+        self.xml.open("keyframe")
+        self.xml.element(
+            "key",
+            name="start",
+            qpos=[start[dof] for dof in self.order],
+            qvel=[start[n + dof] for dof in self.order],
+        )
+        self.xml.close()
+
+
+def _placed(joints: tuple[LinkJoint, ...]) -> tuple[Pose, list[_BodyJoint]]:
+    """The pose of a body in the one below while all joints are zero; its joints in its frame."""
+    whole = WORLD_POSE
+    poses = []
+    for joint in joints:
+        whole = whole * joint.origin
+        poses.append(whole)
+    back = whole.inverse()
+    placed = [_BodyJoint(joint, back * pose) for joint, pose in zip(joints, poses, strict=True)]
+    if placed:
+        # The last joint is where the body is, exactly.
+        placed[-1] = _BodyJoint(joints[-1], WORLD_POSE)
+    return whole, placed

@@ -1,0 +1,150 @@
+"""URDF: the robot description format of ROS (wiki.ros.org/urdf/XML).
+
+Every link has an inertial, as many readers demand; what an effector's frame must be given is taken
+from the link that carries it, so that the sum is that of the robot.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from compiler.arithmetic.balls import ball, working_precision
+from compiler.robots.ball_pose import WORLD_POSE, Pose, doubles
+from compiler.robots.link_shape import Shape
+from compiler.robots.mass_moments import MassMoments, about, inertial, physical, token
+from compiler.robots.rigid_tree import PRECISION, axis_of
+from srgc.exported_robot import ExportedRobot, Motor
+from srgc.xml_lines import XmlLines
+
+LEAST = Fraction(1, 10**9)
+"""Masses (kg) and principal moments (kg m^2) below it are refused by some readers."""
+UNLIMITED = 1e9
+"""URDF demands numbers where a robot has no limit (SI)."""
+
+
+def urdf_text(robot: ExportedRobot) -> str:
+    """The robot as URDF.
+
+    Raises:
+        ValueError: a link has an inertia that no body has.
+    """
+    with working_precision(PRECISION):
+        return _Writer(robot).document()
+
+
+class _Writer:
+    def __init__(self, robot: ExportedRobot) -> None:
+        self.robot = robot
+        self.xml = XmlLines()
+        self.tools = robot.tree.tools()
+
+    def document(self) -> str:
+        robot, xml = self.robot, self.xml
+        for remark in robot.remarks:
+            xml.comment(remark)
+        xml.open("robot", name=robot.name)
+        for number in range(len(robot.tree.links)):
+            self.link(number)
+        for motor in robot.motors():
+            self.joint(motor)
+        for number, frame in enumerate(robot.tree.effectors):
+            self.effector(number, robot.names.links[frame.link], frame.pose)
+        for motor in robot.motors():
+            self.transmission(motor.name)
+        xml.close()
+        return xml.document()
+
+    def link(self, number: int) -> None:
+        link = self.robot.tree.links[number]
+        self.xml.open("link", name=self.robot.names.links[number])
+        self.inertial(self.remaining(number))
+        for tag in ("visual", "collision"):
+            for shape in link.shapes:
+                self.shape(tag, shape)
+        self.xml.close()
+
+    def remaining(self, number: int) -> MassMoments:
+        """The moments of a link without what the frames of its effectors are given.
+
+        Of a link too thin for that, only the mass is less.
+        """
+        tree = self.robot.tree
+        whole = tree.links[number].moments
+        left = whole
+        for tool in self.tools[number]:
+            left = left - token(LEAST, tree.effectors[tool].pose.origin)
+        if physical(left, tree.dimension, LEAST):
+            return left
+        enough = left.mass > ball(LEAST)
+        return about(left.mass, left.com, whole.central) if enough else whole
+
+    def inertial(self, moments: MassMoments) -> None:
+        values = inertial(moments, self.robot.tree.dimension, LEAST)
+        names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        tensor = dict(zip(names, values.inertia, strict=True))
+        self.xml.open("inertial")
+        self.xml.element("origin", xyz=values.com, rpy=(0, 0, 0))
+        self.xml.element("mass", value=values.mass)
+        self.xml.element("inertia", **{name: tensor[name] for name in sorted(tensor)})
+        self.xml.close()
+
+    def origin(self, pose: Pose) -> None:
+        self.xml.element("origin", xyz=doubles(pose.origin), rpy=pose.roll_pitch_yaw())
+
+    def shape(self, tag: str, shape: Shape) -> None:
+        self.xml.open(tag)
+        self.origin(shape.pose)
+        self.xml.open("geometry")
+        match shape.kind:
+            case "cylinder":
+                radius, length = shape.size
+                self.xml.element("cylinder", radius=radius, length=length)
+            case "sphere":
+                self.xml.element("sphere", radius=shape.size[0])
+            case "box":
+                self.xml.element("box", size=shape.size)
+        self.xml.close()
+        self.xml.close()
+
+    def joint(self, motor: Motor) -> None:
+        name, joint, names = motor.name, motor.joint, self.robot.names
+        kind = joint.kind
+        if kind == "revolute" and joint.range is None:
+            self.xml.open("joint", name=name, type="continuous")
+        else:
+            self.xml.open("joint", name=name, type=kind)
+        self.origin(joint.origin)
+        self.xml.element("parent", link=names.links[joint.parent])
+        self.xml.element("child", link=names.links[motor.link])
+        self.xml.element("axis", xyz=axis_of(joint))
+        most = UNLIMITED if motor.bound is None else motor.bound
+        speed = UNLIMITED if joint.rate is None else max(abs(rate) for rate in joint.rate)
+        if kind == "revolute" and joint.range is None:
+            self.xml.element("limit", effort=most, velocity=speed)
+        else:
+            lower, upper = joint.range or (-UNLIMITED, UNLIMITED)
+            self.xml.element("limit", lower=lower, upper=upper, effort=most, velocity=speed)
+        self.xml.close()
+
+    def effector(self, number: int, parent: str, pose: Pose) -> None:
+        name = self.robot.names.effectors[number]
+        self.xml.open("link", name=name)
+        self.inertial(token(LEAST, WORLD_POSE.origin))
+        self.xml.close()
+        self.xml.open("joint", name=f"{name}_fixed", type="fixed")
+        self.origin(pose)
+        self.xml.element("parent", link=parent)
+        self.xml.element("child", link=name)
+        self.xml.close()
+
+    def transmission(self, joint: str) -> None:
+        xml = self.xml
+        xml.open("transmission", name=f"{joint}_transmission")
+        xml.text("type", "transmission_interface/SimpleTransmission")
+        xml.open("joint", name=joint)
+        xml.text("hardwareInterface", "hardware_interface/EffortJointInterface")
+        xml.close()
+        xml.open("actuator", name=f"{joint}_motor")
+        xml.text("mechanicalReduction", "1")
+        xml.close()
+        xml.close()

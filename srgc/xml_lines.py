@@ -1,0 +1,67 @@
+"""XML documents written line by line: same content, same bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from typing import TypeAlias
+
+Value: TypeAlias = str | float | Sequence[float]
+
+
+def attribute_text(value: Value) -> str:
+    """The text of an attribute; doubles are written so that they read back as the same."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int | float):
+        return repr(float(value))
+    return " ".join(repr(float(item)) for item in value)
+
+
+@dataclass(slots=True)
+class XmlLines:
+    """A document in the making."""
+
+    lines: list[str] = field(default_factory=lambda: ['<?xml version="1.0" encoding="utf-8"?>'])
+    open_tags: list[str] = field(default_factory=list[str])
+
+    def _indented(self, text: str) -> None:
+        self.lines.append("  " * len(self.open_tags) + text)
+
+    def element(self, tag: str, **attributes: Value) -> None:
+        """An element without content."""
+        self._indented(f"<{tag}{_attributes(attributes)}/>")
+
+    def text(self, tag: str, content: str) -> None:
+        """An element that holds text."""
+        self._indented(f"<{tag}>{escape(content)}</{tag}>")
+
+    def open(self, tag: str, **attributes: Value) -> None:
+        """The start of an element."""
+        self._indented(f"<{tag}{_attributes(attributes)}>")
+        self.open_tags.append(tag)
+
+    def close(self) -> None:
+        """The end of the element that was opened last."""
+        tag = self.open_tags.pop()
+        self._indented(f"</{tag}>")
+
+    def comment(self, text: str) -> None:
+        """A comment of one line; what XML does not allow in it is spelt out."""
+        shown = "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
+        while "--" in shown:
+            shown = shown.replace("--", "- -")
+        self._indented(f"<!-- {shown} -->")
+
+    def document(self) -> str:
+        """The whole text."""
+        return "\n".join(self.lines) + "\n"
+
+
+def _attributes(attributes: Mapping[str, Value]) -> str:
+    """Attributes; a name may end in an underscore to be no word of Python."""
+    return "".join(
+        f' {name.rstrip("_")}="{escape(attribute_text(value))}"'
+        for name, value in attributes.items()
+    )

@@ -1,0 +1,51 @@
+"""Result folders with a claim that nobody has searched for: as `srgc synth` would write them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from compiler.languages.structures import derivations_of
+from compiler.robots.family import family_of
+from compiler.robots.state_and_input import robot_inputs
+from grammar_lang.load import load
+from tests.oracles import result_files
+
+
+def claim_found(folder: Path, text: str, word: str, values: list[str]) -> Path:
+    """A folder that claims the first derivation of a word with these parameters, at rest at zero.
+
+    The spec has one task.
+    """
+    path = folder / "spec" / "robot.srg"
+    path.parent.mkdir(parents=True)
+    path.write_text(text, encoding="utf-8")
+    program = load(path).program
+    assert program is not None
+    (task,) = program.tasks.values()
+    family = family_of(program, task)
+    derivation = next(iter(derivations_of(family.language, tuple(word.split()))))
+    model = family.robot(derivation)
+    zeros = ["0"] * len(robot_inputs(model))
+    content = {
+        "format": 1,
+        "kind": "found",
+        "task": task.name,
+        "spec": path.name,
+        "spec_sha256": result_files.spec_digest({path.name: path.read_bytes()}),
+        "word": word.split(),
+        "derivation": list(derivation.labels),
+        "parameters": [
+            {"symbol": p.symbol, "name": p.name, "value": value}
+            for p, value in zip(model.parameters, values, strict=True)
+        ],
+        "effector": 0,
+        "steps": task.steps,
+        "step": str(task.step),
+        "start": ["0"] * 2 * len(model.dofs),
+        "inputs": [zeros] * task.steps,
+        "path": [["free"] * (task.steps + 1)] * len(model.effectors),
+        "effort_peak": "0",
+        "robustness": "0",
+    }
+    result_files.write(folder, {**content, "digest": result_files.digest(content)})
+    return folder
