@@ -20,7 +20,9 @@ from compiler.languages.budget import BudgetExceededError
 from grammar_lang.findings.render import records, to_text
 from srgc.arguments import FILE, GRAMMAR
 from srgc.check_summary import summary
+from srgc.export_cli import export
 from srgc.language_cli import accepts, compare, language, words
+from srgc.model_cli import model
 from srgc.session import (
     Checked,
     SpecErrors,
@@ -116,7 +118,7 @@ def explain(codes: tuple[str, ...]) -> int:
     return 0
 
 
-for _command in (words, accepts, language, compare):
+for _command in (words, accepts, language, compare, model, export):
     cli.add_command(_command)
 
 

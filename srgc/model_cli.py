@@ -1,0 +1,56 @@
+"""The command about the equations of motion of one robot: ``model``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from srgc.arguments import FILE, GRAMMAR
+from srgc.session import UsageFault, program_of
+
+
+@click.command()
+@FILE
+@click.option("--word", metavar='"SYM ..."', required=True, help="The word of the robot.")
+@GRAMMAR
+@click.option("--task", help="Take grammar, workspace, gravity and effort bounds from this task.")
+@click.option("--workspace", help="The workspace, where the file has some of both dimensions.")
+@click.option("--derivation", type=click.IntRange(1), help="Which derivation, in order.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "latex", "smt2"]),
+    default="text",
+    show_default=True,
+    help="For people, or as terms for SMT solvers.",
+)
+@click.option("-o", "output", type=click.Path(path_type=Path), help="Write here, not to stdout.")
+def model(
+    file: Path,
+    word: str,
+    grammar: str | None,
+    task: str | None,
+    workspace: str | None,
+    derivation: int | None,
+    form: Literal["text", "latex", "smt2"],
+    output: Path | None,
+) -> int:
+    """Print the equations of motion of a robot: coordinates, parameters, M, c, g, effectors."""
+    program = program_of(file)
+    from srgc.model_report import ModelRequest, model_report
+
+    symbols = tuple(word.split())
+    request = ModelRequest(symbols, grammar, task, workspace, derivation, form)
+    report = model_report(program, request)
+    for remark in report.remarks:
+        click.echo(f"note: {remark}", err=True)
+    if output is None:
+        click.echo(report.text, nl=False)
+        return 0
+    try:
+        output.write_text(report.text, encoding="utf-8")
+    except OSError as error:
+        raise UsageFault(f"{output}: {error.strerror}") from None
+    return 0

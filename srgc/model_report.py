@@ -1,0 +1,144 @@
+"""``srgc model``: the equations of motion of one robot of a family, for people and for solvers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal, TypeAlias
+
+from compiler.dynamics.motion_graph import UndefinedMotionError, motion_graph
+from compiler.encodings.model_script import model_script
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.family import RobotFamily
+from compiler.robots.planarity import is_planar
+from compiler.robots.robot import RobotModel, RodBody, SolidBody
+from compiler.views.document import Fact, Section, section_of_lines
+from compiler.views.latex_document import to_latex
+from compiler.views.model_reading import ModelReading, model_reading
+from compiler.views.model_sections import motion_sections
+from compiler.views.robot_sections import robot_sections
+from compiler.views.text_document import to_text
+from grammar_lang import ir
+from srgc.chosen_derivation import chosen_derivation
+from srgc.session import UsageFault, chosen
+
+Form: TypeAlias = Literal["text", "latex", "smt2"]
+
+
+@dataclass(frozen=True, slots=True)
+class ModelRequest:
+    """The robot of a word, and its choices; ``derivation`` counts from 1."""
+
+    word: tuple[str, ...]
+    grammar: str | None = None
+    task: str | None = None
+    workspace: str | None = None
+    derivation: int | None = None
+    form: Form = "text"
+
+
+@dataclass(frozen=True, slots=True)
+class ModelReport:
+    """The report, and what a reader has to know beside it."""
+
+    text: str
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Robot:
+    program: ir.Program
+    word: tuple[str, ...]
+    labels: tuple[str, ...]
+    model: RobotModel
+    task: ir.Task | None
+
+    @property
+    def gravity(self) -> tuple[Fraction, ...]:
+        return () if self.task is None else self.task.gravity
+
+
+def model_report(program: ir.Program, request: ModelRequest) -> ModelReport:
+    """What ``srgc model`` prints.
+
+    Raises:
+        UsageFault: choices that do not fit the program, or a word without a robot.
+    """
+    task = None if request.task is None else chosen(program.tasks, request.task, "task")
+    named = request.grammar or (None if task is None else task.grammar)
+    grammar = chosen(program.grammars, named, "grammar")
+    dimension = _dimension(program, task, request.workspace)
+    family = RobotFamily(program, grammar, dimension or 3)
+    found = chosen_derivation(family.language, grammar, request.word, request.derivation)
+    if not request.word:
+        raise UsageFault("the empty word is no robot")
+    try:
+        model = family.robot(found.derivation)
+    except SemanticsError as error:
+        raise UsageFault(str(error)) from None
+    if dimension is None and is_planar(model):
+        model = RobotFamily(program, grammar, 2).robot(found.derivation)
+    robot = _Robot(program, request.word, tuple(found.derivation.labels), model, task)
+    try:
+        return ModelReport(_written(robot, request.form), found.remarks)
+    except UndefinedMotionError as error:
+        raise UsageFault(str(error)) from None
+
+
+def _written(robot: _Robot, form: Form) -> str:
+    if form == "smt2":
+        return model_script(motion_graph(robot.model))
+    sections = list(_sections(robot))
+    return to_latex(sections) if form == "latex" else to_text(sections)
+
+
+def _sections(robot: _Robot) -> Iterator[Section]:
+    yield Section("Robot", tuple(_facts(robot)))
+    yield from robot_sections(robot.model, robot.word, robot.task)
+    reading = model_reading(robot.model, robot.gravity)
+    yield from motion_sections(reading)
+    for title, lines in _checks(robot, reading):
+        yield section_of_lines(title, lines)
+
+
+def _checks(_robot: _Robot, _reading: ModelReading) -> Iterator[tuple[str, list[str]]]:
+    """Titles and lines of what is proved about the robot, the last sections of the report."""
+    yield from ()
+
+
+def _facts(robot: _Robot) -> Iterator[Fact]:
+    model = robot.model
+    yield Fact("word", f"{' '.join(robot.word)} (its symbols are counted from 0)")
+    yield Fact("derivation", " ".join(robot.labels))
+    yield Fact("moves in", "the plane" if model.dimension == 2 else "space")
+    yield Fact("degrees of freedom", str(len(model.dofs)))
+    rods = sum(isinstance(body, RodBody) for body in model.bodies)
+    solids = sum(isinstance(body, SolidBody) for body in model.bodies)
+    points = len(model.bodies) - rods - solids
+    counts = [(rods, "rod"), (points, "point"), (solids, "solid")]
+    bodies = ", ".join(f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n)
+    yield Fact("bodies", bodies or "none")
+    yield Fact("body points", str(2 * rods + points + solids))
+    yield Fact("gravity", _gravity(robot))
+
+
+def _gravity(robot: _Robot) -> str:
+    if robot.task is None:
+        return "none, since no task is chosen"
+    if not any(robot.gravity):
+        return f"none in task {robot.task.name}"
+    return f"that of task {robot.task.name}"
+
+
+def _dimension(
+    program: ir.Program, task: ir.Task | None, workspace: str | None
+) -> Literal[2, 3] | None:
+    """That of the workspace, or of all workspaces; None where the file has none."""
+    name = workspace or (None if task is None else task.workspace)
+    dimensions = {place.dimension for place in program.workspaces.values()}
+    if name is None and len(dimensions) == 1:
+        return dimensions.pop()
+    if name is None and not dimensions:
+        return None
+    return chosen(program.workspaces, name, "workspace").dimension
