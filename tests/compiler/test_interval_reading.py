@@ -1,0 +1,191 @@
+"""The interval and the exact reading of a graph against mpmath at random points of the box."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+
+import casadi as ca
+import mpmath as mp
+import pytest
+from flint import arb
+
+from compiler.dynamics.boxes import domain_side, range_side
+from compiler.dynamics.exact_reading import ExactArithmetic, NotExact, PiLinear, exact_closed
+from compiler.dynamics.identities import symmetric_entries
+from compiler.dynamics.interval_reading import Ends, IntervalArithmetic, between
+from compiler.dynamics.tape import tape
+from grammar_lang import ir
+from tests.oracles.exact_chain import DIGITS, Multiprecision
+
+UNARY = ("neg", "twice", "sq", "inv", "sqrt", "fabs", "sin", "cos", "tan")
+PI = ir.Pi()
+
+
+def value(number: arb) -> mp.mpf:
+    return mp.mpf(number.str(DIGITS, radius=False))
+
+
+def over(fraction: Fraction) -> mp.mpf:
+    return mp.mpf(fraction.numerator) / fraction.denominator
+
+
+def inside(ends: Ends, number: mp.mpf) -> bool:
+    return bool(
+        value(ends.low) - mp.mpf(10) ** -50 <= number <= value(ends.high) + mp.mpf(10) ** -50
+    )
+
+
+@pytest.mark.parametrize("name", UNARY)
+def test_functions_of_intervals_contain_the_values(name: str) -> None:
+    rng, run, known = random.Random(name), IntervalArithmetic(), 0
+    with mp.workdps(DIGITS):
+        for _ in range(300):
+            low = Fraction(rng.randint(-800, 800), 100)
+            high = low + Fraction(rng.choice([0, 1, 30, 200, 900]), 100)
+            found = run.unary(name, between(low, high))
+            known += not found.undefined
+            for i in range(9):
+                point = over(low + (high - low) * i / 8)
+                if found.undefined or (name == "inv" and point == 0):
+                    continue
+                assert inside(found, Multiprecision().unary(name, point)), (name, low, high)
+    assert known > 100
+
+
+@pytest.mark.parametrize("name", ["sin", "cos"])
+def test_a_sine_is_as_wide_as_it_has_to_be(name: str) -> None:
+    rng, run = random.Random(2), IntervalArithmetic()
+    with mp.workdps(DIGITS):
+        for _ in range(100):
+            low = Fraction(rng.randint(-800, 800), 100)
+            high = low + Fraction(rng.randint(1, 700), 100)
+            found = run.unary(name, between(low, high))
+            samples = [
+                Multiprecision().unary(name, over(low + (high - low) * i / 100)) for i in range(101)
+            ]
+            assert value(found.low) > min(samples) - mp.mpf("1e-2")
+            assert value(found.high) < max(samples) + mp.mpf("1e-2")
+
+
+@pytest.mark.parametrize("name", ["add", "sub", "mul", "div"])
+def test_operations_contain_the_values(name: str) -> None:
+    rng, run = random.Random(name), IntervalArithmetic()
+    with mp.workdps(DIGITS):
+        for _ in range(300):
+            a, b = (Fraction(rng.randint(-30, 30), 7) for _ in range(2))
+            c, d = (Fraction(rng.choice([0, 1, 10, 40]), 7) for _ in range(2))
+            found = run.binary(name, between(a, a + c), between(b, b + d))
+            if found.undefined:
+                assert name == "div"
+                assert b <= 0 <= b + d
+                continue
+            for i in range(4):
+                for j in range(4):
+                    left, right = over(a + c * i / 3), over(b + d * j / 3)
+                    assert inside(found, Multiprecision().binary(name, left, right))
+
+
+def test_what_is_undefined_stays_so() -> None:
+    run = IntervalArithmetic()
+    undefined = run.unary("inv", between(Fraction(-1), Fraction(1)))
+    zero, unlimited = run.integer(0), between(None, None)
+    assert run.binary("mul", zero, undefined).undefined
+    assert run.unary("cos", undefined).undefined
+    assert run.unary("fabs", undefined).undefined
+    assert not undefined.low >= 0
+    assert run.binary("mul", zero, unlimited).high == 0
+    assert run.unary("sq", unlimited).low == 0
+
+
+def test_a_wide_square_does_not_reach_below_zero() -> None:
+    run, side = IntervalArithmetic(), range_side(Fraction(1, 2), 5)
+    assert run.binary("mul", side.ends, side.ends).low == 0.25
+
+
+# --- the exact reading ----------------------------------------------------------------------------
+
+
+def test_exact_values_agree_with_mpmath() -> None:
+    run, known = ExactArithmetic(), 0
+    with mp.workdps(DIGITS):
+        for twelfths in range(-36, 37):
+            angle = PiLinear(Fraction(0), Fraction(twelfths, 12))
+            for name in ("sin", "cos", "tan"):
+                try:
+                    found = run.unary(name, angle)
+                except NotExact:
+                    continue
+                known += 1
+                expected = Multiprecision().unary(name, over(angle.pis) * mp.pi)
+                assert abs(over(found.rational) - expected) < mp.mpf(10) ** -40
+    assert known > 50
+
+
+def test_what_is_not_exact_is_refused() -> None:
+    run, one = ExactArithmetic(), PiLinear(Fraction(1))
+    pi = PiLinear(Fraction(0), Fraction(1))
+    for name, argument in (("cos", one), ("sqrt", PiLinear(Fraction(2))), ("sq", pi)):
+        with pytest.raises(NotExact):
+            run.unary(name, argument)
+    for name, left, right in (("mul", pi, pi), ("div", one, PiLinear(Fraction(0)))):
+        with pytest.raises(NotExact):
+            run.binary(name, left, right)
+    assert run.unary("sqrt", PiLinear(Fraction(9, 4))) == PiLinear(Fraction(3, 2))
+
+
+def test_constants_of_the_language_are_exact() -> None:
+    half_turn = ir.Binary("/", ir.Binary("*", ir.Num(Fraction(3)), PI), ir.Num(Fraction(2)))
+    assert exact_closed(half_turn) == PiLinear(Fraction(0), Fraction(3, 2))
+    with pytest.raises(NotExact):
+        exact_closed(ir.Unary("sqrt", ir.Num(Fraction(2))))
+
+
+def test_order_of_exact_numbers() -> None:
+    pi, close = PiLinear(Fraction(0), Fraction(1)), PiLinear(Fraction(355, 113))
+    assert pi.at_most(pi)
+    assert pi.at_most(close)
+    assert not close.at_most(pi)
+
+
+# --- sides of boxes -------------------------------------------------------------------------------
+
+
+def test_sides_contain_their_ends_and_nothing_else() -> None:
+    turn = domain_side(None, angle=True)
+    assert turn.contains(PiLinear(Fraction(0), Fraction(1)))
+    assert turn.contains(PiLinear(Fraction(0), Fraction(-1)))
+    assert not turn.contains(PiLinear(Fraction(22, 7)))
+    root = ir.Unary("sqrt", ir.Num(Fraction(2)))
+    side = domain_side(ir.Interval(root, ir.Num(Fraction(2))))
+    assert not side.contains(PiLinear(Fraction(141421356, 10**8)))
+    assert side.contains(PiLinear(Fraction(14143, 10**4)))
+
+
+def test_simple_values_and_halves() -> None:
+    assert range_side(Fraction(3, 10), Fraction(7, 10)).simple == PiLinear(Fraction(1, 2))
+    assert range_side(Fraction(-29, 10), Fraction(-21, 10)).simple == PiLinear(Fraction(-5, 2))
+    assert range_side(-1, 5).simple == PiLinear(Fraction(0))
+    assert range_side(1, 2, angle=True).simple == PiLinear(Fraction(0), Fraction(1, 2))
+    assert not range_side(2, 2).divisible()
+    chosen = domain_side(ir.Choices(tuple(ir.Num(Fraction(i)) for i in (1, 4, 9))))
+    left, right = chosen.halves()
+    assert [left.middle, len(right.elements)] == [1, 2]
+    assert not left.divisible()
+    unlimited = domain_side(None)
+    low, high = unlimited.halves()
+    assert (low.high, high.low) == (0, 0)
+    assert high.halves()[1].low == 1
+
+
+# --- identities -----------------------------------------------------------------------------------
+
+
+def test_symmetry_up_to_the_order_of_factors_is_shown() -> None:
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    left, right = (x + y) * (x + y) * ca.cos(x + y), (x**2 + 2 * y * x + y * y) * ca.cos(y + x)
+    for off, symmetric in ((right, True), (right + x * y - y * x, True), (right + x, False)):
+        matrix = ca.vertcat(ca.horzcat(1, left), ca.horzcat(off, 1))
+        function = ca.Function("f", [x, y], [ca.densify(matrix)])
+        assert symmetric_entries(function, 2) is symmetric
+    assert tape(function).outputs == 4
