@@ -24,6 +24,7 @@ from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.normalise import robot_key
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
+from solvers.admissibility import inadmissible
 from solvers.certificate import ParameterClaim, decimal
 from solvers.conclusion import (
     MOTION_SEARCHES,
@@ -53,7 +54,6 @@ from solvers.verdict import Holds, Unknown
 
 PATHS_PER_STRUCTURE = 6
 MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2)
-SINGULAR = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,10 +160,9 @@ class _Run:
         if answer.refuted:
             self.record(derivation, "refuted", answer.reason, answer.script)
             return None
-        blocked = self.not_searchable(model, reading)
+        blocked = inadmissible(model, reading)
         if blocked is not None:
-            verdict, reason = blocked
-            self.record(derivation, verdict, reason)
+            self.record(derivation, "inadmissible", blocked)
             return None
         self.searched += 1
         reason = "it has no effector that the task asks for"
@@ -176,25 +175,6 @@ class _Run:
                 self.record(derivation, "found", "proved")
                 return design
         self.record(derivation, "unresolved", reason)
-        return None
-
-    def not_searchable(
-        self, model: RobotModel, reading: FloatReading
-    ) -> tuple[StructureVerdict, str] | None:
-        """Why a robot that was not refuted cannot be driven, or None."""
-        if not model.dofs:
-            return None
-        rng = np.random.default_rng(0)
-        bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
-        for _ in range(4):
-            theta = rng.uniform(bounds[:, 0], bounds[:, 1])
-            q = rng.uniform(-1, 1, size=(4, len(model.dofs)))
-            mass = reading.mass_matrix(q, theta)
-            if not np.isfinite(mass).all():
-                return "inadmissible", "the mass matrix is not finite"
-            eigenvalues = np.linalg.eigvalsh(mass)
-            if float(eigenvalues.min()) <= SINGULAR * float(eigenvalues.max()):
-                return "inadmissible", "the mass matrix is not positive definite"
         return None
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:

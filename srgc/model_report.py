@@ -7,21 +7,26 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
+from compiler.dynamics.mass_matrix_check import mass_matrix_check
 from compiler.dynamics.motion_graph import UndefinedMotionError, motion_graph
 from compiler.encodings.model_script import model_script
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.family import RobotFamily
+from compiler.robots.neutral_parameters import neutral_parameters
 from compiler.robots.planarity import is_planar
 from compiler.robots.robot import RobotModel, RodBody, SolidBody
 from compiler.views.document import Fact, Section, section_of_lines
 from compiler.views.latex_document import to_latex
-from compiler.views.model_reading import ModelReading, model_reading
+from compiler.views.model_reading import model_reading
 from compiler.views.model_sections import motion_sections
 from compiler.views.robot_sections import robot_sections
 from compiler.views.text_document import to_text
 from grammar_lang import ir
 from srgc.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen
+
+BOXES = 512
+"""How many boxes the check of M may examine: a second or two."""
 
 Form: TypeAlias = Literal["text", "latex", "smt2"]
 
@@ -52,6 +57,7 @@ class _Robot:
     word: tuple[str, ...]
     labels: tuple[str, ...]
     model: RobotModel
+    grammar: ir.Grammar
     task: ir.Task | None
 
     @property
@@ -79,7 +85,7 @@ def model_report(program: ir.Program, request: ModelRequest) -> ModelReport:
         raise UsageFault(str(error)) from None
     if dimension is None and is_planar(model):
         model = RobotFamily(program, grammar, 2).robot(found.derivation)
-    robot = _Robot(program, request.word, tuple(found.derivation.labels), model, task)
+    robot = _Robot(program, request.word, tuple(found.derivation.labels), model, grammar, task)
     try:
         return ModelReport(_written(robot, request.form), found.remarks)
     except UndefinedMotionError as error:
@@ -98,13 +104,19 @@ def _sections(robot: _Robot) -> Iterator[Section]:
     yield from robot_sections(robot.model, robot.word, robot.task)
     reading = model_reading(robot.model, robot.gravity)
     yield from motion_sections(reading)
-    for title, lines in _checks(robot, reading):
+    for title, lines in _checks(robot):
         yield section_of_lines(title, lines)
 
 
-def _checks(_robot: _Robot, _reading: ModelReading) -> Iterator[tuple[str, list[str]]]:
+def _checks(robot: _Robot) -> Iterator[tuple[str, list[str]]]:
     """Titles and lines of what is proved about the robot, the last sections of the report."""
-    yield from ()
+    if robot.model.dofs:
+        found = mass_matrix_check(robot.model, budget=BOXES)
+        yield "M over the whole joint and parameter box", [found.text]
+    used = set(robot.labels)
+    neutral = neutral_parameters(robot.program, robot.grammar)
+    lines = [item.text for item in neutral if item.production in used]
+    yield "Hypothesis of Theorem 1: a value at which a module changes nothing", lines
 
 
 def _facts(robot: _Robot) -> Iterator[Fact]:
