@@ -21,12 +21,14 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat, arb_series, ctx
 
-from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic
+from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic, UncertainSignError
 from compiler.dynamics.tape import Tape
 
 Coefficients = list[arb]
 
 MOST_HALVINGS = 7
+KINK_HALVINGS, KINK_REMAINDER = 12, 1e-6
+"""Where an absolute value has a kink, shorter segments of order two may be less accurate."""
 
 
 class EnclosureFailure(ArithmeticError):
@@ -75,6 +77,11 @@ class VectorField:
     dofs: int
     tail: tuple[arb, ...]
     own: int = 0
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether an absolute value occurs."""
+        return any(name == "fabs" for name, _, _ in self.balance.instructions)
 
     def acceleration(self, state: Sequence[arb], u: Sequence[arb]) -> list[arb]:
         """Accelerations for a state given as balls.
@@ -251,6 +258,11 @@ def _segment(
             for coefficients, row in zip(at_middle, slopes, strict=True)
         ]
         last = _remainder(field, known, u, h, order)
+    except UncertainSignError:
+        if order <= 2:
+            return None
+        rough = Accuracy(2, accuracy.bits, max(accuracy.remainder, KINK_REMAINDER))
+        return _segment(field, start, number, state, u, h, rough)
     except (ZeroDivisionError, ValueError):
         # A denominator's ball contains zero: the box is too wide, not the robot at fault.
         return None
@@ -297,7 +309,7 @@ def tube(
             if segment is not None:
                 yield segment
                 state, start = segment.end, start + h
-            elif level < MOST_HALVINGS:
+            elif level < (KINK_HALVINGS if field.has_kinks else MOST_HALVINGS):
                 pending += [(h / 2, level + 1)] * 2
             else:
                 time = float(start.mid())

@@ -21,6 +21,7 @@ COMMAND = (sys.executable, "-c", "from srgc.cli import main; main()")
 SPECS = {
     **{path.stem: path.read_bytes() for path in sorted((ROOT / "specs").glob("*.srg"))},
     "turner": small_specs.TURNER.encode(),
+    "motor": small_specs.MOTOR.encode(),
     "slider": small_specs.SLIDER.encode(),
     "beyond_reach": small_specs.BEYOND_REACH.encode(),
 }

@@ -8,10 +8,12 @@ import pytest
 
 from benchmarks.language_grammars import CHAIN_ITEMS, Subject, accepted, is_chain, refused, subjects
 from benchmarks.large_spec import FORMULA_EVERY, large_spec
+from benchmarks.linearisations import disagreement, expansion, ours, pinocchio_loop, samples
 from compiler.languages.language import language
 from grammar_lang.load import load_text
 from srgc.session import check_loaded
 from tests.oracles.brute_force_grammar import all_words, words_of
+from tests.oracles.robots import rod_chain
 
 
 @pytest.mark.parametrize("size", [1, 10_000, 40_000])
@@ -98,3 +100,25 @@ def test_ours_agrees_with_the_oracle_of_a_benchmark(name: str, length: int) -> N
     ours = language(subject.grammar, subject.terminals, subject.modules)
     words = [*accepted(subject, length, 60), *refused(subject, length, 60)]
     assert [w for w in words if ours.accepts(w) is not subject.oracle(w)] == []
+
+
+@pytest.mark.parametrize("links", [1, 3])
+def test_all_linearisations_of_a_benchmark_agree(links: int) -> None:
+    model, at = rod_chain(links), samples(links, 4)
+    us = ours(model, at).call()
+    assert [part.shape for part in us] == [
+        (4, 2 * links), (4, 2 * links, 2 * links), (4, 2 * links, links), (4, 2 * links, links),
+    ]  # fmt: skip
+    for theta in (False, True):
+        for cse in (False, True):
+            found = expansion(model, at, theta=theta, cse=cse).call()
+            assert len(found) == 3 + theta
+            assert disagreement(us, found) < 1e-11
+    spoilt = (us[0], us[1] + 1e-6, *us[2:])
+    assert disagreement(us, spoilt) > 1e-8
+
+
+def test_pinocchio_linearises_the_same_arm() -> None:
+    pin = pytest.importorskip("pinocchio")
+    model, at = rod_chain(3), samples(3, 4)
+    assert disagreement(ours(model, at).call(), pinocchio_loop(pin, at).call()) < 1e-11

@@ -66,10 +66,18 @@ def closed_ball(expression: ir.Expr) -> arb:
             raise ValueError(f"not a closed scalar: {expression}")
 
 
+def _sign(a: arb) -> arb:
+    """The sign, which is also the slope of the absolute value; [-1, 1] where it is not certain."""
+    if a > 0:
+        return arb(1)
+    return arb(-1) if a < 0 else arb(0, 1)
+
+
 _UNARY: Mapping[str, Callable[[arb], arb]] = {
     "neg": lambda a: -a,
     "abs": abs,
     "fabs": abs,
+    "sign": _sign,
     "sq": lambda a: a * a,
     "inv": lambda a: 1 / a,
     "twice": lambda a: a + a,
@@ -110,6 +118,32 @@ class BallArithmetic:
         return left * right if name == "mul" else left / right
 
 
+class UncertainSignError(ValueError):
+    """An absolute value has a kink within a ball: its Taylor coefficients end at the first."""
+
+
+def _absolute(a: arb_series) -> arb_series:
+    """The absolute value; where the sign is uncertain, up to the first order (Clarke's gradient).
+
+    Of a Lipschitz function the Taylor polynomial of degree one with its integral remainder still
+    holds, since its derivative exists almost everywhere and lies in the hull of both slopes.
+    """
+    sign = _sign(a[0])
+    if sign.is_exact():
+        return sign * a
+    if len(a) > 1 and ctx.cap > 2:
+        raise UncertainSignError("the sign under an absolute value is not certain")
+    return arb_series([abs(a[0]), sign * a[1]])
+
+
+def _slope(a: arb_series) -> arb_series:
+    """The sign, piecewise constant."""
+    sign = _sign(a[0])
+    if not sign.is_exact() and len(a) > 1 and ctx.cap > 1:
+        raise UncertainSignError("the sign under an absolute value is not certain")
+    return arb_series([sign])
+
+
 class SeriesArithmetic:
     """Power series of balls, truncated at the working length, as the numbers of a tape."""
 
@@ -118,13 +152,13 @@ class SeriesArithmetic:
         return arb_series([value])
 
     def unary(self, name: str, argument: arb_series) -> arb_series:
-        """A function of one series; ``fabs`` only where the sign is certain."""
-        if name == "fabs":
-            if len(argument) == 0 or argument[0] > 0:
-                return argument
-            if argument[0] < 0:
-                return -argument
-            raise ValueError("the sign under an absolute value is not certain")
+        """A function of one series.
+
+        Raises:
+            UncertainSignError: an absolute value, or its slope, is not smooth to the order asked.
+        """
+        if name in ("fabs", "sign"):
+            return _absolute(argument) if name == "fabs" else _slope(argument)
         return _SERIES[name](argument)
 
     def binary(self, name: str, left: arb_series, right: arb_series) -> arb_series:

@@ -9,7 +9,6 @@ with the modules' own states s; together one controlled system x' = f(x, theta, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -17,8 +16,10 @@ import casadi as ca
 
 from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.dynamics.absolute_angles import Coordinates, own_coordinates
+from compiler.dynamics.coordinate_change import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
 from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.ldl import ldl_solve
 from compiler.dynamics.rigid_bodies import centrifugal, gravitational, mass_matrix
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
@@ -26,7 +27,7 @@ from compiler.robots.state_and_input import robot_inputs, robot_states
 
 @dataclass(frozen=True, slots=True)
 class RobotGraph:
-    """One robot's expression graph, read by several back ends.
+    """One robot's expression graph, read by several back ends; ``gravity`` is in m/s^2.
 
     Inputs, each a column: ``q``, ``w`` (the rates v of q, then the modules' own states), ``u``
     (inputs), ``theta`` and ``k``, the exact constants listed in ``constants``.  Where
@@ -36,7 +37,8 @@ class RobotGraph:
 
     - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows);
     - ``bias(q, v, theta, k)``: c + g, shape (n,), N m (N);
-    - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,);
+    - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,); floats have a
+      cheaper way (``controlled_system.py``);
     - ``balance(q, w, u, theta, k)``: M column by column (n * n,), then tau - c - g (n,), then the
       derivatives of the own states (r,): the parts that a validated reading solves itself,
       without the graph's own divisions;
@@ -48,6 +50,7 @@ class RobotGraph:
     """
 
     model: RobotModel
+    gravity: tuple[Fraction, ...]
     coordinates: Coordinates
     constants: tuple[Constant | PiConstant, ...]
     mass_matrix: ca.Function
@@ -84,10 +87,10 @@ def robot_graph(
     body = kinematics(model, q, theta, constants, coordinates)
     mass = mass_matrix(model, body, q, constants, coordinates)
     bias = centrifugal(mass, q, v, constants) + gravitational(model, body, q, gravity, constants)
-    own = _own(coordinates, q), _own(coordinates, v)
+    own = own_motion(coordinates, q), own_motion(coordinates, v)
     driven = drive(model, Motion(*own, w[n:], u, theta), constants)
-    force = _generalised(coordinates, driven.forces) - bias
-    acceleration = _solve(_unfolded(mass, constants), force) if n else ca.SX(0, 1)
+    force = generalised_forces(coordinates, driven.forces) - bias
+    acceleration = ldl_solve(_unfolded(mass, constants), force)
     d = model.dimension
     points = [body.body_points(item) for item in model.bodies]
     hulls, start = [], 0
@@ -103,6 +106,7 @@ def robot_graph(
 
     return RobotGraph(
         model,
+        gravity,
         coordinates,
         tuple(constants.symbols),
         function("mass_matrix", [q], mass),
@@ -133,52 +137,9 @@ def _unfolded(matrix: ca.SX, constants: ConstantInputs) -> ca.SX:
     return result
 
 
-def _own(coordinates: Coordinates, y: ca.SX) -> ca.SX:
-    """D y: the joints' own coordinates or rates."""
-    return _stack([_weighed(row, y) for row in coordinates.rows])
-
-
-def _generalised(coordinates: Coordinates, forces: ca.SX) -> ca.SX:
-    """The forces on the joints' own coordinates as generalised forces: D' tau, by virtual work."""
-    return _stack([_weighed(column, forces) for column in zip(*coordinates.rows, strict=True)])
-
-
-def _weighed(weights: Sequence[int], values: ca.SX) -> ca.SX:
-    """The sum of values with weights 1, 0 and -1."""
-    total = ca.SX(0)
-    for i, weight in enumerate(weights):
-        if weight:
-            total = total + (values[i] if weight > 0 else -values[i])
-    return total
-
-
 def _jacobian(value: ca.SX, state: ca.SX) -> ca.SX:
     return ca.vec(ca.densify(ca.jacobian(value, state)))
 
 
 def _stack(columns: list[ca.SX]) -> ca.SX:
     return ca.vertcat(*columns) if columns else ca.SX(0, 1)
-
-
-def _solve(matrix: ca.SX, right: ca.SX) -> ca.SX:
-    """``matrix^-1 right`` by the LDL^T factorisation of a symmetric positive definite matrix.
-
-    Written out, because the validated reading needs elementary operations only.
-    """
-    n = right.numel()
-    lower, diagonal = ca.SX.eye(n), [ca.SX(0)] * n
-    for j in range(n):
-        diagonal[j] = matrix[j, j] - sum(
-            (lower[j, k] ** 2 * diagonal[k] for k in range(j)), ca.SX(0)
-        )
-        for i in range(j + 1, n):
-            known = sum((lower[i, k] * lower[j, k] * diagonal[k] for k in range(j)), ca.SX(0))
-            lower[i, j] = (matrix[i, j] - known) / diagonal[j]
-    y = [ca.SX(0)] * n
-    for i in range(n):
-        y[i] = right[i] - sum((lower[i, k] * y[k] for k in range(i)), ca.SX(0))
-    x = [ca.SX(0)] * n
-    for i in reversed(range(n)):
-        above = sum((lower[k, i] * x[k] for k in range(i + 1, n)), ca.SX(0))
-        x[i] = y[i] / diagonal[i] - above
-    return _stack(x)

@@ -1,7 +1,6 @@
 """The floating-point reading of a robot's graph, over all steps at once.
 
-The discrete step is the classical Runge-Kutta method with zero-order-hold inputs; its exact
-derivatives in state, input and parameters come from the variational equations carried along.
+The discrete step and its exact derivatives are those of ``step_map.py``.
 """
 
 from __future__ import annotations
@@ -9,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import casadi as ca
@@ -23,7 +23,10 @@ from compiler.arithmetic.scalars import (
     ScalarNode,
     read_scalars,
 )
+from compiler.dynamics.controlled_system import ControlledSystem, controlled_system
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.dynamics.sample_lanes import SampleLanes
+from compiler.dynamics.step_map import rates_of_change, step_map, value_map
 from compiler.robots.state_and_input import robot_inputs, robot_states
 
 Array: TypeAlias = NDArray[np.float64]
@@ -75,69 +78,63 @@ class FloatReading:
         )
         self.size = 2 * self.n + self.r
         self._maps: dict[tuple[str, int], ca.Function] = {}
-        self._rollouts: dict[tuple[str, int, float, int], ca.Function] = {}
-        self._functions = {
-            "step": _with_jacobians(graph.acceleration, (0, 1, 2, 3)),
-            "points": _with_jacobians(_all_points(graph), (0, 1)),
-            "mass": graph.mass_matrix,
-        }
+        self._rollouts: dict[tuple[str, int, int], ca.Function] = {}
 
-    def _call(self, name: str, columns: list[Array], theta: Array) -> list[Array]:
-        """Evaluate at K samples; each column is (K, m), each result (K, numel)."""
-        count = len(columns[0])
-        key = (name, count)
+    # Made when first asked for: most structures are judged by their points alone.
+
+    @cached_property
+    def _system(self) -> ControlledSystem:
+        return controlled_system(self.graph)
+
+    @cached_property
+    def _rates(self) -> SampleLanes:
+        return SampleLanes.of(rates_of_change(self._system))
+
+    @cached_property
+    def _step(self) -> SampleLanes:
+        system, width = self._system, 1 + self.size + self.m + self.p
+        return SampleLanes(lambda lanes: step_map(system, lanes), (self.size, width))
+
+    @cached_property
+    def _points(self) -> ca.Function:
+        return _with_jacobians(_all_points(self.graph), (0, 1))
+
+    def _call(self, function: ca.Function, q: Array, theta: Array) -> list[Array]:
+        """Evaluate a function of (q, theta, k) at K samples (K, n); each result is (K, numel)."""
+        count = len(q)
+        key = (function.name(), count)
         if key not in self._maps:
-            self._maps[key] = self._functions[name].map(count)
+            self._maps[key] = function.map(count)
         repeated = [np.tile(vector[:, None], (1, count)) for vector in (theta, self.constants)]
-        outputs = self._maps[key].call([*(c.T for c in columns), *repeated])
+        outputs = self._maps[key].call([q.T, *repeated])
         return [np.asarray(output.full()).reshape(-1, count, order="F").T for output in outputs]
 
     def acceleration(self, x: Array, u: Array, theta: Array) -> tuple[Array, Array]:
         """The derivative of rates and own states (K, n + r), its Jacobian in (x, u, theta)."""
-        n, height, count = self.n, self.n + self.r, len(x)
-        value, *blocks = self._call("step", [x[:, :n], x[:, n:], u], theta)
-        jacobian = [block.reshape(count, -1, height).transpose(0, 2, 1) for block in blocks]
-        return value, np.concatenate(jacobian, axis=2)
+        shared = np.concatenate([theta, self._system.constants])
+        found = self._rates((x, u), shared)
+        return found[:, :, 0], found[:, :, 1:]
 
     def step(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Linearisation:
         """The state ``dt`` later and its Jacobians; x (K, N), u (K, m), theta (p,)."""
-        size, inputs = self.size, self.m
-        sensitivity = np.zeros((len(x), size, size + inputs + self.p))
-        sensitivity[:, :, :size] = np.eye(size)
-        h = dt / substeps
-        for _ in range(substeps):
-            x, sensitivity = self._substep(x, u, theta, h, sensitivity)
-        return Linearisation(
-            x, sensitivity[:, :, :size], sensitivity[:, :, size : size + inputs],
-            sensitivity[:, :, size + inputs :],
-        )  # fmt: skip
-
-    def _substep(
-        self, x: Array, u: Array, theta: Array, h: float, sensitivity: Array
-    ) -> tuple[Array, Array]:
-        """One classical Runge-Kutta step of the state and its sensitivities."""
-        n, size = self.n, self.size
-        slope = np.zeros_like(x)
-        slope_s = np.zeros_like(sensitivity)
-        total, total_s = np.zeros_like(x), np.zeros_like(sensitivity)
-        for fraction, weight in ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)):
-            at = x + fraction * h * slope
-            at_s = sensitivity + fraction * h * slope_s
-            value, jacobian = self.acceleration(at, u, theta)
-            slope = np.concatenate([at[:, n : 2 * n], value], axis=1)
-            bottom = jacobian[:, :, :size] @ at_s
-            bottom[:, :, size:] += jacobian[:, :, size:]
-            slope_s = np.concatenate([at_s[:, n : 2 * n], bottom], axis=1)
-            total += weight * slope
-            total_s += weight * slope_s
-        return x + h / 6 * total, sensitivity + h / 6 * total_s
+        size = self.size
+        shared = np.concatenate([theta, self._system.constants, [dt / substeps]])
+        found = self._step((x, u), shared)
+        for _ in range(substeps - 1):
+            further = self._step((found[:, :, 0], u), shared)
+            carried = further[:, :, 1 : 1 + size] @ found[:, :, 1:]
+            found[:, :, 0] = further[:, :, 0]
+            found[:, :, 1:] = carried
+            found[:, :, 1 + size :] += further[:, :, 1 + size :]
+        value, state, input_, parameter = np.split(found, [1, 1 + size, 1 + size + self.m], axis=2)
+        return Linearisation(value[:, :, 0], state, input_, parameter)
 
     def simulate(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Array:
         """States (k + 1, N) from an initial one (N,) under inputs (k, m), by the step map."""
-        key = ("simulate", len(u), dt, substeps)
+        key = ("simulate", len(u), substeps)
         if key not in self._rollouts:
-            self._rollouts[key] = _rollout(self.graph, dt, substeps, len(u))
-        tail = np.concatenate([theta, self.constants])
+            self._rollouts[key] = _rollout(self._system, substeps, len(u))
+        tail = np.concatenate([theta, self._system.constants, [dt / substeps]])
         columns = np.tile(tail[:, None], (1, len(u)))
         states = self._rollouts[key](x, np.concatenate([u.T, columns]))
         return np.concatenate([x[None, :], np.asarray(states.full()).T])
@@ -151,10 +148,9 @@ class FloatReading:
         """
         if len(waypoints) < 2:
             return first[None, :]
-        key = ("track", len(waypoints) - 1, float(point), 0)
+        key = ("track", len(waypoints) - 1, point)
         if key not in self._rollouts:
-            functions = self._functions["points"]
-            self._rollouts[key] = _tracker(functions, self.n, self.d, point, len(waypoints) - 1)
+            self._rollouts[key] = _tracker(self._points, self.n, self.d, point, len(waypoints) - 1)
         tail = np.concatenate([*box, theta, self.constants])
         columns = np.tile(tail[:, None], (1, len(waypoints) - 1))
         found = self._rollouts[key](first, np.concatenate([waypoints[1:].T, columns]))
@@ -163,7 +159,7 @@ class FloatReading:
     def points(self, q: Array, theta: Array) -> Points:
         """Effectors first, then body points, at K samples; q (K, n)."""
         count, d = len(q), self.d
-        value, by_q, by_theta = self._call("points", [q], theta)
+        value, by_q, by_theta = self._call(self._points, q, theta)
         m = value.shape[1] // d
         return Points(
             value.reshape(count, m, d),
@@ -173,7 +169,7 @@ class FloatReading:
 
     def mass_matrix(self, q: Array, theta: Array) -> Array:
         """M at K samples, shape (K, n, n)."""
-        (value,) = self._call("mass", [q], theta)
+        (value,) = self._call(self.graph.mass_matrix, q, theta)
         return value.reshape(len(q), self.n, self.n)
 
 
@@ -208,26 +204,16 @@ def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Functi
     symbols = [ca.SX.sym(f"i{i}", function.size1_in(i)) for i in range(function.n_in())]
     value = function(*symbols)
     jacobians = [ca.densify(ca.jacobian(value, symbols[i])) for i in inputs]
-    return ca.Function("linearised", symbols, ca.cse([ca.densify(value), *jacobians]))
+    return ca.Function("points", symbols, ca.cse([ca.densify(value), *jacobians]))
 
 
-def _rollout(graph: RobotGraph, dt: float, substeps: int, steps: int) -> ca.Function:
+def _rollout(system: ControlledSystem, substeps: int, steps: int) -> ca.Function:
     """All steps of the classical Runge-Kutta method in one call."""
-    f = graph.acceleration
-    n, w, m, p, c = (f.size1_in(i) for i in range(5))
-    x, extra = ca.SX.sym("x", n + w), ca.SX.sym("e", m + p + c)
-    u, theta, k = ca.vertsplit(extra, [0, m, m + p, m + p + c])
-
-    def slope(at: ca.SX) -> ca.SX:
-        return ca.vertcat(at[n : 2 * n], f(at[:n], at[n:], u, theta, k))
-
-    after, h = x, dt / substeps
+    step = value_map(system)
+    x, extra = (ca.SX.sym(name, step.size1_in(i)) for i, name in enumerate(("x", "e")))
+    after = x
     for _ in range(substeps):
-        k1 = slope(after)
-        k2 = slope(after + h / 2 * k1)
-        k3 = slope(after + h / 2 * k2)
-        k4 = slope(after + h * k3)
-        after = after + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        after = step(after, extra)
     return ca.Function("step", [x, extra], [after]).mapaccum("simulate", steps)
 
 

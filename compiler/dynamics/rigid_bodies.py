@@ -15,7 +15,7 @@ from compiler.dynamics.kinematics import ConstantInputs, Kinematics
 from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody
 
 
-def _inertia(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.SX, ca.SX, ca.SX]:
+def inertia_of(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Mass, position of the com, and inertia about it in world axes."""
     half, twelfth = (constants.read(Constant(Fraction(1, i))) for i in (2, 12))
     match body:
@@ -41,7 +41,7 @@ def _inertia(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.
             return at.scalars[mass_scalar], at.point(frame, com_local), turn @ local @ turn.T
 
 
-def _angular_jacobian(
+def angular_jacobian(
     model: RobotModel, at: Kinematics, frame: int, coordinates: Coordinates
 ) -> ca.SX:
     """The Jacobian of the angular velocity of a frame in y, shape (3, n)."""
@@ -71,9 +71,9 @@ def mass_matrix(
     """M, the Hessian of the kinetic energy in the rates."""
     total = ca.SX.zeros(len(model.dofs), len(model.dofs))
     for body in model.bodies:
-        mass, com, inertia = _inertia(body, at, constants)
+        mass, com, inertia = inertia_of(body, at, constants)
         linear = ca.jacobian(com, q)
-        angular = _angular_jacobian(model, at, body.frame, coordinates)
+        angular = angular_jacobian(model, at, body.frame, coordinates)
         if model.dimension == 2:
             spin = angular[2, :]
             total += mass * (linear.T @ linear) + inertia[2, 2] * (spin.T @ spin)
@@ -89,16 +89,29 @@ def centrifugal(mass: ca.SX, q: ca.SX, v: ca.SX, constants: ConstantInputs) -> c
     """
     n, rows = q.numel(), []
     half = constants.read(Constant(Fraction(1, 2)))
+    slope = _slopes(mass, q)
     for i in range(n):
         row = ca.SX(0)
         for j in range(n):
             for k in range(j, n):
                 # Doubled throughout, and halved once by an exact input below.
-                term = ca.jacobian(mass[i, j], q[k]) + ca.jacobian(mass[i, k], q[j])
-                twice = term - ca.jacobian(mass[j, k], q[i])
+                twice = slope[i, j, k] + slope[i, k, j] - slope[j, k, i]
                 row += twice * v[j] * v[k] * (1 if j == k else 2)
         rows.append(row * half)
     return ca.vertcat(*rows) if rows else ca.SX(0, 1)
+
+
+def _slopes(mass: ca.SX, q: ca.SX) -> dict[tuple[int, int, int], ca.SX]:
+    """The derivative of M_ij in q_k by (i, j, k); M is symmetric, so it is made for i <= j."""
+    n = q.numel()
+    pairs = [(i, j) for i in range(n) for j in range(i, n)]
+    jacobian = ca.jacobian(ca.vertcat(*(mass[i, j] for i, j in pairs)), q) if pairs else ca.SX()
+    return {
+        (*places, k): jacobian[number, k]
+        for number, (i, j) in enumerate(pairs)
+        for places in ((i, j), (j, i))
+        for k in range(n)
+    }
 
 
 def gravitational(
@@ -114,6 +127,6 @@ def gravitational(
     pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
     potential = ca.SX(0)
     for body in model.bodies:
-        mass, com, _ = _inertia(body, at, constants)
+        mass, com, _ = inertia_of(body, at, constants)
         potential -= mass * ca.dot(pull, com[: len(gravity)])
     return ca.gradient(potential, q)

@@ -23,7 +23,7 @@ class Arithmetic(Protocol[Number]):
         ...
 
     def unary(self, name: str, argument: Number) -> Number:
-        """``neg sq sqrt sin cos tan fabs inv twice``."""
+        """``neg sq sqrt sin cos tan fabs sign inv twice``."""
         ...
 
     def binary(self, name: str, left: Number, right: Number) -> Number:
@@ -39,6 +39,7 @@ UNARY = {
     ca.OP_COS: "cos",
     ca.OP_TAN: "tan",
     ca.OP_FABS: "fabs",
+    ca.OP_SIGN: "sign",
     ca.OP_INV: "inv",
     ca.OP_TWICE: "twice",
 }

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.robot import WORLD
+from compiler.robots.robot import WORLD, FrameNode, RobotModel, Turn
 from tests.oracles.lagrangian import PointCloud, rod_points
+from tests.oracles.mass_points import mass_points
+from tests.oracles.mixed_robots import mixed_robot
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder, evaluate, point_chain, rod_chain
 
@@ -342,3 +347,75 @@ def test_a_robot_without_degrees_of_freedom_has_a_graph() -> None:
         evaluate(graph, "effectors", np.zeros(0), np.array([2.0])), [2.0, 0.0]
     )
     assert graph.acceleration.size_out(0)[0] == 0
+
+
+def turned_base(model: RobotModel, turns: Sequence[tuple[int, Fraction]]) -> RobotModel:
+    """The whole robot after rotations (axis, angle) of its base."""
+    known, extra = len(model.scalars), len(turns)
+    base = [FrameNode(i, Turn(axis, known + i)) for i, (axis, _) in enumerate(turns)]
+    moved = [FrameNode(node.parent + extra, node.step) for node in model.frames[1:]]
+    return replace(
+        model,
+        scalars=(*model.scalars, *(Constant(angle) for _, angle in turns)),
+        frames=(model.frames[WORLD], *base, *moved),
+        bodies=tuple(replace(body, frame=body.frame + extra) for body in model.bodies),
+        effectors=tuple(frame + extra for frame in model.effectors),
+    )
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_rotating_the_base_changes_nothing_if_gravity_turns_along(
+    dimension: int, seed: int
+) -> None:
+    model = mixed_robot(seed, dimension, 3, tree=seed % 2 == 0)
+    turns = [(2, Fraction(7, 10))]
+    if dimension == 3:
+        turns += [(0, Fraction(-6, 5)), (1, Fraction(3, 7)), (2, Fraction(2))]
+    turn = np.eye(3)
+    matrices = (rotation_x, rotation_y, rotation_z)
+    for axis, angle in turns:
+        turn = turn @ matrices[axis](float(angle)).real
+    pull = (Fraction(1, 3), Fraction(-981, 100), Fraction(2))[:dimension]
+    along = turn[:dimension, :dimension] @ as_floats(pull)
+    robot = turned_base(model, turns)
+    plain = robot_graph(model, pull)
+    carried = robot_graph(robot, tuple(map(Fraction, along)))
+    left_behind, weightless = robot_graph(robot, pull), robot_graph(robot)
+    rng, n = np.random.default_rng(seed), len(model.dofs)
+    q, v, theta = (
+        rng.uniform(-2, 2, n),
+        rng.uniform(-2, 2, n),
+        rng.uniform(1, 2, len(model.parameters)),
+    )
+    mass = evaluate(plain, "mass_matrix", q, theta)
+    np.testing.assert_allclose(
+        evaluate(carried, "mass_matrix", q, theta), mass, rtol=1e-10, atol=1e-10
+    )
+    bias = evaluate(plain, "bias", q, v, theta)
+    np.testing.assert_allclose(evaluate(carried, "bias", q, v, theta), bias, rtol=1e-9, atol=1e-9)
+    assert np.abs(evaluate(left_behind, "bias", q, v, theta) - bias).max() > 0.1
+    np.testing.assert_allclose(
+        evaluate(weightless, "bias", q, v, theta),
+        evaluate(robot_graph(model), "bias", q, v, theta),
+        rtol=1e-9,
+        atol=1e-9,
+    )
+    tips = evaluate(plain, "effectors", q, theta).reshape(-1, dimension)
+    found = evaluate(carried, "effectors", q, theta).reshape(-1, dimension)
+    np.testing.assert_allclose(found, tips @ turn[:dimension, :dimension].T, atol=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("seed", [4, 5])
+def test_random_robots_agree_with_point_masses(dimension: int, seed: int) -> None:
+    model = mixed_robot(seed, dimension, 3, tree=seed % 2 == 0)
+    pull = (Fraction(1, 3), Fraction(-981, 100), Fraction(2))[:dimension]
+    graph, rng, n = robot_graph(model, pull), np.random.default_rng(seed), len(model.dofs)
+    theta = rng.uniform(1, 2, len(model.parameters))
+    cloud = mass_points(model, theta)
+    q, v = rng.uniform(-2, 2, n), rng.uniform(-2, 2, n)
+    mass = evaluate(graph, "mass_matrix", q, theta)
+    np.testing.assert_allclose(mass, cloud.mass_matrix(q), rtol=1e-10, atol=1e-11)
+    bias = cloud.coriolis(q, v) + cloud.gravity(q, [*as_floats(pull), 0.0][:3])
+    np.testing.assert_allclose(evaluate(graph, "bias", q, v, theta), bias, rtol=1e-6, atol=1e-6)

@@ -112,8 +112,8 @@ def solve_reference(
     epsilon: float | None = None,
 ) -> Reference:
     about, dynamics, points = model.about, model.dynamics, model.points
-    k, n = about.u.shape
-    x, u, v = cp.Variable((k + 1, 2 * n)), cp.Variable((k, n)), cp.Variable((k, 2 * n))
+    (k, m), n, size = about.u.shape, len(limits.lower), about.x.shape[1]
+    x, u, v = cp.Variable((k + 1, size)), cp.Variable((k, m)), cp.Variable((k, size))
     largest, sigma, rho = cp.Variable(), cp.Variable(nonneg=True), cp.Variable()
     change: cp.Expression = cp.Constant(np.zeros(len(about.theta)))
     constraints: list[cp.Constraint] = []

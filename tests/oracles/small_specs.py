@@ -46,6 +46,19 @@ task Turn {
 """
 """One link of free length that turns by a right angle; nothing is in its way."""
 
+MOTOR = (
+    TURNER.replace(
+        "module JO { role joint; dof q: revolute z in [-180, 180] deg; }",
+        "module M { role joint; dof q: revolute z in [-180, 180] deg;\n"
+        "  state current A; input voltage in [-24, 24] V;\n"
+        "  der(current) = (voltage - 1.5 V/A * current - 0.8 V*s * rate(q)) / (0.3 V*s/A);\n"
+        "  torque(q) = 0.8 N*m/A * current; }",
+    )
+    .replace("JO", "M")
+    .replace("  effort <= 10 N*m;\n", "")
+)
+"""The same with a motor, which is the only thing that is driven."""
+
 SLIDER = """\
 module B  { role base; }
 module P  { role joint; dof q: prismatic x in [0, 3] m; }

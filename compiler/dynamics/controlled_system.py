@@ -1,0 +1,92 @@
+r"""A robot as a controlled system in the form that floats differentiate cheaply.
+
+.. math:: \dot q = v, \qquad N(q, \theta)\,\dot w = F(q, w, u, \theta), \qquad
+    N = \begin{pmatrix} M & 0 \\ 0 & 1 \end{pmatrix}
+
+for w = (v, s), the rates and the modules' own states.  With the residual
+``R(q, w, w', u, theta) = F - N w'``, the implicit function theorem gives
+
+.. math:: \mathrm d\dot w = N^{-1}\, \mathrm dR
+
+at fixed w' (Carpentier & Mansard, *Analytical Derivatives of Rigid Body Dynamics Algorithms*, RSS
+2018), so that neither the factorisation nor the accelerations are differentiated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.arithmetic.scalars import Constant
+from compiler.dynamics.coordinate_change import generalised_forces, own_motion
+from compiler.dynamics.drive import Motion, drive
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.dynamics.inverse_dynamics import inverse_dynamics
+from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.ldl import ldl_solve
+from compiler.robots.state_and_input import robot_inputs, robot_states
+
+
+@dataclass(frozen=True, slots=True)
+class ControlledSystem:
+    """Functions of one sample, and the values of their constant inputs ``k``.
+
+    - ``forces(q, w, u, theta, k)``: M, shape (n, n), and F, shape (n + r,);
+    - ``differential(q, w, a, u, theta, k)``: dR in (q, w, u, theta) at fixed accelerations a,
+      shape (n + r, 2n + r + m + p);
+    - ``inertial(q, v, a, theta, k)``: M a + c + g, shape (n,).
+
+    ``coordinates``, ``states``, ``inputs`` and ``parameters`` are n, r, m and p.
+    """
+
+    coordinates: int
+    states: int
+    inputs: int
+    parameters: int
+    constants: NDArray[np.float64]
+    forces: ca.Function
+    differential: ca.Function
+    inertial: ca.Function
+
+    def accelerate(self, mass: ca.SX, forces: ca.SX) -> ca.SX:
+        """N^-1 times F or dR, of one or more columns."""
+        n = self.coordinates
+        return ca.vertcat(ldl_solve(mass, forces[:n, :]), forces[n:, :])
+
+
+def controlled_system(graph: RobotGraph) -> ControlledSystem:
+    """The same robot in the same coordinates."""
+    model, coordinates = graph.model, graph.coordinates
+    n, r, m, p = (
+        len(items)
+        for items in (model.dofs, robot_states(model), robot_inputs(model), model.parameters)
+    )
+    q, w, a, u, theta = (
+        ca.SX.sym(name, size)
+        for name, size in (("q", n), ("w", n + r), ("a", n), ("u", m), ("theta", p))
+    )
+    v, constants = w[:n], ConstantInputs()
+    at = kinematics(model, q, theta, constants, coordinates)
+    inertial = inverse_dynamics(model, at, (q, v, a), graph.gravity, constants, coordinates)
+    own = own_motion(coordinates, q), own_motion(coordinates, v)
+    driven = drive(model, Motion(*own, w[n:], u, theta), constants)
+    residual = ca.vertcat(
+        generalised_forces(coordinates, driven.forces) - inertial, driven.derivatives
+    )
+    k = constants.vector()
+    mass = ca.densify(ca.jacobian(inertial, a))
+    forces = ca.densify(ca.substitute(residual, a, ca.SX.zeros(n)))
+    differential = ca.jacobian(residual, ca.vertcat(q, w, u, theta))
+    return ControlledSystem(
+        n,
+        r,
+        m,
+        p,
+        np.array([float(c.value) if isinstance(c, Constant) else np.pi for c in constants.symbols]),
+        ca.Function("forces", [q, w, u, theta, k], ca.cse([mass, forces])),
+        ca.Function("differential", [q, w, a, u, theta, k], ca.cse([differential])),
+        ca.Function("inertial", [q, v, a, theta, k], [inertial]),
+    )
