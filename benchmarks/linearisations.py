@@ -12,8 +12,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.robots.robot import RobotModel
 from tests.oracles.robots import constants_of
 

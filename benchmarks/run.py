@@ -49,11 +49,11 @@ def measure_convex_step(runs: int) -> list[Line]:
     """The first convex step of the case study, sparse matrices against cvxpy; both from scratch."""
     import numpy as np
 
+    from compiler.discretisation.float_reading import FloatReading
     from compiler.dynamics.equations_of_motion import robot_graph
-    from compiler.dynamics.float_reading import FloatReading
     from compiler.geometry.abstraction import abstract
     from compiler.languages.structures import derivations_of
-    from compiler.robots.family import family_of
+    from compiler.semantics.family import family_of
     from solvers.control import linearised
     from solvers.convex_step import StepResult, Weights, convex_step
     from solvers.path_following import Follower
@@ -91,7 +91,7 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
     """The validated tube of a result, alone and with all conditions checked on it."""
     from compiler.arithmetic.balls import working_precision
     from compiler.geometry.abstraction import abstract
-    from compiler.robots.family import family_of
+    from compiler.semantics.family import family_of
     from solvers.certificate import FoundClaim, from_text
     from solvers.enclosure import TubeSegment, tube
     from solvers.trajectory_proof import Motion, prove_motion, scene_of

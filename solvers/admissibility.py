@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.dynamics.float_reading import FloatReading
-from compiler.dynamics.mass_matrix_check import mass_matrix_check
+from compiler.definiteness.mass_matrix_check import mass_matrix_check
+from compiler.discretisation.float_reading import FloatReading
 from compiler.robots.robot import RobotModel
 from solvers.task_limits import parameter_bounds
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from compiler.robots.family import RobotFamily
+from compiler.semantics.family import RobotFamily
 from grammar_lang import ir
 
 DEFAULT_MODULES = 12

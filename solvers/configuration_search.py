@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compiler.dynamics.float_reading import Array
+from compiler.discretisation.float_reading import Array
 from solvers.control import FULL, ControlOutcome, Effort
 from solvers.evaluation import Evaluator, evaluate
 from solvers.parameter_search import BayesianSearch, parameter_space

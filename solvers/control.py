@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.discretisation.float_reading import Array, FloatReading
 from solvers.conic import NotSolved
 from solvers.convex_step import (
     Model,

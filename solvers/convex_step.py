@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from compiler.dynamics.float_reading import FloatReading, Linearisation, Points
+from compiler.discretisation.float_reading import FloatReading, Linearisation, Points
 from solvers.conic import ConicProgram, NotSolved, solve
 from solvers.motion_limits import InputGroup, MotionLimits
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.dynamics.float_reading import Array
+from compiler.discretisation.float_reading import Array
 from solvers.conic import NotSolved
 from solvers.control import ControlOutcome, linearised
 from solvers.convex_step import Weights, convex_step

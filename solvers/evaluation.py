@@ -16,8 +16,8 @@ from multiprocessing import get_context, parent_process
 from threading import Thread, current_thread, main_thread
 from types import TracebackType
 
+from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import Array, FloatReading
 from compiler.robots.robot import RobotModel
 from solvers.control import SURVEY, ControlOutcome, Effort
 from solvers.path_following import Follower

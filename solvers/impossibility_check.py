@@ -10,9 +10,9 @@ from pathlib import Path
 
 from compiler.encodings.reachability_smt import pose_question, refutation_script
 from compiler.languages.structures import InfiniteAmbiguityError, structures
-from compiler.robots.attributes import SemanticsError
-from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.normalise import robot_key
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from solvers.certificate import ImpossibleClaim, StructureClaim
 from solvers.smt_subprocess import run_z3_subprocess

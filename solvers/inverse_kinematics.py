@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.discretisation.float_reading import Array, FloatReading
 
 ROUNDS = 60
 DAMPING = 1e-3

@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 from scipy.stats.qmc import Sobol
 
-from compiler.dynamics.float_reading import Array
+from compiler.discretisation.float_reading import Array
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.constants import rational, to_float

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.dynamics.float_reading import Array, FloatReading, scalar_floats
+from compiler.discretisation.float_reading import Array, FloatReading, scalar_floats
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import Body, RobotModel, RodBody

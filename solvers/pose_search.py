@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.arithmetic.balls import closed_ball
-from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.encodings.reachability_smt import PoseQuestion, effector_choices
 from grammar_lang import ir
 

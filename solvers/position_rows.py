@@ -13,7 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
-from compiler.dynamics.float_reading import Array
+from compiler.discretisation.float_reading import Array
 from solvers.convex_step import Indices, PositionRows
 
 ON_FACET = 1e-9

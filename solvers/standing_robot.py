@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats.qmc import Sobol
 
-from compiler.dynamics.float_reading import Array, FloatReading
+from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import polytope_of
 from grammar_lang import ir

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.dynamics.float_reading import FloatReading
+from compiler.discretisation.float_reading import FloatReading
 from compiler.encodings.reachability_smt import pose_question, refutation_script
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir

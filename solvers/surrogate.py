@@ -9,7 +9,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, WhiteKernel
 
-from compiler.dynamics.float_reading import Array
+from compiler.discretisation.float_reading import Array
 
 JITTER = 1e-8
 

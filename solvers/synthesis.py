@@ -14,15 +14,15 @@ from typing import Literal
 
 import numpy as np
 
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.grammars.derivation import Derivation
 from compiler.languages.structures import structures
-from compiler.robots.attributes import SemanticsError
-from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.normalise import robot_key
 from compiler.robots.robot import RobotModel
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from solvers.admissibility import inadmissible
 from solvers.certificate import ParameterClaim, decimal

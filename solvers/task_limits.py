@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.dynamics.float_reading import Array
+from compiler.discretisation.float_reading import Array
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states

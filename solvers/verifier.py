@@ -19,11 +19,11 @@ from compiler.encodings.specification import path_problem
 from compiler.encodings.supported import unsupported
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.grammars.derivation import BadDerivation, Derivation
-from compiler.robots.attributes import SemanticsError
-from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kinds
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from grammar_lang.constants import rational
 from solvers.certificate import (

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from importlib.metadata import version
 
-from compiler.robots.labelled_graph import labelled_graph
-from compiler.robots.part_names import part_names
-from compiler.robots.rigid_tree import rigid_tree
+from compiler.graphs.labelled_graph import labelled_graph
+from compiler.rigid_links.part_names import part_names
+from compiler.rigid_links.rigid_tree import rigid_tree
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from grammar_lang import ir

@@ -8,8 +8,8 @@ import json
 from fractions import Fraction
 from typing import Any
 
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir

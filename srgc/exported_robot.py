@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from compiler.robots.part_names import PartNames
-from compiler.robots.rigid_tree import LinkJoint, RigidTree
+from compiler.rigid_links.part_names import PartNames
+from compiler.rigid_links.rigid_tree import LinkJoint, RigidTree
 
 
 @dataclass(frozen=True, slots=True)

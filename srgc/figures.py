@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import Array, FloatReading
 from compiler.geometry.polytope import polytope_of
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.robot import WORLD

@@ -10,10 +10,10 @@ from fractions import Fraction
 from pathlib import Path
 
 from compiler.grammars.derivation import BadDerivation, Derivation
-from compiler.robots.attributes import SemanticsError
-from compiler.robots.family import family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.certificate import CertificateError, FoundClaim, exact, from_text
 from solvers.spec_copy import read_copy

@@ -14,7 +14,7 @@ from compiler.grammars.derivation import Derivation, replay
 from compiler.grammars.grammar import cyclic, trimmed
 from compiler.languages.language import Language, language
 from compiler.languages.structures import derivations_of
-from compiler.robots.attributes import SemanticsError
+from compiler.semantics.attributes import SemanticsError
 from compiler.views.dfa_view import family_dfa_view
 from compiler.views.grammar_view import grammar_view
 from compiler.views.highlighted_run import (
@@ -192,7 +192,7 @@ def _derivations(
 
 
 def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
-    from compiler.robots.labelled_graph import labelled_graph
+    from compiler.graphs.labelled_graph import labelled_graph
     from compiler.views.robot_view import robot_view
 
     words = language(grammar, program.terminals, program.modules)

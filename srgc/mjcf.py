@@ -11,10 +11,10 @@ from fractions import Fraction
 from math import ceil
 
 from compiler.arithmetic.balls import working_precision
-from compiler.robots.ball_pose import WORLD_POSE, Pose, doubles, unit
-from compiler.robots.link_shape import Shape
-from compiler.robots.mass_moments import inertial
-from compiler.robots.rigid_tree import PRECISION, LinkJoint, RigidLink
+from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
+from compiler.rigid_links.link_shape import Shape
+from compiler.rigid_links.mass_moments import inertial
+from compiler.rigid_links.rigid_tree import PRECISION, LinkJoint, RigidLink
 from srgc.exported_robot import ExportedRobot
 from srgc.xml_lines import Value, XmlLines
 

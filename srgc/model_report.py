@@ -7,20 +7,20 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from compiler.dynamics.mass_matrix_check import mass_matrix_check
+from compiler.definiteness.mass_matrix_check import mass_matrix_check
+from compiler.descriptions.document import Fact, Section, section_of_lines
+from compiler.descriptions.latex_document import to_latex
+from compiler.descriptions.model_reading import model_reading
+from compiler.descriptions.model_sections import motion_sections
+from compiler.descriptions.robot_sections import robot_sections
+from compiler.descriptions.text_document import to_text
 from compiler.dynamics.motion_graph import UndefinedMotionError, motion_graph
 from compiler.encodings.model_script import model_script
-from compiler.robots.attributes import SemanticsError
-from compiler.robots.family import RobotFamily
-from compiler.robots.neutral_parameters import neutral_parameters
 from compiler.robots.planarity import is_planar
 from compiler.robots.robot import RobotModel, RodBody, SolidBody
-from compiler.views.document import Fact, Section, section_of_lines
-from compiler.views.latex_document import to_latex
-from compiler.views.model_reading import model_reading
-from compiler.views.model_sections import motion_sections
-from compiler.views.robot_sections import robot_sections
-from compiler.views.text_document import to_text
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import RobotFamily
+from compiler.semantics.neutral_parameters import neutral_parameters
 from grammar_lang import ir
 from srgc.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen

@@ -9,10 +9,10 @@ from __future__ import annotations
 from fractions import Fraction
 
 from compiler.arithmetic.balls import ball, working_precision
-from compiler.robots.ball_pose import WORLD_POSE, Pose, doubles
-from compiler.robots.link_shape import Shape
-from compiler.robots.mass_moments import MassMoments, about, inertial, physical, token
-from compiler.robots.rigid_tree import PRECISION, axis_of
+from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles
+from compiler.rigid_links.link_shape import Shape
+from compiler.rigid_links.mass_moments import MassMoments, about, inertial, physical, token
+from compiler.rigid_links.rigid_tree import PRECISION, axis_of
 from srgc.exported_robot import ExportedRobot, Motor
 from srgc.xml_lines import XmlLines
 

@@ -128,8 +128,8 @@ def _robots(
 ) -> list[tuple[Derivation, RobotModel]]:
     """The robots of those derivations that the semantics give one."""
     # Ambiguous grammars are few: the robots' part of the compiler is loaded for them only.
-    from compiler.robots.attributes import SemanticsError
-    from compiler.robots.family import RobotFamily
+    from compiler.semantics.attributes import SemanticsError
+    from compiler.semantics.family import RobotFamily
 
     family = RobotFamily(program, grammar, dimension)
     found: list[tuple[Derivation, RobotModel]] = []

@@ -9,7 +9,7 @@ from compiler.encodings.task_demands import subformulas
 from compiler.grammars.grammar import srg
 from compiler.languages.language import Language, restrict
 from compiler.reading.viable_prefix import viable_prefix
-from compiler.robots.effector_counts import several_effectors
+from compiler.semantics.effector_counts import several_effectors
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink

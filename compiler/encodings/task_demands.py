@@ -14,7 +14,7 @@ from typing import TypeAlias
 from compiler.encodings.formula_slots import Clause, Node, Slots, TooManySlotsError, common_step
 from compiler.encodings.region_signatures import region_signatures
 from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.robots.effector_counts import several_effectors
+from compiler.semantics.effector_counts import several_effectors
 from grammar_lang import ir
 from grammar_lang.source import Span
 

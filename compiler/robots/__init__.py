@@ -1,1 +1,1 @@
-"""From derivations to robots: attributes, normal form, equality."""
+"""The robot model, its normal form and equality, its states, inputs and their bounds."""

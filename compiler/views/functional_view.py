@@ -9,7 +9,7 @@ from typing import cast
 from compiler.automata.functional_automaton import Fra, fra
 from compiler.automata.pushdown_automaton import Transition
 from compiler.languages.language import language
-from compiler.robots.attributes import SemanticsError
+from compiler.semantics.attributes import SemanticsError
 from compiler.views.picture import Edge, Picture
 from compiler.views.sra_view import ARROW, EMPTY, move_text, sra_view
 from grammar_lang import ir

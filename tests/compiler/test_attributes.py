@@ -10,8 +10,8 @@ import pytest
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.grammars.derivation import Derivation, DerivationNode
-from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
+from compiler.semantics.attributes import SemanticsError, evaluate
 from grammar_lang import ir
 from tests.oracles.robots import evaluate as reading
 from tests.oracles.robots import interval, rod_chain

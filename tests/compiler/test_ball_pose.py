@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from compiler.arithmetic.balls import ball, working_precision
-from compiler.robots.ball_pose import WORLD_POSE, Pose, column, doubles, nearest
+from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, doubles, nearest
 
 Array = NDArray[np.float64]
 

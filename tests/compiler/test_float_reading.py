@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.robots.robot import WORLD
 from tests.oracles.planar_chain import chain_dynamics, chain_energy
 from tests.oracles.robots import Builder, rod_chain

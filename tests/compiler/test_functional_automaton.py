@@ -14,8 +14,8 @@ from compiler.automata.pushdown_automaton import sra
 from compiler.grammars.derivation import Derivation, replay
 from compiler.languages.language import Language, language
 from compiler.languages.structures import derivations_of
-from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
+from compiler.semantics.attributes import SemanticsError, evaluate
 from compiler.views.dot import to_dot
 from compiler.views.functional_view import functional_view
 from compiler.views.highlighted_run import HighlightError

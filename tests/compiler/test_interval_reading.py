@@ -10,10 +10,10 @@ import mpmath as mp
 import pytest
 from flint import arb
 
-from compiler.dynamics.boxes import domain_side, range_side
-from compiler.dynamics.exact_reading import ExactArithmetic, NotExact, PiLinear, exact_closed
-from compiler.dynamics.identities import symmetric_entries
-from compiler.dynamics.interval_reading import Ends, IntervalArithmetic, between
+from compiler.definiteness.boxes import domain_side, range_side
+from compiler.definiteness.exact_reading import ExactArithmetic, NotExact, PiLinear, exact_closed
+from compiler.definiteness.identities import symmetric_entries
+from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, between
 from compiler.dynamics.tape import tape
 from grammar_lang import ir
 from tests.oracles.exact_chain import DIGITS, Multiprecision

@@ -12,11 +12,11 @@ import pytest
 
 from compiler.arithmetic.scalars import ParameterLeaf
 from compiler.grammars.derivation import Derivation, replay
+from compiler.graphs.labelled_graph import LabelledGraph, labelled_graph
 from compiler.languages.language import language
 from compiler.languages.structures import derivations_of, structures
-from compiler.robots.attributes import evaluate
-from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
 from compiler.robots.robot import Joint, Offset, RobotModel
+from compiler.semantics.attributes import evaluate
 from compiler.views.dot import to_dot
 from compiler.views.robot_view import robot_view
 from grammar_lang import ir

@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.linearisation import SecondOrderForm, linearise, second_order_form
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.controlled_system import controlled_system
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
-from compiler.dynamics.linearisation import SecondOrderForm, linearise, second_order_form
 from compiler.robots.robot import WORLD
 from tests.oracles.driven_robots import driven
 from tests.oracles.e_matrices import EMatrices

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from compiler.dynamics.matrix_exponential import held, matrix_exponential
+from compiler.discretisation.matrix_exponential import held, matrix_exponential
 
 
 @pytest.mark.parametrize("size", [1, 2, 7, 12])

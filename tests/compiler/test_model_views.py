@@ -7,8 +7,19 @@ from fractions import Fraction
 
 import pytest
 
+from compiler.descriptions.document import Entry, Equation, Fact, Remark, Section, section_of_lines
+from compiler.descriptions.domain_text import domain_text
+from compiler.descriptions.expression_printer import ExpressionPrinter, Notation
+from compiler.descriptions.latex_document import to_latex
+from compiler.descriptions.latex_notation import LatexNotation
+from compiler.descriptions.model_reading import model_reading
+from compiler.descriptions.model_sections import motion_sections
+from compiler.descriptions.model_symbols import model_symbols
+from compiler.descriptions.robot_sections import robot_sections
+from compiler.descriptions.text_document import WIDTH, to_text
+from compiler.descriptions.text_notation import TextNotation
 from compiler.dynamics.motion_graph import motion_graph
-from compiler.dynamics.trigonometric_polynomial import (
+from compiler.formulas.trigonometric_polynomial import (
     Abbreviation,
     Opaque,
     Pi,
@@ -18,17 +29,6 @@ from compiler.dynamics.trigonometric_polynomial import (
 )
 from compiler.robots.planarity import is_planar
 from compiler.robots.robot import WORLD, RobotModel, RobotParameter
-from compiler.views.document import Entry, Equation, Fact, Remark, Section, section_of_lines
-from compiler.views.domain_text import domain_text
-from compiler.views.expression_printer import ExpressionPrinter, Notation
-from compiler.views.latex_document import to_latex
-from compiler.views.latex_notation import LatexNotation
-from compiler.views.model_reading import model_reading
-from compiler.views.model_sections import motion_sections
-from compiler.views.model_symbols import model_symbols
-from compiler.views.robot_sections import robot_sections
-from compiler.views.text_document import WIDTH, to_text
-from compiler.views.text_notation import TextNotation
 from grammar_lang import ir
 from tests.oracles.random_robots import random_robot
 from tests.oracles.robots import Builder, interval, rod_chain

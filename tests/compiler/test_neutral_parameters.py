@@ -12,9 +12,9 @@ import pytest
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.languages.language import language
 from compiler.languages.structures import derivations_of
-from compiler.robots.attributes import evaluate
-from compiler.robots.neutral_parameters import NeutralParameters, neutral_parameters
 from compiler.robots.robot import RobotModel
+from compiler.semantics.attributes import evaluate
+from compiler.semantics.neutral_parameters import NeutralParameters, neutral_parameters
 from grammar_lang import ir
 from grammar_lang.load import load, load_text
 from tests.oracles import robots

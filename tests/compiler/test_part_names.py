@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from compiler.grammars.derivation import replay
-from compiler.robots.family import RobotFamily
-from compiler.robots.labelled_graph import labelled_graph
-from compiler.robots.part_names import PartNames, part_names
-from compiler.robots.rigid_tree import rigid_tree
+from compiler.graphs.labelled_graph import labelled_graph
+from compiler.rigid_links.part_names import PartNames, part_names
+from compiler.rigid_links.rigid_tree import rigid_tree
+from compiler.semantics.family import RobotFamily
 from grammar_lang import ir
 from grammar_lang.load import load
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from compiler.arithmetic.scalars import Constant, PiConstant
-from compiler.dynamics.boxes import Box, Side, domain_side, range_side
+from compiler.definiteness.boxes import Box, Side, domain_side, range_side
+from compiler.definiteness.exact_reading import PiLinear
+from compiler.definiteness.indefiniteness import indefinite_vector
+from compiler.definiteness.mass_matrix_check import mass_matrix_check, robot_box
+from compiler.definiteness.positive_definite import Definiteness, positive_definite
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.exact_reading import PiLinear
-from compiler.dynamics.indefiniteness import indefinite_vector
-from compiler.dynamics.mass_matrix_check import mass_matrix_check, robot_box
-from compiler.dynamics.positive_definite import Definiteness, positive_definite
 from compiler.dynamics.tape import tape
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir

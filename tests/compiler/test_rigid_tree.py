@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from compiler.arithmetic.balls import ball, working_precision
 from compiler.arithmetic.scalars import Constant
-from compiler.robots.ball_pose import WORLD_POSE, doubles
-from compiler.robots.mass_moments import Inertial, inertial, token
-from compiler.robots.rigid_tree import PRECISION, RigidTreeError, axis_of, rigid_tree
+from compiler.rigid_links.ball_pose import WORLD_POSE, doubles
+from compiler.rigid_links.mass_moments import Inertial, inertial, token
+from compiler.rigid_links.rigid_tree import PRECISION, RigidTreeError, axis_of, rigid_tree
 from compiler.robots.robot import WORLD, RobotModel, SolidBody
 from tests.oracles.robots import Builder, interval
 

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from compiler.dynamics.sample_lanes import MOST_LANES, SampleLanes
+from compiler.discretisation.sample_lanes import MOST_LANES, SampleLanes
 
 
 def function() -> ca.Function:

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from compiler.arithmetic.scalars import Constant
-from compiler.dynamics import trigonometric_reading
+from compiler.descriptions.expression_printer import ExpressionPrinter
+from compiler.descriptions.model_symbols import model_symbols
+from compiler.descriptions.text_notation import TextNotation
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.motion_graph import MotionGraph, motion_graph
-from compiler.dynamics.trigonometric_polynomial import CONSTANT, COSINE, Abbreviation, Variable
-from compiler.dynamics.trigonometric_reading import Formulas, formulas, symbols_of
+from compiler.formulas import trigonometric_reading
+from compiler.formulas.trigonometric_polynomial import CONSTANT, COSINE, Abbreviation, Variable
+from compiler.formulas.trigonometric_reading import Formulas, formulas, symbols_of
 from compiler.robots.robot import WORLD, RobotModel
-from compiler.views.expression_printer import ExpressionPrinter
-from compiler.views.model_symbols import model_symbols
-from compiler.views.text_notation import TextNotation
 from tests.oracles.polynomial_values import value
 from tests.oracles.random_robots import random_robot
 from tests.oracles.robots import Array, Builder, rod_chain

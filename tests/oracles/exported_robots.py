@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from random import Random
 
-from compiler.robots.part_names import PartNames
-from compiler.robots.rigid_tree import rigid_tree
+from compiler.rigid_links.part_names import PartNames
+from compiler.rigid_links.rigid_tree import rigid_tree
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir
 from srgc.exported_robot import ExportedRobot

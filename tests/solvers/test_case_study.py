@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.geometry.abstraction import abstract
-from compiler.robots.family import family_of
+from compiler.semantics.family import family_of
 from grammar_lang.load import load
 from solvers.control import FULL
 from solvers.evaluation import evaluate

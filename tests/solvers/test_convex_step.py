@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from solvers.conic import NotSolved
 from solvers.convex_step import (
     Model,

@@ -15,8 +15,8 @@ from flint import arb
 from scipy.integrate import solve_ivp
 
 from compiler.arithmetic.balls import ball, constant_ball, working_precision
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.dynamics.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states

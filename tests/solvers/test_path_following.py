@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import solvers.path_following
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.geometry.abstraction import abstract
-from compiler.robots.family import family_of
+from compiler.semantics.family import family_of
 from grammar_lang.load import load
 from solvers.control import ControlOutcome
 from solvers.convex_step import Trajectory

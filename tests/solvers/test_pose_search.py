@@ -4,8 +4,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.float_reading import FloatReading
 from compiler.encodings.reachability_smt import refutation_script
 from grammar_lang import ir
 from solvers.pose_search import find_poses, find_poses_of

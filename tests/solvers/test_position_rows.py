@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from compiler.dynamics.float_reading import Points
+from compiler.discretisation.float_reading import Points
 from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation, separating_planes
 
 Array = NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""Whether a matrix is positive definite over a whole box."""

@@ -1,0 +1,147 @@
+"""Whether a symmetric matrix is positive definite at every point of a box, by subdivision.
+
+On each part the matrix, preconditioned by T'MT with T from its Cholesky factor at the middle, is
+enclosed and shown to be diagonally dominant; or a point is found where it is not definite.
+
+Sources: Rump, *Verification of positive definiteness* (BIT 46, 2006) and *Verification methods*
+(Acta Numerica 2010), section 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from compiler.arithmetic.balls import working_precision
+from compiler.arithmetic.scalars import Constant, PiConstant
+from compiler.definiteness.box_search import Examined, Searched, search, widest_effect
+from compiler.definiteness.boxes import Box
+from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
+from compiler.definiteness.identities import symmetric_entries
+from compiler.definiteness.indefiniteness import Refuter, Witness
+
+PRECISION = 64
+BOXES = 4096
+"""Boxes examined unless told otherwise."""
+NEARLY_SINGULAR = 1e-13
+
+Symmetry = Literal["construction", "identity", "not shown"]
+
+
+@dataclass(frozen=True, slots=True)
+class Definiteness:
+    """Whether M is positive definite over a box (v'Mv > 0 for all v other than zero).
+
+    - ``symmetry``: by ``construction``, by an ``identity`` of polynomials in the entries' atoms,
+      or ``not shown``; the status is then about the symmetric part.
+    - ``argument``: what proved it.
+    - ``witness`` and ``box``: where it fails; without a witness, ``box`` is what resisted and
+      ``reason`` says why.  Sides are in the order of ``names``.
+    """
+
+    status: Literal["proved", "fails", "undecided"]
+    boxes: int
+    symmetry: Symmetry
+    argument: str = ""
+    box: Box | None = None
+    witness: Witness | None = None
+    reason: str = ""
+    names: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The result in one line."""
+        count = f"{self.boxes} box{'es' if self.boxes != 1 else ''}"
+        if self.status == "proved":
+            return f"positive definite: {self.argument} ({count})"
+        sides = ", ".join(
+            f"{name} in {side}" for name, side in zip(self.names, self.box or (), strict=False)
+        )
+        if self.witness is None:
+            return f"undecided ({count}): {self.reason}; left: {sides}"
+        point = ", ".join(
+            f"{name} = {value}" for name, value in zip(self.names, self.witness.point, strict=False)
+        )
+        vector = ", ".join(map(str, self.witness.vector))
+        where = f"at every point of {sides}, such as" if self.witness.throughout else "at"
+        return f"not positive definite: v'Mv <= 0 for v = ({vector}) {where} {point} ({count})"
+
+
+@dataclass(frozen=True, slots=True)
+class DominanceTest:
+    """Positive definiteness of a symmetric matrix on one box."""
+
+    matrix: EnclosedMatrix
+
+    def examine(self, box: Box) -> Examined:
+        """Whether the preconditioned matrix is diagonally dominant on the box."""
+        middle = self.matrix.at([float(side.middle) for side in box])
+        diagonal = np.abs(np.diag(middle)) if np.all(np.isfinite(middle)) else np.zeros(len(middle))
+        scale = np.diag(1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)))
+        if not np.all(np.isfinite(middle)):
+            return Examined(proved=False, score=-np.inf, split=lambda: self._split(box, scale))
+        scaled = scale @ middle @ scale
+        least = float(np.linalg.eigvalsh(scaled)[0])
+        if least > NEARLY_SINGULAR:
+            factor = scale @ np.linalg.inv(np.linalg.cholesky(scaled)).T
+            natural = self.matrix.enclosed([side.ends for side in box])
+            if all(entry.finite for entry in natural):
+                rows = range(len(middle))
+                if self.matrix.regular(box, factor.T, factor, natural, rows):
+                    return Examined(proved=True)
+            scale = factor
+        return Examined(proved=False, score=least, split=lambda: self._split(box, scale))
+
+    def _split(self, box: Box, factor: Array) -> int | None:
+        return widest_effect(
+            box, self.matrix.active, lambda i: self.matrix.spread(box, i, factor.T, factor)
+        )
+
+
+def positive_definite(
+    function: ca.Function,
+    constants: Sequence[Constant | PiConstant],
+    box: Box,
+    *,
+    names: Sequence[str] = (),
+    budget: int = BOXES,
+) -> Definiteness:
+    """Whether ``function(z, k)``, a square matrix, is positive definite for all z of a box.
+
+    Args:
+        function: CasADi function of the variables z and the exact constants k (columns).
+        constants: the values of k.
+        box: one side per variable.
+        names: what the variables are called in the result.
+        budget: the most boxes to examine.
+
+    Raises:
+        ValueError: the function has no exact reading.
+    """
+    z, k = (ca.SX.sym(name, function.size1_in(i)) for i, name in enumerate("zk"))
+    matrix = ca.densify(function(z, k))
+    identical = symmetric_entries(ca.Function("matrix", [z, k], [matrix]), int(matrix.size1()))
+    symmetric = ca.tril2symm(ca.tril(matrix)) if identical else matrix + matrix.T
+    enclosed = EnclosedMatrix(symmetric, z, k, tuple(constants))
+    with working_precision(PRECISION):
+        found: Searched[Witness] = search(
+            box, DominanceTest(enclosed).examine, Refuter(enclosed).refute, budget
+        )
+    called = tuple(names) or tuple(f"z{i}" for i in range(len(box)))
+    return definiteness(found, "identity" if identical else "not shown", called)
+
+
+def definiteness(
+    found: Searched[Witness], symmetry: Symmetry, names: tuple[str, ...]
+) -> Definiteness:
+    """The result of a search as an answer about the matrix."""
+    argument = "diagonally dominant after preconditioning" if found.status == "proved" else ""
+    witness = found.counterexample
+    box = found.box if witness is None else witness.box
+    return Definiteness(
+        found.status, found.boxes, symmetry, argument, box, witness, found.reason, names
+    )

@@ -1,0 +1,1 @@
+"""Models of robots written for people, as text and as LaTeX."""

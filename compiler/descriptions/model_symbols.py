@@ -1,0 +1,85 @@
+"""Short names for the coordinates, rates, states, inputs and parameters of a robot.
+
+Coordinates, rates, states and inputs are called as the columns of a stored trajectory are: q1, qd1,
+s1, u1.  A parameter is called by the first letter of its name where no other begins with it, and
+numbered in the order of the word: l1 and l2 are the first and second ``length``.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from compiler.formulas.trigonometric_polynomial import Variable
+from compiler.robots.robot import RobotModel
+
+RESERVED = frozenset({"q", "qd", "qdd", "s", "u", "w", "c", "g", "e", "tau", "pi", "M"})
+GREEK = frozenset(
+    {
+        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
+        "lambda", "mu", "nu", "xi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
+    }
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class ModelSymbols:
+    """The names of a robot's parameters: plain, and in LaTeX."""
+
+    parameters: tuple[tuple[str, str], ...]
+
+    def text(self, variable: Variable) -> str:
+        """The plain name of a variable."""
+        number = variable.index + 1
+        match variable.kind:
+            case "coordinate":
+                return f"q{number}"
+            case "rate":
+                return f"qd{number}"
+            case "parameter":
+                return self.parameters[variable.index][0]
+
+    def latex(self, variable: Variable) -> str:
+        """The name of a variable in LaTeX."""
+        number = variable.index + 1
+        match variable.kind:
+            case "coordinate":
+                return f"q_{{{number}}}"
+            case "rate":
+                return rf"\dot{{q}}_{{{number}}}"
+            case "parameter":
+                return self.parameters[variable.index][1]
+
+
+def model_symbols(model: RobotModel) -> ModelSymbols:
+    """Names for the symbols of a robot, no two the same."""
+    names = [parameter.name for parameter in model.parameters]
+    initials = Counter(name[0] for name in dict.fromkeys(names))
+    seen: Counter[str] = Counter()
+    taken: set[str] = set()
+    found: list[tuple[str, str]] = []
+    for name in names:
+        seen[name] += 1
+        stem = name[0] if initials[name[0]] == 1 and name[0] not in RESERVED else name
+        text = _plain(stem, seen[name])
+        while text in taken:
+            text += "_"
+        taken.add(text)
+        found.append((text, f"{_latex_stem(name, stem)}_{{{seen[name]}}}"))
+    return ModelSymbols(tuple(found))
+
+
+def _plain(stem: str, number: int) -> str:
+    ambiguous = stem in RESERVED or stem[-1].isdigit()
+    return f"{stem}_{number}" if ambiguous else f"{stem}{number}"
+
+
+def _latex_stem(name: str, stem: str) -> str:
+    if name in GREEK:
+        return rf"\{name}"
+    if stem == "l":
+        return r"\ell"
+    if len(stem) == 1:
+        return stem
+    escaped = stem.replace("_", r"\_")
+    return rf"\mathrm{{{escaped}}}"

@@ -1,0 +1,1 @@
+"""Steps of a robot in doubles, over all samples at once, and their derivatives."""

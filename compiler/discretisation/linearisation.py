@@ -1,0 +1,92 @@
+r"""The linearisation of a robot about samples (Eqn. 5), and its exact discretisation.
+
+.. math:: \dot x \approx f_0 + F\,\delta x + G\,\delta u + H\,\delta\theta, \qquad
+    x^+ = x + \Phi f_0 + e^{F\,\Delta t}\,\delta x + \Phi G\,\delta u + \Phi H\,\delta\theta, \quad
+    \Phi = \int_0^{\Delta t} e^{F s}\,\mathrm ds
+
+The affine map is exact for the linearised system with u held, so it needs F, G and H at the
+beginning of a step only.  The step map of the search (``FloatReading.step``) is another thing: it
+follows the *nonlinear* flow, and its Jacobians are those of that flow along the arc of the step.
+Over a step of length h, values differ by O(h^3) and Jacobians by O(h^2), while the step map is off
+the flow by O(h^5): that is why the search uses it (docs/decisions/0021-linearisation.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from compiler.discretisation.float_reading import Array, FloatReading, Linearisation
+from compiler.discretisation.matrix_exponential import held
+from compiler.discretisation.sample_lanes import SampleLanes
+from compiler.dynamics.controlled_system import ControlledSystem
+
+
+@dataclass(frozen=True, slots=True)
+class AffineSystem:
+    """The linearisation about K samples x (K, N).
+
+    Shapes: drift f0 (K, N), state F (K, N, N), input G (K, N, m), parameter H (K, N, p).
+    """
+
+    about: Array
+    drift: Array
+    state: Array
+    input: Array
+    parameter: Array
+
+    def discretised(self, dt: float) -> Linearisation:
+        """The zero-order hold over ``dt`` seconds: value and Jacobians of the affine map."""
+        inputs = self.input.shape[2]
+        forcing = np.concatenate([self.drift[:, :, None], self.input, self.parameter], axis=2)
+        state, forced = held(self.state, forcing, dt)
+        value, by_input, by_parameter = np.split(forced, [1, 1 + inputs], axis=2)
+        return Linearisation(self.about + value[:, :, 0], state, by_input, by_parameter)
+
+
+def linearise(reading: FloatReading, x: Array, u: Array, theta: Array) -> AffineSystem:
+    """The controlled system about K states (K, N) and inputs (K, m) at parameters (p,)."""
+    n, size, m = reading.n, reading.size, reading.m
+    rates, slopes = reading.acceleration(x, u, theta)
+    jacobian = np.zeros((len(x), size, size + m + reading.p))
+    jacobian[:, :n, n : 2 * n] = np.eye(n)
+    jacobian[:, n:, :] = slopes
+    state, by_input, by_parameter = np.split(jacobian, [size, size + m], axis=2)
+    drift = np.concatenate([x[:, n : 2 * n], rates], axis=1)
+    return AffineSystem(x, drift, state, by_input, by_parameter)
+
+
+@dataclass(frozen=True, slots=True)
+class SecondOrderForm:
+    r"""The rigid bodies about K samples in the paper's form, T being the generalised forces.
+
+    .. math:: M\,\delta\ddot q + C\,\delta\dot q + K\,\delta q + H\,\delta\theta = T - F
+
+    Shapes: mass M, damping C, stiffness K (K, n, n), bias F (K, n), parameter H (K, n, p).
+    """
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    bias: Array
+    parameter: Array
+
+
+def second_order_form(
+    system: ControlledSystem, q: Array, v: Array, a: Array, theta: Array
+) -> SecondOrderForm:
+    """About nominal coordinates, rates and accelerations (K, n) each, at parameters (p,)."""
+    n, f = system.coordinates, system.inertial
+    symbols = [ca.SX.sym(f"i{i}", f.size1_in(i)) for i in range(f.n_in())]
+    *motion, parameters, k = symbols
+    value = f(*symbols)
+    slopes = ca.jacobian(value, ca.vertcat(*reversed(motion), parameters))
+    both = ca.cse(ca.densify(ca.horzcat(value, slopes)))
+    form = SampleLanes.of(ca.Function("form", [*motion, ca.vertcat(parameters, k)], [both]))
+    found = form((q, v, a), np.concatenate([theta, system.constants]))
+    bias, mass, damping, stiffness, parameter = np.split(
+        found, [1, 1 + n, 1 + 2 * n, 1 + 3 * n], axis=2
+    )
+    return SecondOrderForm(mass, damping, stiffness, bias[:, :, 0], parameter)

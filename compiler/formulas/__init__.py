@@ -1,0 +1,1 @@
+"""A robot's graph as formulas in canonical form."""

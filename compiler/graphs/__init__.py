@@ -1,0 +1,1 @@
+"""Labelled graphs of robots (Definition 1)."""

@@ -1,0 +1,1 @@
+"""Robots as trees of rigid links with numbers, for other tools."""

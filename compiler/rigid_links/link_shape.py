@@ -1,0 +1,79 @@
+"""What the bodies of a robot look like: cylinders, spheres and boxes.  No dynamics rest on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from flint import arb
+
+from compiler.arithmetic.balls import ball
+from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, nearest, unit
+from compiler.rigid_links.mass_moments import body_moments
+from compiler.robots.robot import Body, PointBody, RodBody, SolidBody
+
+SLENDERNESS = 50
+"""The length of a rod without a radius over the radius it is drawn with."""
+STEEL = 7850
+"""Density in kg/m^3 of the ball that a point mass is drawn as."""
+THINNEST = Fraction(1, 1000)
+"""No box is drawn thinner, in metres."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A shape centred on ``pose``.
+
+    ``size`` in metres: of a cylinder radius and length (along z), of a sphere its radius, of a box
+    its three sides.
+    """
+
+    kind: Literal["cylinder", "sphere", "box"]
+    pose: Pose
+    size: tuple[float, ...]
+
+
+def body_shape(body: Body, scalars: Sequence[arb], frame: Pose) -> list[Shape]:
+    """The shape of a body whose frame has this pose, if it has any extent.
+
+    A solid is a box of about its inertia.
+    """
+    shape = _shape(body, scalars, frame)
+    return [shape] if all(size > 0 for size in shape.size) else []
+
+
+def _shape(body: Body, scalars: Sequence[arb], frame: Pose) -> Shape:
+    match body:
+        case RodBody(_, axis, sign, length, _, radius):
+            extent = scalars[length]
+            thickness = extent / SLENDERNESS if radius is None else scalars[radius]
+            middle = frame.moved(unit(axis, sign) * (extent / 2))
+            return Shape("cylinder", _upright(middle, axis), _sizes(thickness, extent))
+        case PointBody(_, mass):
+            volume = scalars[mass] * 3 / (4 * arb.pi() * STEEL)
+            return Shape("sphere", frame, _sizes(volume.root(3)))
+        case SolidBody(_, mass, com, _):
+            centre = frame.moved(column([scalars[i] for i in com]))
+            if not scalars[mass] > 0:
+                return Shape("box", centre, (0.0, 0.0, 0.0))
+            central = body_moments(body, scalars, WORLD_POSE).central
+            sides = [12 * central[i, i] / scalars[mass] for i in range(3)]
+            return Shape("box", centre, _sizes(*(_root(side) for side in sides)))
+
+
+def _upright(pose: Pose, axis: int) -> Pose:
+    """The pose with its z axis along what was axis 0, 1 or 2."""
+    if axis == 2:
+        return pose
+    quarter = arb.pi() / 2
+    return pose.turned(1, quarter) if axis == 0 else pose.turned(0, -quarter)
+
+
+def _root(value: arb) -> arb:
+    return value.sqrt() if value > ball(THINNEST) ** 2 else ball(THINNEST)
+
+
+def _sizes(*values: arb) -> tuple[float, ...]:
+    return tuple(nearest(value) for value in values)

@@ -1,0 +1,172 @@
+"""A robot with fixed parameters as a tree of rigid links, one per degree of freedom and a base.
+
+All numbers are balls; they are rounded once, where they are written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from flint import arb
+
+from compiler.arithmetic.balls import ball, closed_ball, scalar_balls, working_precision
+from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, nearest, unit
+from compiler.rigid_links.link_shape import Shape, body_shape
+from compiler.rigid_links.mass_moments import MassMoments, body_moments, none
+from compiler.robots.robot import WORLD, Joint, Offset, RobotDof, RobotModel, Turn
+from grammar_lang import ir
+
+PRECISION = 256
+"""Bits of the balls: far more than doubles have, for robots of any length."""
+
+Limits = tuple[float, float] | None
+
+
+class RigidTreeError(ValueError):
+    """A robot that is no tree of rigid links with one joint per degree of freedom."""
+
+
+@dataclass(frozen=True, slots=True)
+class LinkJoint:
+    """The joint that carries a link: at ``origin`` in the link ``parent``.
+
+    The frame of the link carried is that of the joint; it turns about, or slides along, ``sign``
+    times axis 0, 1 or 2 of it.  ``range`` and ``rate`` are rad and rad/s, or m and m/s.
+    """
+
+    dof: int
+    parent: int
+    origin: Pose
+    axis: int
+    sign: int
+    kind: ir.DofKind
+    range: Limits
+    rate: Limits
+
+
+@dataclass(frozen=True, slots=True)
+class RigidLink:
+    """All bodies that no joint separates, in the frame of the link; the base has no joint."""
+
+    joint: LinkJoint | None
+    moments: MassMoments
+    shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LinkFrame:
+    """A frame that is fixed in a link."""
+
+    link: int
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class RigidTree:
+    """The links, the base (fixed in the world) first, parents before children; effectors."""
+
+    dimension: Literal[2, 3]
+    links: tuple[RigidLink, ...]
+    effectors: tuple[LinkFrame, ...]
+
+    def carried(self) -> tuple[tuple[int, LinkJoint], ...]:
+        """The links that joints carry, with these, by the numbers of the degrees of freedom."""
+        found = [(i, link.joint) for i, link in enumerate(self.links) if link.joint is not None]
+        return tuple(sorted(found, key=lambda item: item[1].dof))
+
+    def children(self) -> list[list[int]]:
+        """For every link those that its joints carry."""
+        found: list[list[int]] = [[] for _ in self.links]
+        for number, link in enumerate(self.links):
+            if link.joint is not None:
+                found[link.joint.parent].append(number)
+        return found
+
+    def tools(self) -> list[list[int]]:
+        """For every link the numbers of the effectors fixed in it."""
+        found: list[list[int]] = [[] for _ in self.links]
+        for number, frame in enumerate(self.effectors):
+            found[frame.link].append(number)
+        return found
+
+
+def rigid_tree(model: RobotModel, theta: Sequence[Fraction]) -> RigidTree:
+    """The tree of a robot whose parameters have these values (SI).
+
+    Raises:
+        RigidTreeError: a degree of freedom moves several frames or none, or a length or angle has
+            no value.
+    """
+    with working_precision(PRECISION):
+        scalars = scalar_balls(model.scalars, [ball(value) for value in theta])
+        if not all(scalar.is_finite() for scalar in scalars):
+            raise RigidTreeError("a number of the robot has no value")
+        joints, frames = _frames(model, scalars)
+        moments = [none() for _ in range(len(joints) + 1)]
+        shapes: list[list[Shape]] = [[] for _ in moments]
+        for body in model.bodies:
+            frame = frames[body.frame]
+            moments[frame.link] += body_moments(body, scalars, frame.pose)
+            shapes[frame.link] += body_shape(body, scalars, frame.pose)
+        links = tuple(
+            RigidLink(joint, moment, tuple(shape))
+            for joint, moment, shape in zip([None, *joints], moments, shapes, strict=True)
+        )
+        return RigidTree(model.dimension, links, tuple(frames[i] for i in model.effectors))
+
+
+def _frames(model: RobotModel, scalars: Sequence[arb]) -> tuple[list[LinkJoint], list[LinkFrame]]:
+    """The joints in the order of the links they carry, and every frame in its link."""
+    joints: list[LinkJoint] = []
+    frames = [LinkFrame(0, WORLD_POSE)]
+    moved: dict[int, tuple[int, Joint, LinkFrame]] = {}
+    for node in model.frames[WORLD + 1 :]:
+        below = frames[node.parent]
+        match node.step:
+            case None:
+                frames.append(below)
+            case Turn(axis, angle):
+                frames.append(LinkFrame(below.link, below.pose.turned(axis, scalars[angle])))
+            case Offset(vector):
+                offset = column([scalars[i] for i in vector])
+                frames.append(LinkFrame(below.link, below.pose.moved(offset)))
+            case Joint() as step:
+                if step.dof not in moved:
+                    joints.append(_joint(model.dofs[step.dof], step, below))
+                    moved[step.dof] = node.parent, step, LinkFrame(len(joints), WORLD_POSE)
+                parent, first, frame = moved[step.dof]
+                if (parent, first) != (node.parent, step):
+                    raise RigidTreeError(f"degree of freedom {step.dof + 1} moves several frames")
+                frames.append(frame)
+    for dof in range(len(model.dofs)):
+        if dof not in moved:
+            raise RigidTreeError(f"degree of freedom {dof + 1} moves nothing")
+    return joints, frames
+
+
+def _joint(dof: RobotDof, step: Joint, below: LinkFrame) -> LinkJoint:
+    return LinkJoint(
+        step.dof,
+        below.link,
+        below.pose,
+        step.axis,
+        step.sign,
+        dof.kind,
+        _limits(dof.range),
+        _limits(dof.rate),
+    )
+
+
+def _limits(interval: ir.Interval | None) -> Limits:
+    if interval is None:
+        return None
+    return nearest(closed_ball(interval.lower)), nearest(closed_ball(interval.upper))
+
+
+def axis_of(joint: LinkJoint) -> tuple[float, float, float]:
+    """The axis of a joint in its own frame."""
+    x, y, z = (float(unit(joint.axis, joint.sign)[i, 0]) for i in range(3))
+    return x, y, z
