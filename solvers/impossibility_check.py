@@ -10,7 +10,7 @@ from pathlib import Path
 
 from compiler.encodings.reachability_smt import pose_question, refutation_script
 from compiler.languages.structures import InfiniteAmbiguityError, structures
-from compiler.robots.normalise import robot_key
+from compiler.robots.robot_key import robot_key
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir

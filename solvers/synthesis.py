@@ -19,8 +19,8 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.grammars.derivation import Derivation
 from compiler.languages.structures import structures
-from compiler.robots.normalise import robot_key
 from compiler.robots.robot import RobotModel
+from compiler.robots.robot_key import robot_key
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir

@@ -143,7 +143,7 @@ def _robots(
 
 def _different(robots: Sequence[tuple[Derivation, RobotModel]]) -> Pair | None:
     """The first derivation and the first one whose robot is another."""
-    from compiler.robots.normalise import robot_key
+    from compiler.robots.robot_key import robot_key
 
     for derivation, robot in robots[1:]:
         if robot_key(robot) == robot_key(robots[0][1]):

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from compiler.arithmetic.balls import closed_ball
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.normalise import normalise, robot_key
+from compiler.robots.normalise import normalise
 from compiler.robots.robot import WORLD, FrameNode, Joint, RobotModel
+from compiler.robots.robot_key import robot_key
 from grammar_lang import ir
 from tests.oracles.robots import Builder, evaluate, interval
 
@@ -346,3 +347,29 @@ def test_a_chain_in_normal_form_stays_as_it_is(links: int) -> None:
     normal = normalise(model)
     assert normal.dofs == model.dofs
     assert normal.removed == ()
+
+
+def test_a_chain_of_ten_thousand_modules() -> None:
+    """Every second joint is coaxial with the one before; the last one moves nothing."""
+    builder, frame = Builder(), WORLD
+    length = builder.number(1)
+    for _ in range(2000):
+        for _ in range(2):
+            frame = builder.joint(frame, range_=interval(-1, 1))
+        frame = builder.link(frame, length)
+        frame = builder.move(builder.move(frame, "x", length), "y", length)
+    builder.effector(builder.joint(frame))
+    normal = normalise(builder.build())
+    assert len(normal.dofs) == 2000
+    assert normal.removed == (4000,)
+    assert len(normal.frames) == 1 + 2 * 2000
+    assert bounds(normal.dofs[-1].range) == (-2.0, 2.0)
+
+
+def test_ten_thousand_coaxial_joints_are_one() -> None:
+    builder, frame = Builder(), WORLD
+    for _ in range(10_000):
+        frame = builder.joint(frame, range_=interval(-1, Fraction(1, 2)))
+    builder.effector(builder.link(frame, builder.number(1)))
+    (dof,) = normalise(builder.build()).dofs
+    assert bounds(dof.range) == (-10_000.0, 5_000.0)

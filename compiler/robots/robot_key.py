@@ -1,0 +1,122 @@
+"""A text of a robot in normal form: equal texts, equal robots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from compiler.arithmetic.scalars import (
+    Apply,
+    Constant,
+    ParameterLeaf,
+    PiConstant,
+    read_scalars,
+)
+from compiler.robots.own_dynamics import OwnDynamics
+from compiler.robots.robot import (
+    Body,
+    FrameNode,
+    Joint,
+    Offset,
+    PointBody,
+    RobotModel,
+    RodBody,
+    SolidBody,
+    Step,
+    Turn,
+)
+
+
+def robot_key(model: RobotModel) -> str:
+    """A text that is equal for two normal forms only if they are the same robot.
+
+    Parameters that are used are numbered in word order, so that equal robots built from
+    different occurrences compare equal.
+    """
+    used = _used_scalars(model)
+    read = {node.index for i in used if isinstance(node := model.scalars[i], ParameterLeaf)}
+    parameters = sorted(read.union(*(own.read_parameters for own in model.own)))
+    names = {index: f"p{number}" for number, index in enumerate(parameters)}
+
+    def leaf(node: Constant | PiConstant | ParameterLeaf) -> str:
+        match node:
+            case Constant(value):
+                return str(value)
+            case PiConstant():
+                return "pi"
+            case ParameterLeaf(index):
+                return names.get(index, "unused")
+
+    def apply(node: Apply, arguments: list[str]) -> str:
+        return f"{node.operation}{node.exponent or ''}({','.join(arguments)})"
+
+    texts = read_scalars(model.scalars, leaf, apply)
+    parts = [f"dim {model.dimension}"]
+    parts += [_frame_text(model, frame, texts) for frame in model.frames]
+    parts += [_body_text(body, texts) for body in model.bodies]
+    parts.append(f"effectors {model.effectors}")
+    parts += [_own_text(own, names) for own in model.own]
+    parts += [f"{name}: {model.parameters[index].domain}" for index, name in names.items()]
+    return "\n".join(parts)
+
+
+def _own_text(own: OwnDynamics, names: Mapping[int, str]) -> str:
+    """The dynamics of a module's own with the parameters by their names in the key."""
+    parameters = [(name, names.get(index)) for name, index in own.parameters]
+    return f"own {own.states} {own.inputs} {own.torques} {parameters} {own.dofs}"
+
+
+def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:
+    match frame.step:
+        case None:
+            return "world"
+        case Turn(axis, angle):
+            return f"{frame.parent} turn {axis} {texts[angle]}"
+        case Offset(vector):
+            return f"{frame.parent} move {[texts[i] for i in vector]}"
+        case Joint(dof, axis, sign):
+            limits = model.dofs[dof]
+            kind = f"{limits.kind} {limits.range} {limits.rate}"
+            return f"{frame.parent} joint {dof} {axis} {sign} {kind}"
+
+
+def _used_scalars(model: RobotModel) -> set[int]:
+    """The scalars that frames and bodies use, directly or not."""
+    used = {i for frame in model.frames for i in _step_scalars(frame.step)}
+    used |= {i for body in model.bodies for i in _body_scalars(body)}
+    for i in range(len(model.scalars) - 1, -1, -1):
+        node = model.scalars[i]
+        if i in used and isinstance(node, Apply):
+            used.update(node.arguments)
+    return used
+
+
+def _step_scalars(step: Step | None) -> tuple[int, ...]:
+    match step:
+        case Turn(_, angle):
+            return (angle,)
+        case Offset(vector):
+            return vector
+        case Joint() | None:
+            return ()
+
+
+def _body_scalars(body: Body) -> tuple[int, ...]:
+    match body:
+        case RodBody(_, _, _, length, density, radius):
+            return (length, density) if radius is None else (length, density, radius)
+        case PointBody(_, mass):
+            return (mass,)
+        case SolidBody(_, mass, com, inertia):
+            return (mass, *com, *inertia)
+
+
+def _body_text(body: Body, texts: list[str]) -> str:
+    match body:
+        case RodBody(frame, axis, sign, length, density, radius):
+            thickness = "-" if radius is None else texts[radius]
+            return f"rod {frame} {axis} {sign} {texts[length]} {texts[density]} {thickness}"
+        case PointBody(frame, mass):
+            return f"point {frame} {texts[mass]}"
+        case SolidBody(frame, mass, com, inertia):
+            items = [texts[i] for i in (*com, *inertia)]
+            return f"solid {frame} {texts[mass]} {items}"
