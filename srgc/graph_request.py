@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
 
 from compiler.automata.deterministic_pushdown import deterministic_pushdown
 from compiler.automata.lr_automaton import LrAutomaton, LrTooLarge
 from compiler.automata.pushdown_automaton import sra
 from compiler.geometry.abstraction import abstract
-from compiler.grammars.derivation import Derivation, replay
-from compiler.grammars.grammar import cyclic, trimmed
 from compiler.languages.language import Language, language
-from compiler.languages.structures import derivations_of
 from compiler.semantics.attributes import SemanticsError
 from compiler.views.dfa_view import family_dfa_view
 from compiler.views.grammar_view import grammar_view
@@ -21,7 +16,6 @@ from compiler.views.highlighted_run import (
     HighlightError,
     not_accepted,
     refuse_unknown,
-    run_of,
 )
 from compiler.views.near_run import near_run
 from compiler.views.picture import Picture
@@ -30,6 +24,7 @@ from compiler.views.word_transitions import all_words
 from compiler.views.words_view import longest_drawn, words_view
 from compiler.views.workspace_view import workspace_view
 from grammar_lang import ir
+from srgc.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen
 
 VIEWS = ("sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace")
@@ -181,33 +176,10 @@ def _refuse_too_many(words: Language, depth: int, *, near: bool) -> None:
             )
 
 
-def _derivations(
-    words: Language, grammar: ir.Grammar, word: tuple[str, ...]
-) -> Iterator[Derivation]:
-    """The derivations of a word; one of them where there may be infinitely many."""
-    if not cyclic(trimmed(words.srg.cfg)):
-        return derivations_of(words, word)
-    run = run_of(sra(words.srg, words.accept), word)
-    return iter([replay(grammar, [step.label for step in run if step.label is not None])])
-
-
 def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
     from compiler.graphs.labelled_graph import labelled_graph
     from compiler.views.robot_view import robot_view
 
     words = language(grammar, program.terminals, program.modules)
-    word = request.word or ()
-    _refuse_foreign(words, word)
-    derivations = _derivations(words, grammar, word)
-    wanted = request.derivation or 1
-    first = list(islice(derivations, wanted))
-    if len(first) < wanted:
-        noun = "derivation" if len(first) == 1 else "derivations"
-        raise UsageFault(f"the word has {len(first)} {noun}: there is no --derivation {wanted}")
-    derivation = first[-1]
-    remarks: tuple[str, ...] = ()
-    if cyclic(trimmed(words.srg.cfg)):
-        remarks = ("a nonterminal of the grammar derives itself: one derivation is drawn",)
-    elif request.derivation is None and next(derivations, None) is not None:
-        remarks = ("the word has several derivations: --derivation 2 draws the next",)
-    return Drawing(robot_view(labelled_graph(program, grammar, derivation)), remarks)
+    found = chosen_derivation(words, grammar, request.word or (), request.derivation)
+    return Drawing(robot_view(labelled_graph(program, grammar, found.derivation)), found.remarks)

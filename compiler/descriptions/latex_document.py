@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from itertools import groupby
 
@@ -32,12 +33,17 @@ def escaped(text: str) -> str:
 
 def _block(kind: type, items: Sequence[Item]) -> list[str]:
     if kind is Remark:
-        return [rf"{escaped(item.text)}\par" for item in items if isinstance(item, Remark)]
+        return [rf"{_remark(item.text)}\par" for item in items if isinstance(item, Remark)]
     if kind is Equation:
         return _align([item for item in items if isinstance(item, Equation)])
     rows = [_row(item) for item in items]
     columns = "ll" if kind is Fact else "lll"
     return [rf"\noindent\begin{{tabular}}{{{columns}}}", *rows, r"\end{tabular}\par"]
+
+
+def _remark(text: str) -> str:
+    """A remark, with what is quoted by backticks in a typewriter face."""
+    return re.sub(r"`([^`]*)`", r"\\texttt{\1}", escaped(text))
 
 
 def _row(item: Item) -> str:

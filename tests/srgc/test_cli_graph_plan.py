@@ -183,7 +183,7 @@ def test_the_robot_of_a_derivation(srgc, spec):
     several = ("graph", path, "--of", "robot", "--word", "A eps J eps J eps J")
     ran = srgc(*several)
     assert ran.status == 0
-    assert ran.err == "note: the word has several derivations: --derivation 2 draws the next\n"
+    assert ran.err == "note: the word has several derivations: --derivation 2 shows the next\n"
     # Every J but the last is added on the left or on the right.
     for derivation in range(1, 5):
         chosen = srgc(*several, "--derivation", derivation)
@@ -198,7 +198,7 @@ def test_a_word_with_endless_derivations(srgc, spec):
     path = spec(TWO.replace("one: T -> J;", "one: T -> J;\n  same: T -> T;"))
     ran = srgc("graph", path, "--of", "robot", "--word", "A eps J")
     assert ran.status == 0
-    assert "derives itself: one derivation is drawn" in ran.err
+    assert "derives itself: one derivation is shown" in ran.err
     assert re.findall(r'^  "m\d+" \[label="(\w+)', ran.out, re.MULTILINE) == ["A", "J"]
     ran = srgc("graph", path, "--of", "grammar", "--highlight", "A eps J")
     assert ran.status == 0
