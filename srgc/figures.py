@@ -242,5 +242,6 @@ def _magnified(axes: Axes, time: Array, u: Array, bound: float, unit: str) -> No
     for column in u.T:
         inset.step(time, np.append(column, column[-1]), where="post", lw=1.0)
     inset.set_xlim(time[0], time[-1])
+    inset.set_ylim(-1.1 * peak, 1.1 * peak)
     inset.set_title(f"peak {peak:.3g} {unit}", fontsize=7, pad=2)
     inset.tick_params(labelsize=6)

@@ -123,7 +123,10 @@ def keys(content: object) -> set[str]:
     return set().union(*map(keys, content)) if isinstance(content, list) else set()
 
 
-@pytest.mark.parametrize("spec", ["slider", "beyond_reach"])
+HEADS = {"slider": "t,q1,qd1,u1,e1_x,e1_y", "motor": "t,q1,qd1,s1,u1,e1_x,e1_y"}
+
+
+@pytest.mark.parametrize("spec", [*HEADS, "beyond_reach"])
 def test_the_fields_of_results_are_described(made: Callable[[str], Path], spec: str) -> None:
     page = TEXTS["docs/results.md"]
     words = set(re.findall(r"`([\w.]+)`", page)) | {"structures", "evaluations", "paths"}
@@ -133,10 +136,31 @@ def test_the_fields_of_results_are_described(made: Callable[[str], Path], spec: 
         assert keys(content) <= words, file
     described = {"spec", "proofs", "figures", "design.json", "certificate.json", "trajectory.csv"}
     assert {path.name for path in folder.iterdir()} <= described | {"log.json"}
-    if spec == "slider":
+    if spec in HEADS:
         head = (folder / "trajectory.csv").read_text(encoding="utf-8").splitlines()[0]
-        assert head == "t,q1,qd1,u1,e1_x,e1_y"
+        assert head == HEADS[spec]
         assert all(re.search(rf"`{column}`", page) for column in head.split(","))
+
+
+def test_the_rules_of_figure_1_are_shown_as_they_are() -> None:
+    spec = (ROOT / "specs" / "l_shaped.srg").read_text(encoding="utf-8")
+    [shown] = [body for _, body in blocks("text") if body.startswith("module LL")]
+    for part in shown.split("\n\n"):
+        assert part in spec
+
+
+def test_of_a_length_of_zero_is_said_what_is_shown(
+    checkout: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "`param length in [0, 1] m`, the robot above" in TEXTS["docs/models.md"]
+    [shown] = [body for _, body in blocks("text") if body.startswith("not positive definite")]
+    file = checkout / "specs" / "motor_arm.srg"
+    text = file.read_text(encoding="utf-8")
+    changed = text.replace("length in [0.4, 1] m", "length in [0, 1] m")
+    assert changed != text
+    file.write_text(changed, encoding="utf-8")
+    assert srgc.cli.run(["model", str(file), "--word", "B eps M eps L eps EN"]) == 0
+    assert f"\n{shown}" in capsys.readouterr().out
 
 
 def test_targets_named_exist() -> None:

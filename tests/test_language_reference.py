@@ -286,17 +286,7 @@ def test_codes_lead_to_their_pages() -> None:
 
 # --- not supported -------------------------------------------------------------------------------
 
-REFUSED = {
-    "modules with dynamics of their own": """\
-module Base {{ role base; }}
-module Elbow {{ role joint; dof q: revolute z; torque(q) = u - 1 N*m*s * rate(q); }}
-module Hand {{ role effector; }}
-grammar Arm {{ start N; arm: N -> Base Elbow Hand; }}
-semantics Arm {{ arm {{ effector(frame: rot(z, Elbow.q) * move(x, 1 m)); }} }}
-include "bench.srg";
-{task}
-""",
-    "maps": """\
+MAPS = """\
 include "robots.srg";
 workspace Bench {{
   plane xy;
@@ -306,8 +296,7 @@ workspace Bench {{
   obstacles from "posts.geojson";
 }}
 {task}
-""",
-}
+"""
 TASK = """\
 task T {{
   robot Arm;
@@ -336,13 +325,12 @@ def test_clauses_said_not_to_be_supported_are_not(
     assert_read_and_refused(text, clause.partition(" ")[0], folder, capsys)
 
 
-@pytest.mark.parametrize("what", REFUSED)
-def test_what_else_is_said_not_to_be_supported_is_not(
-    what: str, folder: Path, capsys: pytest.CaptureFixture[str]
+def test_maps_are_said_not_to_be_supported_and_are_not(
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = REFUSED[what].format(task=TASK.format(clause=""))
-    word = {"maps": "obstacles from"}.get(what, "own dynamics")
-    assert_read_and_refused(text, word, folder, capsys)
+    assert "[map](#maps-of-obstacles)" in section("Not supported yet")
+    text = MAPS.format(task=TASK.format(clause=""))
+    assert_read_and_refused(text, "obstacles from", folder, capsys)
 
 
 def assert_read_and_refused(

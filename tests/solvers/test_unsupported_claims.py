@@ -32,13 +32,3 @@ def test_undecided(result: Callable[[str], Path], spec: str, clause: str, named:
     report = verify_directory(folder)
     assert report.outcome is Outcome.UNDECIDED
     assert report.reason == f"not verified: {named} cannot be compiled by this version"
-
-
-def test_a_module_with_dynamics_of_its_own(result: Callable[[str], Path]) -> None:
-    folder = result("turner")
-    limits = "dof q: revolute z in [-180, 180] deg;"
-    alter_spec(folder, limits, f"{limits} torque(q) = u - 1 N*m*s * rate(q);", sign=True)
-    report = verify_directory(folder)
-    assert report.outcome is Outcome.UNDECIDED
-    assert report.reason is not None
-    assert "the own dynamics of module `JO`" in report.reason
