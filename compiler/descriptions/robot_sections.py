@@ -117,8 +117,9 @@ def _called(
     for name, dof in own.dofs:
         yield f"{name} is 0" if dof is None else f"{name} is q{dof + 1}"
     for number, entry in enumerate(robot_inputs(model), 1):
-        if entry.dof is not None and entry.dof in own.bound_dofs.values():
-            yield f"u is u{number}"
+        mine = [name for name, dof in own.dofs if dof is not None and dof == entry.dof]
+        for name in mine:
+            yield f"u is u{number}" if len(own.dofs) == 1 else f"u of {name} is u{number}"
         elif entry.dof is None and entry.symbol == own.symbol:
             yield f"{entry.name} is u{number}"
     for state in own.states:

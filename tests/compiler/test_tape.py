@@ -15,6 +15,7 @@ from compiler.dynamics.tape import tape
 from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.exact_chain import DIGITS, Multiprecision, contains, exact
 from tests.oracles.planar_chain import chain_dynamics
+from tests.oracles.driven_robots import driven
 from tests.oracles.robots import Builder, constants_of, rod_chain
 
 NAMES = ("mass_matrix", "bias", "acceleration", "balance", "variation", "effectors", "body_points")
@@ -109,7 +110,10 @@ def space() -> RobotModel:
     return builder.build()
 
 
-ROBOTS = {"awkward": awkward, "slides": slides, "space": space, "rods": lambda: rod_chain(3)}
+ROBOTS = {
+    "awkward": awkward, "slides": slides, "space": space, "rods": lambda: rod_chain(3),
+    "driven": lambda: driven(rod_chain(2)), "driven in space": lambda: driven(space()),
+}  # fmt: skip
 
 
 def point(graph: RobotGraph, name: str, seed: int) -> list[Fraction]:
