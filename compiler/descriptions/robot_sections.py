@@ -120,7 +120,7 @@ def _called(
         mine = [name for name, dof in own.dofs if dof is not None and dof == entry.dof]
         for name in mine:
             yield f"u is u{number}" if len(own.dofs) == 1 else f"u of {name} is u{number}"
-        elif entry.dof is None and entry.symbol == own.symbol:
+        if entry.dof is None and entry.symbol == own.symbol:
             yield f"{entry.name} is u{number}"
     for state in own.states:
         yield f"{state.name} is s{states[own.symbol, state.name]}"
