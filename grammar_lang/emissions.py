@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from grammar_lang import constants, ir
@@ -13,6 +13,7 @@ from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean
 from grammar_lang.frames import require_axis
+from grammar_lang.modules import ModuleInfo
 from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
 from grammar_lang.sorts import (
     ZERO,
@@ -38,10 +39,11 @@ _OPTIONAL = frozenset({("rod", "radius")})
 
 @dataclass(frozen=True, slots=True)
 class Emissions:
-    """Lowers the emissions of a block."""
+    """Lowers the emissions of a block; ``modules`` are those of the right side, by occurrence."""
 
     scope: Scope
     sink: Sink
+    modules: Sequence[ModuleInfo | None] = ()
 
     def lower(self, emission: s.Emission) -> ir.Emission | None:
         """The emission; None where an error was reported."""
@@ -167,7 +169,23 @@ class Emissions:
             self.sink.error(
                 Code.BAD_EMISSION, "this value is negative", expr.span, "write a positive value"
             )
+        if isinstance(value, ir.ParameterOf):
+            self._check_range(value, expr)
         return value
+
+    def _check_range(self, parameter: ir.ParameterOf, expr: s.Expr) -> None:
+        """Report a parameter that stands for an amount and may be negative."""
+        info = self.modules[parameter.occurrence] if self.modules else None
+        found = () if info is None else info.module.parameters
+        domain = next((p.domain for p in found if p.name == parameter.name), None)
+        if domain is None:
+            return
+        values = (domain.lower,) if isinstance(domain, ir.Interval) else domain.values
+        least = [known[0] for v in values if (known := constants.evident(v)) is not None]
+        if least and min(least) < 0:
+            message = f"the range of `{parameter.name}` allows a negative value here"
+            hint = "narrow the range to zero and more"
+            self.sink.error(Code.BAD_EMISSION, message, expr.span, hint)
 
     def _com(self, expr: s.Expr) -> ir.Expr:
         value = Checker(self.scope, self.sink).elaborate(expr)

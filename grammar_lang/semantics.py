@@ -304,7 +304,8 @@ def _block(
     block: s.Block, rules: list[PlacedRule], scope: ProductionScope, sink: Sink
 ) -> ir.SemanticBlock:
     lowered = tuple(_rule(placed, scope, sink) for placed in rules)
-    emissions = Emissions(scope, sink)
+    symbols = scope.info.production.right
+    emissions = Emissions(scope, sink, [scope.modules.get(symbol.name) for symbol in symbols])
     emitted = [emissions.lower(e) for e in block.statements if isinstance(e, s.Emission)]
     failed = scope.info.broken or None in emitted
     if not failed and scope.info.production.label not in scope.attributes.failed:

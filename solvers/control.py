@@ -39,12 +39,15 @@ FUNNEL = 0.3
 FREE_STEPS = 3
 """Steps that are taken whatever their defects, to get away from the seed."""
 MERIT_WEIGHT = 0.3
+NOT_FINITE = "not finite"
 WORST = 10.0
 """The largest violation that is told apart, in units of the effort bound."""
 EXCESS = 1e-4
 """Position excess in metres that the margin absorbs."""
 LIMIT_EXCESS = 1e-4
 """The same for joint limits and rates, in rad or m (/s)."""
+ROUNDING = 1e-7
+"""Inputs that leave their bounds by no more, relatively, have left them by rounding."""
 DEFECT = 1e-3
 """Fictitious effort, in units of the bound, up to which simulation closes a defect."""
 
@@ -135,6 +138,19 @@ def effort_peak(groups: tuple[InputGroup, ...], u: Array) -> float:
         ),
         default=0.0,
     )
+
+
+def within_bounds(groups: tuple[InputGroup, ...], u: Array) -> Array:
+    """Inputs (k, m) with what rounding left outside their bounds put back on them."""
+    kept = u.copy()
+    for group in groups:
+        columns = list(group.inputs)
+        if group.norm2:
+            continue
+        clipped = np.clip(u[:, columns], group.lower, group.upper)
+        near = np.abs(clipped - u[:, columns]) <= ROUNDING * (1 + abs(group.upper))
+        kept[:, columns] = np.where(near, clipped, u[:, columns])
+    return kept
 
 
 def limit_excess(limits: MotionLimits, x: Array) -> float:
@@ -304,7 +320,7 @@ def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
         fictitious=worst,
         excess=float("inf"),
         iterations=0,
-        status="not finite",
+        status=NOT_FINITE,
     )
 
 
@@ -316,7 +332,6 @@ def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
     if problem.limits.start_values is not None:
         first[: problem.reading.n] = problem.limits.start_values
     first[2 * problem.reading.n :] = problem.limits.own_start
-    states = problem.reading.simulate(
-        first, trajectory.u, trajectory.theta, problem.dt, problem.substeps
-    )
-    return Trajectory(states, trajectory.u, trajectory.theta)
+    u = within_bounds(problem.groups, trajectory.u)
+    states = problem.reading.simulate(first, u, trajectory.theta, problem.dt, problem.substeps)
+    return Trajectory(states, u, trajectory.theta)

@@ -26,7 +26,7 @@ from compiler.dynamics.tape import Tape
 
 Coefficients = list[arb]
 
-MOST_HALVINGS = 7
+MOST_HALVINGS = 9
 KINK_HALVINGS, KINK_REMAINDER = 12, 1e-6
 """Where an absolute value has a kink, shorter segments of order two may be less accurate."""
 

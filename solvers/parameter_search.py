@@ -122,18 +122,23 @@ class BayesianSearch:
 
 
 def exact_value(domain: ir.Interval | ir.Choices, value: float) -> Fraction:
-    """The rational of a domain nearest to a double that a search has left beside it by rounding.
+    """The rational that states what a search has left beside a value of a domain by rounding.
 
-    Ends and choices that are not rational leave the double as it is.
+    A value that is not rational is stated by the double next to it.
     """
     nearest = Fraction(repr(float(value)))
     if isinstance(domain, ir.Choices):
-        choices = [choice for text in domain.values if (choice := rational(text)) is not None]
-        return min(choices, key=lambda choice: abs(choice - nearest), default=nearest)
+        stated = [_stated(choice) for choice in domain.values]
+        return min(stated, key=lambda choice: abs(choice - nearest))
     lower, upper = rational(domain.lower), rational(domain.upper)
     if lower is not None:
         nearest = max(nearest, lower)
     return nearest if upper is None else min(nearest, upper)
+
+
+def _stated(value: ir.Expr) -> Fraction:
+    exact = rational(value)
+    return Fraction(repr(to_float(value))) if exact is None else exact
 
 
 def exact_text(domain: ir.Interval | ir.Choices, value: float) -> str:

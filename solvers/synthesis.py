@@ -19,6 +19,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.grammars.derivation import Derivation
 from compiler.languages.structures import structures
+from compiler.robots.parameter_values import stated_value
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
 from compiler.semantics.attributes import SemanticsError
@@ -40,12 +41,15 @@ from solvers.configuration_search import (
     search_configuration,
     within_limits,
 )
+from solvers.control import NOT_FINITE
 from solvers.counterexample import infeasible_prefix
+from solvers.fine_motion import fine_motion
 from solvers.parameter_search import exact_text
-from solvers.path_following import LEAST_MARGIN, Follower
+from solvers.path_following import LEAST_MARGIN, SUBSTEPS, Follower
 from solvers.planner import Planner, path_planner
 from solvers.progress import Conduct, OutOfTimeError
 from solvers.standing_robot import standing_configurations
+from solvers.stiffness import stable_parts
 from solvers.structure_refutation import Refutation, refute_structure
 from solvers.task_limits import motion_limits, parameter_bounds
 from solvers.trajectory_proof import Motion, prove_motion, scene_of
@@ -97,6 +101,8 @@ class _Run:
     )
     searched: int = 0
     stopped: str | None = None
+    obstacle: str = ""
+    """What stood in the way of the last motion of this structure that was tried."""
 
     # --- structures -----------------------------------------------------------------------------
 
@@ -165,6 +171,7 @@ class _Run:
             self.record(derivation, "inadmissible", blocked)
             return None
         self.searched += 1
+        self.obstacle = ""
         reason = "it has no effector that the task asks for"
         for effector in self.effectors(model, answer):
             if model.dofs:
@@ -174,7 +181,7 @@ class _Run:
             if design is not None:
                 self.record(derivation, "found", "proved")
                 return design
-        self.record(derivation, "unresolved", reason)
+        self.record(derivation, "unresolved", reason + self.obstacle)
         return None
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
@@ -258,6 +265,8 @@ class _Run:
         follower = self.follower(reading, effector, cells)
         found = search_configuration(follower, label, self.conduct)
         self.counts["evaluations"] += found.evaluations
+        if found.outcome.status == NOT_FINITE:
+            self.obstacle = "; the equations of motion have no finite value where the search begins"
         if not found.outcome.feasible:
             prefix = infeasible_prefix(follower, found.outcome, found.entries)
             return None, found.outcome.robustness, prefix
@@ -287,6 +296,7 @@ class _Run:
             cells,
             MARGINS[0],
             self.conduct.seed,
+            substeps=stable_parts(reading, float(self.task.step), SUBSTEPS),
         )
 
     def certified(
@@ -308,14 +318,29 @@ class _Run:
             found,
         )
         scene = scene_of(self.program, self.task, model, self.abstraction)
-        findings = prove_motion(scene, motion_of(design))
-        return design if all(f.status is Status.HOLDS for f in findings) else None
+        motion = motion_of(design)
+        if motion is None:
+            return None
+        findings = prove_motion(scene, motion, self.conduct.check_time)
+        unproved = [f for f in findings if f.status is not Status.HOLDS]
+        if unproved:
+            self.obstacle = f"; last proof tried: {unproved[0].name}: {unproved[0].status.value}"
+            return None
+        fine = fine_motion(follower.reading, trajectory, float(self.task.step))
+        outcome = replace(found.outcome, trajectory=fine)
+        return replace(design, configuration=replace(found, outcome=outcome))
 
 
-def motion_of(design: Design) -> Motion:
-    """The exact numbers of a design."""
+def motion_of(design: Design) -> Motion | None:
+    """The exact numbers of a design; None if a parameter is in no range."""
+    theta = []
+    for parameter, claim in zip(design.model.parameters, design.parameters, strict=True):
+        value = stated_value(parameter.domain, Fraction(claim.value))
+        if value is None:
+            return None
+        theta.append(value)
     return Motion(
-        tuple(Fraction(p.value) for p in design.parameters),
+        tuple(theta),
         tuple(Fraction(value) for value in design.start),
         tuple(tuple(Fraction(value) for value in row) for row in design.inputs),
         design.effector,

@@ -6,7 +6,7 @@ cells.  Positions of all points are enclosed along a validated tube.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -26,9 +26,11 @@ from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.dynamics.tape import tape
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.robots.robot import RobotModel, RodBody
+from compiler.robots.parameter_values import ExactValue, value_ball
+from compiler.robots.robot import RobotModel, RodBody, amounts_of
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
+from solvers.defined_checks import Defined
 from solvers.enclosure import Accuracy, EnclosureFailure, VectorField, tube
 from solvers.tube_checks import (
     Apart,
@@ -53,7 +55,7 @@ class Motion:
     ``state`` holds coordinates and rates; the spec says where modules' own states begin.
     """
 
-    theta: tuple[Fraction, ...]
+    theta: tuple[ExactValue, ...]
     state: tuple[Fraction, ...]
     inputs: tuple[tuple[Fraction, ...], ...]
     effector: int
@@ -91,12 +93,17 @@ class Scene:
         return polytope_of(region.shape, self.workspace.dimension)
 
 
-def prove_motion(scene: Scene, motion: Motion) -> tuple[Finding, ...]:
-    """All conditions on a motion, at the first accuracy that decides them all."""
+def prove_motion(
+    scene: Scene, motion: Motion, tick: Callable[[], None] = lambda: None
+) -> tuple[Finding, ...]:
+    """All conditions on a motion, at the first accuracy that decides them all.
+
+    ``tick`` is called again and again; what it raises ends the proof.
+    """
     findings: tuple[Finding, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
-            findings = _findings(scene, motion, accuracy)
+            findings = _findings(scene, motion, accuracy, tick)
         if not any(finding.status is Status.UNDECIDED for finding in findings):
             break
     return findings
@@ -111,9 +118,11 @@ def all_points(graph: RobotGraph) -> ca.Function:
     return ca.Function("points", symbols, [ca.cse(ca.densify(both))])
 
 
-def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding, ...]:
+def _findings(
+    scene: Scene, motion: Motion, accuracy: Accuracy, tick: Callable[[], None]
+) -> tuple[Finding, ...]:
     graph, task = scene.graph, scene.task
-    tail = tuple(ball(value) for value in motion.theta)
+    tail = tuple(value_ball(value) for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
     own = robot_states(graph.model)
     field = VectorField(
@@ -127,13 +136,18 @@ def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding
     inputs = [[ball(value) for value in step] for step in motion.inputs]
     always = _always(scene, tail)
     limits = _limits(graph)
-    found = [_positive_mass(graph, state, tail), *_start(scene, motion, reading, state)]
+    found = [_positive_mass(graph, state, tail), *_unphysical(graph.model, tail)]
+    found += _start(scene, motion, reading, state)
     if any(finding.status is Status.FAILS for finding in found):
         return tuple(found)
     samples = [state]
+    defined = Defined(tape(graph.conditions), graph.divisors, tail)
     try:
         for segment in tube(field, state, inputs, ball(task.step), accuracy):
+            tick()
             check_segment(reading, segment, inputs[segment.number], always, limits)
+            if defined.is_needed:
+                defined.check(segment, inputs[segment.number])
             if segment.number == len(samples):
                 samples.append(state)
             state = list(segment.end)
@@ -141,6 +155,9 @@ def _findings(scene: Scene, motion: Motion, accuracy: Accuracy) -> tuple[Finding
         found.append(Finding(str(failure), Status.UNDECIDED, 0.0, "m"))
         return tuple(found)
     samples.append(state)
+    if defined.is_needed:
+        name = "equations of motion defined"
+        found.append(Finding(name, defined.status, float("inf"), "", defined.time))
     found += [Finding(c.name, c.status, c.margin, "m", c.time, c.place) for c in always]
     found += [
         Finding(limit.name, limit.status, limit.margin, "SI", limit.time)
@@ -236,6 +253,17 @@ def _positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb])
                 matrix[i][j] = matrix[i][j] - matrix[i][k] * matrix[k][j] / pivot
     status = Status.HOLDS if least > 0 else Status.FAILS if least < 0 else Status.UNDECIDED
     return Finding("mass matrix positive definite", status, float(least.lower()), "SI", 0.0)
+
+
+def _unphysical(model: RobotModel, tail: Sequence[arb]) -> list[Finding]:
+    """The bodies of which a length, mass, density, radius or moment of inertia is negative."""
+    scalars = scalar_balls(model.scalars, tail)
+    return [
+        Finding(f"amounts of body {number}", Status.FAILS, float(scalars[i].mid()), "SI", 0.0)
+        for number, body in enumerate(model.bodies, 1)
+        for i in amounts_of(body)
+        if scalars[i] < 0
+    ]
 
 
 def _inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> Finding:

@@ -12,20 +12,17 @@ from fractions import Fraction
 from math import isqrt
 from pathlib import Path
 
-from flint import arb
-
-from compiler.arithmetic.balls import ball, closed_ball, working_precision
 from compiler.encodings.specification import path_problem
 from compiler.encodings.supported import unsupported
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.grammars.derivation import BadDerivation, Derivation
 from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kinds
+from compiler.robots.parameter_values import ExactValue, stated_value
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
-from grammar_lang.constants import rational
 from solvers.certificate import (
     CertificateError,
     Claim,
@@ -219,40 +216,20 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
     )
 
 
-def _theta(claim: FoundClaim, model: RobotModel) -> tuple[Fraction, ...]:
+def _theta(claim: FoundClaim, model: RobotModel) -> tuple[ExactValue, ...]:
     expected = [(p.symbol, p.name) for p in model.parameters]
     if [(p.symbol, p.name) for p in claim.parameters] != expected:
         raise Refused("the parameters are not those of the robot")
-    theta = []
+    theta = list[ExactValue]()
     for claimed, parameter in zip(claim.parameters, model.parameters, strict=True):
-        value = exact(claimed.value)
-        if not _in_domain(value, parameter.domain):
+        value = stated_value(parameter.domain, exact(claimed.value))
+        if value is None:
             raise Refused(
                 f"`{parameter.module}.{parameter.name}` = {claimed.value} "
                 f"at symbol {parameter.symbol} is outside its range"
             )
         theta.append(value)
     return tuple(theta)
-
-
-def _in_domain(value: Fraction, domain: ir.Interval | ir.Choices) -> bool:
-    """Whether a value certainly lies in a domain."""
-    if isinstance(domain, ir.Choices):
-        return any(rational(choice) == value for choice in domain.values)
-    return _not_above(domain.lower, value) and _not_above(value, domain.upper)
-
-
-def _not_above(a: ir.Expr | Fraction, b: ir.Expr | Fraction) -> bool:
-    """Whether a <= b certainly, exactly where both are rational."""
-    left, right = (item if isinstance(item, Fraction) else rational(item) for item in (a, b))
-    if left is not None and right is not None:
-        return left <= right
-    with working_precision(128):
-        return bool(_as_ball(a) <= _as_ball(b))
-
-
-def _as_ball(item: ir.Expr | Fraction) -> arb:
-    return ball(item) if isinstance(item, Fraction) else closed_ball(item)
 
 
 def _efforts(claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task) -> list[Finding]:

@@ -14,7 +14,7 @@ from fractions import Fraction
 import casadi as ca
 
 from compiler.arithmetic.scalars import Constant, PiConstant
-from compiler.dynamics.kinematics import FUNCTIONS, ConstantInputs, apply_operation, power
+from compiler.dynamics.kinematics import FUNCTIONS, ConstantInputs, apply_operation
 from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
@@ -77,15 +77,13 @@ class _Reader:
         """The graph node of a scalar expression."""
         match expression:
             case ir.Unary(function, operand) if function in FUNCTIONS:
-                return FUNCTIONS[function](self.constants.unfolded(self.read(operand)))
+                return self.constants.applied(function, self.read(operand))
             case ir.Unary(function, operand):
                 return apply_operation(function, [self.read(operand)])
             case ir.Binary("^", base, ir.Num(exponent)):
-                return power(self.constants.unfolded(self.read(base)), int(exponent))
+                return self.constants.raised(self.read(base), int(exponent))
             case ir.Binary("/", left, right):
-                # CasADi folds quotients of literals in doubles.
-                divisor = self.constants.unfolded(self.read(right))
-                return self.constants.unfolded(self.read(left)) / divisor
+                return self.constants.divided(self.read(left), self.read(right))
             case ir.Binary(operator, left, right):
                 return apply_operation(operator, [self.read(left), self.read(right)])
             case _:

@@ -44,6 +44,8 @@ class RobotGraph:
       without the graph's own divisions;
     - ``variation(q, w, a, u, theta, k)``: the Jacobian of (tau - c - g - M a, own derivatives) in
       (q, w) for given accelerations a, column by column ((n + r) * (2n + r),);
+    - ``conditions(q, w, u, theta, k)``: what must not be zero (the first ``divisors`` entries), and
+      what must not be negative, for the values above to exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
       them span which body.
@@ -61,6 +63,8 @@ class RobotGraph:
     effectors: ca.Function
     body_points: ca.Function
     hulls: tuple[tuple[int, ...], ...]
+    conditions: ca.Function
+    divisors: int
 
 
 def robot_graph(
@@ -125,6 +129,8 @@ def robot_graph(
         function("effectors", [q], tips),
         function("body_points", [q], corners),
         tuple(hulls),
+        function("conditions", [q, w, u], constants.conditions.vector()),
+        len(constants.conditions.divisors),
     )
 
 

@@ -13,9 +13,8 @@ import casadi as ca
 
 from compiler.arithmetic.scalars import Apply, Constant, ParameterLeaf, PiConstant, read_scalars
 from compiler.dynamics.absolute_angles import Coordinates
+from compiler.dynamics.definedness import Conditions
 from compiler.robots.robot import WORLD, Body, Joint, Offset, RobotModel, RodBody, SolidBody, Turn
-
-LARGEST_EXACT_INTEGER = 2**53
 
 FUNCTIONS = {"sqrt": ca.sqrt, "sin": ca.sin, "cos": ca.cos, "tan": ca.tan}
 
@@ -27,14 +26,42 @@ class ConstantInputs:
     symbols: dict[Constant | PiConstant, ca.SX] = field(
         default_factory=dict[Constant | PiConstant, ca.SX]
     )
+    conditions: Conditions = field(default_factory=Conditions)
 
     def read(self, constant: Constant | PiConstant) -> ca.SX:
-        """The graph node of a constant: a number if it is a small integer, else an input."""
-        if isinstance(constant, Constant):
-            value = constant.value
-            if value.denominator == 1 and abs(value) < LARGEST_EXACT_INTEGER:
-                return ca.SX(int(value))
+        """The graph node of a constant: a number if it is -1, 0 or 1, else an input.
+
+        CasADi folds products of literals, in doubles: only these stay exact whatever happens.
+        """
+        if isinstance(constant, Constant) and constant.value in (-1, 0, 1):
+            return ca.SX(int(constant.value))
         return self._input(constant)
+
+    def divided(self, dividend: ca.SX, divisor: ca.SX) -> ca.SX:
+        """A quotient, with the condition that it exists."""
+        self.conditions.divisor(divisor)
+        return self.unfolded(dividend) / self.unfolded(divisor)
+
+    def raised(self, base: ca.SX, exponent: int) -> ca.SX:
+        """An integer power, with the condition that it exists."""
+        if exponent < 0:
+            self.conditions.divisor(base)
+        return power(self.unfolded(base), exponent)
+
+    def applied(self, function: str, argument: ca.SX) -> ca.SX:
+        """``sqrt``, ``sin``, ``cos`` or ``tan``, with the condition that it exists."""
+        argument = self.unfolded(argument)
+        if function == "sqrt":
+            self.conditions.radicand(argument, self._is_positive)
+        if function == "tan":
+            self.conditions.divisor(ca.cos(argument))
+        return FUNCTIONS[function](argument)
+
+    def _is_positive(self, symbol: ca.SX) -> bool:
+        """Whether a symbol stands for a constant that is not negative."""
+        names = {str(entry): constant for constant, entry in self.symbols.items()}
+        constant = names.get(str(symbol))
+        return constant is not None and (isinstance(constant, PiConstant) or constant.value >= 0)
 
     def unfolded(self, expression: ca.SX) -> ca.SX:
         """An expression as it is, but a literal other than zero as an input.
@@ -65,16 +92,18 @@ def scalar_expressions(
 
     def apply(node: Apply, arguments: list[ca.SX]) -> ca.SX:
         if node.operation in FUNCTIONS:
-            return FUNCTIONS[node.operation](constants.unfolded(arguments[0]))
+            return constants.applied(node.operation, arguments[0])
         if node.operation == "^":
-            return power(arguments[0], node.exponent)
+            return constants.raised(arguments[0], node.exponent)
+        if node.operation == "/":
+            return constants.divided(*arguments)
         return apply_operation(node.operation, arguments)
 
     return read_scalars(model.scalars, leaf, apply)
 
 
 def apply_operation(operation: str, arguments: list[ca.SX]) -> ca.SX:
-    """An operation other than a power or a transcendental function on graph nodes."""
+    """An operation that is defined everywhere on graph nodes."""
     match operation, arguments:
         case "+", [a, b]:
             return a + b
@@ -82,8 +111,6 @@ def apply_operation(operation: str, arguments: list[ca.SX]) -> ca.SX:
             return a - b
         case "*", [a, b]:
             return a * b
-        case "/", [a, b]:
-            return a / b
         case "neg", [a]:
             return -a
         case "abs", [a]:

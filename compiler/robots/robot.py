@@ -103,6 +103,17 @@ class SolidBody:
 Body: TypeAlias = RodBody | PointBody | SolidBody
 
 
+def amounts_of(body: Body) -> tuple[int, ...]:
+    """The scalars of a body that no real body has below zero."""
+    match body:
+        case RodBody(_, _, _, length, density, radius):
+            return (length, density) if radius is None else (length, density, radius)
+        case PointBody(_, mass):
+            return (mass,)
+        case SolidBody(_, mass, _, inertia):
+            return (mass, *inertia[:3])
+
+
 @dataclass(frozen=True, slots=True)
 class RobotModel:
     """A robot.
