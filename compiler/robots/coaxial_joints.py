@@ -5,9 +5,20 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 
+from compiler.arithmetic.scalars import Constant
 from compiler.robots.idle_joints import renumbered
-from compiler.robots.robot import WORLD, FrameNode, Joint, RobotDof, RobotModel
+from compiler.robots.robot import (
+    WORLD,
+    FrameNode,
+    Joint,
+    Offset,
+    RobotDof,
+    RobotModel,
+    Step,
+    Turn,
+)
 from grammar_lang import ir
 
 
@@ -56,7 +67,11 @@ def _run(first: int, followers: dict[int, int]) -> list[int]:
 
 
 def _followers(model: RobotModel) -> dict[int, int]:
-    """For a joint frame the one that merges into it: directly behind, coaxial, nothing beside."""
+    """For a joint frame the one that merges into it: coaxial, with nothing beside or between.
+
+    Rigid steps that commute with the first joint's motion are nothing between: they may as well
+    stand behind both joints.
+    """
     items = [body.frame for body in model.bodies] + list(model.effectors)
     used = _used(model, items)
     carrier = _carriers(model)
@@ -67,12 +82,38 @@ def _followers(model: RobotModel) -> dict[int, int]:
             behind.setdefault(carrier[model.frames[frame].parent], []).append(frame)
     alone = _alone(model, used)
     found = {}
-    for first, nearest in behind.items():
-        if len(nearest) == 1 and first not in occupied and {first, *nearest} <= alone.keys():
-            a, b = alone[first], alone[nearest[0]]
-            if a.axis == b.axis and model.dofs[a.dof].kind == model.dofs[b.dof].kind:
-                found[first] = nearest[0]
+    for first, joint in alone.items():
+        frame = first
+        while True:
+            nearest = behind.get(frame, [])
+            if len(nearest) != 1 or frame in occupied:
+                break
+            (frame,) = nearest
+            if frame in alone:
+                if _alike(model, joint, alone[frame]):
+                    found[first] = frame
+                break
+            if not _commutes(model, joint, model.frames[frame].step):
+                break
     return found
+
+
+def _alike(model: RobotModel, a: Joint, b: Joint) -> bool:
+    """Whether two joints about parallel local axes are of one kind."""
+    return a.axis == b.axis and model.dofs[a.dof].kind == model.dofs[b.dof].kind
+
+
+def _commutes(model: RobotModel, joint: Joint, step: Step | None) -> bool:
+    """Whether a rigid step may be exchanged with the motion of a joint before it."""
+    match step:
+        case Turn(axis, _):
+            return axis == joint.axis
+        case Offset(vector):
+            zero = Constant(Fraction(0))
+            off = [i for i in range(3) if model.scalars[vector[i]] != zero]
+            return model.dofs[joint.dof].kind == "prismatic" or not off or off == [joint.axis]
+        case _:
+            return False
 
 
 def _used(model: RobotModel, items: Sequence[int]) -> list[int]:

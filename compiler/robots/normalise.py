@@ -19,9 +19,11 @@ def normalise(model: RobotModel) -> RobotModel:
     """The normal form of a robot.
 
     A degree of freedom that moves neither mass nor an effector nor a body point is removed;
-    consecutive joints about one axis with nothing between them become one, whose range is the
-    interval sum of theirs.  What acts on no degree of freedom any more is left out.
+    consecutive joints about one axis with nothing between them but rigid steps that commute with
+    them become one, whose range is the interval sum of theirs.  What acts on no degree of freedom
+    any more is left out.
     """
-    model = with_coaxial_joints_merged(without_idle_joints(model))
+    model = with_rigid_steps_merged(without_idle_joints(model))
+    model = with_coaxial_joints_merged(model)
     acting = (own.acting() for own in model.own)
     return with_rigid_steps_merged(replace(model, own=tuple(own for own in acting if own.torques)))

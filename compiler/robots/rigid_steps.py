@@ -80,12 +80,18 @@ class _Rebuilder:
         if isinstance(step, Offset) and isinstance(last, Offset):
             pairs = zip(last.vector, step.vector, strict=True)
             x, y, z = (self.table.binary("+", a, b) for a, b in pairs)
-            return _Chain(chain.rest, Offset((x, y, z)))
+            return self.behind(chain.rest, Offset((x, y, z)))
         if isinstance(step, Turn) and isinstance(last, Turn) and step.axis == last.axis:
-            return _Chain(
-                chain.rest, Turn(step.axis, self.table.binary("+", last.angle, step.angle))
-            )
+            angle = self.table.binary("+", last.angle, step.angle)
+            return self.behind(chain.rest, Turn(step.axis, angle))
         return _Chain(chain, step)
+
+    def behind(self, rest: _Chain | None, step: Turn | Offset) -> _Chain:
+        """A merged step behind the rest of a chain; nothing where the two have cancelled."""
+        scalars = (step.angle,) if isinstance(step, Turn) else step.vector
+        if rest is not None and all(self.table.rational(scalar) == 0 for scalar in scalars):
+            return rest
+        return _Chain(rest, step)
 
     def add(self, parent: int, step: Step) -> int:
         key = (parent, step)

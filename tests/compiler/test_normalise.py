@@ -72,6 +72,41 @@ def test_three_coaxial_joints_and_the_order_of_coordinates() -> None:
     assert [bounds(dof.range) for dof in robot.dofs] == [(0.0, 7.0), (-7.0, 9.0), (0.0, 9.0)]
 
 
+@pytest.mark.parametrize(
+    ("between", "merges"),
+    [
+        ([("turn", "z", "1/2")], True),
+        ([("move", "z", "1/3")], True),
+        ([("move", "x", "1/5"), ("move", "x", "-1/5")], True),
+        ([("turn", "x", "1/5"), ("turn", "x", "-1/5"), ("turn", "z", "1")], True),
+        ([("move", "x", "1/5")], False),
+        ([("turn", "x", "1/5")], False),
+        ([("move", "x", "1/5"), ("turn", "z", "1"), ("move", "x", "-1/5")], False),
+    ],
+)
+def test_rigid_steps_that_commute_with_a_joint_are_nothing_between(
+    between: list[tuple[str, str, str]], merges: bool
+) -> None:
+    builder = Builder(dimension=3)
+    frame = builder.joint(WORLD, range_=interval(-1, 1))
+    for kind, axis, value in between:
+        step = builder.turn if kind == "turn" else builder.move
+        frame = step(frame, axis, builder.number(Fraction(value)))
+    frame = builder.joint(frame, range_=interval(-1, 1))
+    frame = builder.turn(frame, "y", builder.number(Fraction(1, 2)))
+    builder.effector(builder.link(frame, builder.number(1)))
+    plain = builder.build()
+    normal = normalise(plain)
+    assert len(normal.dofs) == (1 if merges else 2)
+    q = np.array([0.3, -0.8])
+    own = np.array([q.sum()]) if merges else q
+    np.testing.assert_allclose(
+        evaluate(robot_graph(normal), "effectors", own, np.zeros(0)),
+        evaluate(robot_graph(plain), "effectors", q, np.zeros(0)),
+        atol=1e-12,
+    )
+
+
 def test_joints_with_something_between_or_beside_them_stay() -> None:
     point = Builder()
     first = point.joint(WORLD)
