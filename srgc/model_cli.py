@@ -26,7 +26,13 @@ from srgc.session import UsageFault, program_of
     show_default=True,
     help="For people, or as terms for SMT solvers.",
 )
-@click.option("-o", "output", type=click.Path(path_type=Path), help="Write here, not to stdout.")
+@click.option("--whole", is_flag=True, help="Equations of more than 8 degrees of freedom, too.")
+@click.option(
+    "-o",
+    "output",
+    type=click.Path(path_type=Path, allow_dash=True),
+    help="Write here, not to stdout (`-`).",
+)
 def model(
     file: Path,
     word: str,
@@ -36,17 +42,18 @@ def model(
     derivation: int | None,
     form: Literal["text", "latex", "smt2"],
     output: Path | None,
+    whole: bool,  # noqa: FBT001
 ) -> int:
     """Print the equations of motion of a robot: coordinates, parameters, M, c, g, effectors."""
     program = program_of(file)
     from srgc.model_report import ModelRequest, model_report
 
     symbols = tuple(word.split())
-    request = ModelRequest(symbols, grammar, task, workspace, derivation, form)
+    request = ModelRequest(symbols, grammar, task, workspace, derivation, form, whole)
     report = model_report(program, request)
     for remark in report.remarks:
         click.echo(f"note: {remark}", err=True)
-    if output is None:
+    if output is None or output == Path("-"):
         click.echo(report.text, nl=False)
         return 0
     try:

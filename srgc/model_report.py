@@ -16,6 +16,7 @@ from compiler.descriptions.robot_sections import robot_sections
 from compiler.descriptions.text_document import to_text
 from compiler.dynamics.motion_graph import UndefinedMotionError, motion_graph
 from compiler.encodings.model_script import model_script
+from compiler.robots.defined_scalars import scalars_are_defined
 from compiler.robots.planarity import is_planar
 from compiler.robots.robot import RobotModel, RodBody, SolidBody
 from compiler.semantics.attributes import SemanticsError
@@ -25,6 +26,8 @@ from grammar_lang import ir
 from srgc.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen
 
+MOST_WRITTEN = 8
+"""Equations of more degrees of freedom run to thousands of lines."""
 BOXES = 512
 """How many boxes the check of M may examine: a second or two."""
 
@@ -41,6 +44,7 @@ class ModelRequest:
     workspace: str | None = None
     derivation: int | None = None
     form: Form = "text"
+    whole: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +63,7 @@ class _Robot:
     model: RobotModel
     grammar: ir.Grammar
     task: ir.Task | None
+    whole: bool
 
     @property
     def gravity(self) -> tuple[Fraction, ...]:
@@ -85,7 +90,8 @@ def model_report(program: ir.Program, request: ModelRequest) -> ModelReport:
         raise UsageFault(str(error)) from None
     if dimension is None and is_planar(model):
         model = RobotFamily(program, grammar, 2).robot(found.derivation)
-    robot = _Robot(program, request.word, tuple(found.derivation.labels), model, grammar, task)
+    labels = tuple(found.derivation.labels)
+    robot = _Robot(program, request.word, labels, model, grammar, task, request.whole)
     try:
         return ModelReport(_written(robot, request.form), found.remarks)
     except UndefinedMotionError as error:
@@ -102,8 +108,11 @@ def _written(robot: _Robot, form: Form) -> str:
 def _sections(robot: _Robot) -> Iterator[Section]:
     yield Section("Robot", tuple(_facts(robot)))
     yield from robot_sections(robot.model, robot.word, robot.task)
-    reading = model_reading(robot.model, robot.gravity)
-    yield from motion_sections(reading)
+    if len(robot.model.dofs) <= MOST_WRITTEN or robot.whole:
+        yield from motion_sections(model_reading(robot.model, robot.gravity))
+    else:
+        text = f"left out for {len(robot.model.dofs)} degrees of freedom: --whole writes them"
+        yield section_of_lines("Equations of motion", [text])
     for title, lines in _checks(robot):
         yield section_of_lines(title, lines)
 
@@ -111,8 +120,12 @@ def _sections(robot: _Robot) -> Iterator[Section]:
 def _checks(robot: _Robot) -> Iterator[tuple[str, list[str]]]:
     """Titles and lines of what is proved about the robot, the last sections of the report."""
     if robot.model.dofs:
-        found = mass_matrix_check(robot.model, budget=BOXES)
-        yield "M over the whole joint and parameter box", [found.text]
+        text = (
+            "undecided: a quotient or a root of parameters is not shown to have a value everywhere"
+        )
+        if scalars_are_defined(robot.model):
+            text = mass_matrix_check(robot.model, budget=BOXES).text
+        yield "M over the whole joint and parameter box", [text]
     used = set(robot.labels)
     neutral = neutral_parameters(robot.program, robot.grammar)
     lines = [item.text for item in neutral if item.production in used]

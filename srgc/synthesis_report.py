@@ -14,9 +14,14 @@ def _declared_inputs(design: Design) -> list[str]:
     for place, item in enumerate(robot_inputs(design.model)):
         if item.domain is not None:
             values = [float(Fraction(row[place])) for row in design.inputs]
-            used = f"{min(values):.4f} to {max(values):.4f} {item.unit}".rstrip()
+            used = f"{min(values):.4f} to {max(values):.4f} {_shown(item.unit)}".rstrip()
             lines.append(f"input:   {item.module}.{item.name} {used} (symbol {item.symbol})")
     return lines
+
+
+def _shown(unit: str) -> str:
+    """A unit as it is written behind a number: nothing where there is none."""
+    return "" if unit == "1" else unit
 
 
 def synthesis_text(result: Synthesis, folder: str) -> str:
@@ -26,7 +31,7 @@ def synthesis_text(result: Synthesis, folder: str) -> str:
     if design is not None:
         lines.append(f"robot:   {' '.join(design.derivation.word)}")
         for p, claim in zip(design.model.parameters, design.parameters, strict=True):
-            value = f"{float(Fraction(claim.value)):.4f} {p.unit}".rstrip()
+            value = f"{float(Fraction(claim.value)):.4f} {_shown(p.unit)}".rstrip()
             lines.append(f"         {p.module}.{p.name} = {value} (symbol {p.symbol})")
         outcome = design.configuration.outcome
         lines.append(

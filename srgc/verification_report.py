@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 from solvers.verifier import Outcome, Report
 
 
@@ -18,6 +20,9 @@ def verification_text(report: Report) -> str:
         where = "" if finding.time is None else f"  at {finding.time:.3f} s"
         if finding.place:
             where += " (" + ", ".join(f"{x:.4f}" for x in finding.place) + ")"
-        margin = f"{finding.margin:.6g} {finding.unit}"
-        lines.append(f"  {finding.status.value:<9} {finding.name:<34} margin {margin}{where}")
+        unit = "" if finding.unit == "1" else f" {finding.unit}"
+        margin = f"margin {finding.margin:.6g}{unit}"
+        if not isfinite(finding.margin):
+            margin, where = "", where.lstrip()
+        lines.append(f"  {finding.status.value:<9} {finding.name:<34} {margin}{where}".rstrip())
     return "\n".join(lines)

@@ -22,7 +22,7 @@ def domain_text(domain: ir.Interval | ir.Choices | None, unit: str) -> str:
     texts, unit = _values(ends, unit)
     inside = ", ".join(texts)
     bracketed = f"[{inside}]" if isinstance(domain, ir.Interval) else f"{{{inside}}}"
-    return f"in {bracketed} {unit}".rstrip()
+    return f"in {bracketed} {'' if unit == '1' else unit}".rstrip()
 
 
 def _values(values: Sequence[ir.Expr], unit: str) -> tuple[list[str], str]:

@@ -95,7 +95,7 @@ def _own(model: RobotModel) -> Iterator[Item]:
     for number, state in enumerate(robot_states(model), 1):
         initial = "0" if state.initial is None else closed_text(state.initial)
         meaning = f"state {state.name} of {state.module} at {state.symbol}"
-        bounds = f"starts at {initial} {state.unit}".rstrip()
+        bounds = f"starts at {initial} {'' if state.unit == '1' else state.unit}".rstrip()
         yield Entry((f"s{number}", f"s_{{{number}}}"), meaning, bounds)
     for own in model.own:
         yield Remark(f"{own.module} at {own.symbol}: {', '.join(_called(model, own, places))}")
