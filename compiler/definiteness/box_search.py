@@ -29,13 +29,18 @@ class Examined:
 
 @dataclass(frozen=True, slots=True)
 class Searched(Generic[Counterexample]):
-    """The result of a search; ``box`` is where it fails, or what is left undecided."""
+    """The result of a search; ``box`` is where it fails, or a part that is left undecided.
+
+    ``proved`` and ``left`` count the parts that are proved and left undecided.
+    """
 
     status: Literal["proved", "fails", "undecided"]
     boxes: int
     box: Box | None = None
     counterexample: Counterexample | None = None
     reason: str = ""
+    proved: int = 0
+    left: int = 0
 
 
 def search(
@@ -46,14 +51,16 @@ def search(
 ) -> Searched[Counterexample]:
     """Decide a property on a box with at most ``budget`` boxes examined."""
     waiting: list[tuple[float, int, Box, Examined]] = []
-    fresh, boxes = [root], 0
+    fresh, boxes, proved = [root], 0, 0
     while fresh or waiting:
-        for box in fresh:
+        for number, box in enumerate(fresh):
             if boxes == budget:
-                return Searched("undecided", boxes, box, None, f"{budget} boxes did not suffice")
+                reason, left = f"{budget} boxes did not suffice", len(waiting) + len(fresh) - number
+                return Searched("undecided", boxes, box, None, reason, proved, left)
             boxes += 1
             examined = examine(box)
             if examined.proved:
+                proved += 1
                 continue
             found = refute(box)
             if found is not None:
@@ -65,11 +72,11 @@ def search(
             variable = examined.split()
             if variable is None:
                 reason = "neither proved nor refuted on a box that is too small to divide"
-                return Searched("undecided", boxes, box, None, reason)
+                return Searched("undecided", boxes, box, None, reason, proved, len(waiting) + 1)
             fresh = [
                 (*box[:variable], half, *box[variable + 1 :]) for half in box[variable].halves()
             ]
-    return Searched("proved", boxes)
+    return Searched("proved", boxes, proved=proved)
 
 
 def widest_effect(box: Box, active: tuple[int, ...], spread: Callable[[int], float]) -> int | None:

@@ -30,12 +30,16 @@ Rationals = list[list[Fraction]]
 
 @dataclass(frozen=True, slots=True)
 class Witness:
-    """``v'Mv <= 0`` at a point; ``throughout``: at every point of ``box``, which contains it."""
+    """``v'Mv <= 0`` at a point; ``throughout``: at every point of ``box``, which contains it.
+
+    ``identically``: M v = 0 is an identity.
+    """
 
     point: tuple[PiLinear, ...]
     vector: tuple[Fraction, ...]
     throughout: bool
     box: Box
+    identically: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +53,13 @@ class Refuter:
         for point in (tuple(s.simple for s in box), tuple(s.central for s in box)):
             if not all(side.contains(value) for side, value in zip(box, point, strict=True)):
                 continue
-            vector = self._vector(point)
+            vector = self.vector(point)
             if vector is not None:
-                return self._extended(box, point, vector)
+                return self.extended(box, point, vector)
         return None
 
-    def _vector(self, point: Sequence[PiLinear]) -> tuple[Fraction, ...] | None:
+    def vector(self, point: Sequence[PiLinear]) -> tuple[Fraction, ...] | None:
+        """A vector v with v'Mv <= 0 at a point, or None where none was found."""
         matrix = self.matrix.at([float(value.ball()) for value in point])
         if not np.all(np.isfinite(matrix)) or not _doubtful(matrix):
             return None
@@ -86,7 +91,7 @@ class Refuter:
             entries = self.matrix.values.run(inputs, BallArithmetic())
             return _form([ball(item) for item in vector], entries)
 
-    def _extended(
+    def extended(
         self, box: Box, point: tuple[PiLinear, ...], vector: tuple[Fraction, ...]
     ) -> Witness:
         """The largest of some boxes around the point in which the vector serves everywhere."""
@@ -139,7 +144,8 @@ def _around(side: Side, value: PiLinear, share: Fraction) -> Side:
 
 def _doubtful(matrix: Array) -> bool:
     diagonal = np.diag(matrix)
-    if not np.all(diagonal > 0):
+    # Not only relative to itself: where it is exactly zero it may be rounded to above zero.
+    if not np.all(diagonal > DOUBTFUL):
         return True
     scale = 1 / np.sqrt(diagonal)
     return bool(np.linalg.eigvalsh(matrix * np.outer(scale, scale))[0] < DOUBTFUL)
@@ -180,7 +186,7 @@ def indefinite_vector(matrix: Rationals) -> tuple[Fraction, ...] | None:
     inverse = [[Fraction(int(i == j)) for j in range(n)] for i in range(n)]
     for k in range(n):
         if rest[k][k] <= 0:
-            return _integral(inverse[k])
+            return integral(inverse[k])
         for i in range(k + 1, n):
             factor = rest[i][k] / rest[k][k]
             rest[i] = [a - factor * b for a, b in zip(rest[i], rest[k], strict=True)]
@@ -188,7 +194,7 @@ def indefinite_vector(matrix: Rationals) -> tuple[Fraction, ...] | None:
     return None
 
 
-def _integral(vector: Sequence[Fraction]) -> tuple[Fraction, ...]:
+def integral(vector: Sequence[Fraction]) -> tuple[Fraction, ...]:
     """The multiple of a vector with coprime integer entries."""
     scale = reduce(lcm, (item.denominator for item in vector), 1)
     common = reduce(gcd, (int(item * scale) for item in vector), 0)

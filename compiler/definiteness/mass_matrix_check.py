@@ -23,6 +23,7 @@ from compiler.definiteness.bodies_at_rest import (
 from compiler.definiteness.box_search import Examined, Searched, search
 from compiler.definiteness.boxes import Box, domain_side
 from compiler.definiteness.enclosed_matrix import EnclosedMatrix
+from compiler.definiteness.exact_witnesses import ExactWitnesses
 from compiler.definiteness.indefiniteness import Refuter, Witness
 from compiler.definiteness.positive_definite import (
     BOXES,
@@ -133,7 +134,12 @@ class _Check:
         ]
         test = _EitherTest(rest_test(motions, rest, bodies), dominance)
         left = max(self.budget - self.spent if last else FEW, 1)
-        found = search(self.box, test.examine, Refuter(matrix).refute, left)
+        witness = ExactWitnesses(matrix, self.box).witness()
+        found: Searched[Witness] = (
+            search(self.box, test.examine, Refuter(matrix).refute, left)
+            if witness is None
+            else Searched("fails", 1, witness.box, witness)
+        )
         if found.status == "undecided" and not last:
             self.spent += found.boxes
             return None

@@ -21,6 +21,7 @@ from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.definiteness.box_search import Examined, Searched, search, widest_effect
 from compiler.definiteness.boxes import Box
 from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
+from compiler.definiteness.exact_witnesses import ExactWitnesses
 from compiler.definiteness.identities import symmetric_entries
 from compiler.definiteness.indefiniteness import Refuter, Witness
 
@@ -39,8 +40,9 @@ class Definiteness:
     - ``symmetry``: by ``construction``, by an ``identity`` of polynomials in the entries' atoms,
       or ``not shown``; the status is then about the symmetric part.
     - ``argument``: what proved it.
-    - ``witness`` and ``box``: where it fails; without a witness, ``box`` is what resisted and
-      ``reason`` says why.  Sides are in the order of ``names``.
+    - ``witness`` and ``box``: where it fails; without a witness, ``box`` is a part that resisted
+      and ``reason`` says why.  Sides are in the order of ``names``.
+    - ``decided`` and ``left``: the parts on which it is proved, and those on which it is not.
     """
 
     status: Literal["proved", "fails", "undecided"]
@@ -51,6 +53,8 @@ class Definiteness:
     witness: Witness | None = None
     reason: str = ""
     names: tuple[str, ...] = ()
+    decided: int = 0
+    left: int = 0
 
     @property
     def text(self) -> str:
@@ -58,17 +62,32 @@ class Definiteness:
         count = f"{self.boxes} box{'es' if self.boxes != 1 else ''}"
         if self.status == "proved":
             return f"positive definite: {self.argument} ({count})"
-        sides = ", ".join(
-            f"{name} in {side}" for name, side in zip(self.names, self.box or (), strict=False)
-        )
         if self.witness is None:
-            return f"undecided ({count}): {self.reason}; left: {sides}"
+            return f"undecided ({count}): {self.reason}; {self._left()}"
+        vector = ", ".join(map(str, self.witness.vector))
+        if self.witness.identically:
+            every = f"v'Mv = 0 for v = ({vector}) at every point of the box"
+            return f"not positive definite anywhere: {every} ({count})"
         point = ", ".join(
             f"{name} = {value}" for name, value in zip(self.names, self.witness.point, strict=False)
         )
-        vector = ", ".join(map(str, self.witness.vector))
-        where = f"at every point of {sides}, such as" if self.witness.throughout else "at"
+        where = "at"
+        if self.witness.throughout:
+            where = f"at every point of {self._sides()}, such as"
         return f"not positive definite: v'Mv <= 0 for v = ({vector}) {where} {point} ({count})"
+
+    def _sides(self) -> str:
+        pairs = zip(self.names, self.box or (), strict=False)
+        return ", ".join(f"{name} in {side}" for name, side in pairs)
+
+    def _left(self) -> str:
+        """What is left undecided."""
+        if not self.decided:
+            return f"nothing was decided on any part of the box, such as {self._sides()}"
+        if self.left == 1:
+            return f"left: {self._sides()}"
+        parts = f"proved on {self.decided} part{'s' if self.decided > 1 else ''}"
+        return f"{parts}, left are {self.left}, such as {self._sides()}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,8 +147,11 @@ def positive_definite(
     symmetric = ca.tril2symm(ca.tril(matrix)) if identical else matrix + matrix.T
     enclosed = EnclosedMatrix(symmetric, z, k, tuple(constants))
     with working_precision(PRECISION):
-        found: Searched[Witness] = search(
-            box, DominanceTest(enclosed).examine, Refuter(enclosed).refute, budget
+        witness = ExactWitnesses(enclosed, box).witness()
+        found: Searched[Witness] = (
+            search(box, DominanceTest(enclosed).examine, Refuter(enclosed).refute, budget)
+            if witness is None
+            else Searched("fails", 1, witness.box, witness)
         )
     called = tuple(names) or tuple(f"z{i}" for i in range(len(box)))
     return definiteness(found, "identity" if identical else "not shown", called)
@@ -143,5 +165,14 @@ def definiteness(
     witness = found.counterexample
     box = found.box if witness is None else witness.box
     return Definiteness(
-        found.status, found.boxes, symmetry, argument, box, witness, found.reason, names
+        found.status,
+        found.boxes,
+        symmetry,
+        argument,
+        box,
+        witness,
+        found.reason,
+        names,
+        found.proved,
+        found.left,
     )

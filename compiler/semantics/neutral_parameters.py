@@ -6,37 +6,54 @@ robots are then the same.  So it needs, for *every* module that may be added, va
 module's own range at which it adds no mass and moves no frame.  With lengths bounded below there
 are none, and the claim is false in general (row 4.9 of ``docs/differences-from-the-paper.md``).
 
-This file decides the hypothesis module by module from the semantic rules: every step of a frame
-that a module contributes has to be the identity, every body it emits without mass.  What this
-does not give:
+This file decides the hypothesis module by module from the semantic rules.  A production
+``A -> A z`` changes nothing if it hands on every attribute as it received it and emits nothing:
+then the derivation without it gives the same robot (``production_change``).  What this does not
+give:
 
 - A joint adds a coordinate.  The robot is the same only while the joint is held, which takes an
   effort that the shorter robot need not have; so a module with a degree of freedom has no neutral
   values here, and Theorem 1 is shown by this argument for no grammar in which robots grow by them.
 - An effector adds an effector; a base starts a robot and is added to none.
+- A module that comes with others, between several nonterminals or leads from one nonterminal to
+  another is not judged: there the word without it has another derivation, if any.
 - At neutral values a link between two joints leaves them on one axis, where M is singular: the
   longer robot is the shorter one as a mechanism, and may still be inadmissible as a model.
-- A massless body still is a point of the body for ``avoid ... with body``: one where the frame it
-  stands on begins.
+- A massless body still is a point of the body for ``avoid ... with body``: one where a frame that
+  was handed on begins.  The text says so.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, islice, product
 from typing import Literal, TypeAlias
 
-from compiler.arithmetic.rational_enclosure import exact_rational, rational_bounds
-from compiler.arithmetic.scalars import ScalarTable
+from compiler.formulas.trigonometric_reading import TooManyTerms
+from compiler.semantics.parameter_domains import (
+    Domain,
+    Value,
+    contains,
+    domain_text,
+    multiples_within,
+    named_values,
+    value_text,
+)
+from compiler.semantics.production_change import (
+    Equation,
+    NotHandedOn,
+    ProductionChange,
+    roots_of,
+)
+from compiler.semantics.useful_attributes import UsefulAttributes, useful_attributes
 from grammar_lang import ir
-from grammar_lang.ir.expression_text import number_text
 
-CANDIDATES = 2000
+CANDIDATES = 1000
 """The most combinations of values that are tried for one module."""
 
-Values: TypeAlias = tuple[tuple[str, Fraction], ...]
+Values: TypeAlias = tuple[tuple[str, Value], ...]
 Status: TypeAlias = Literal["neutral", "excluded", "not shown"]
 
 
@@ -46,7 +63,8 @@ class NeutralParameters:
 
     - ``neutral``: at ``values``, within their ranges, it changes nothing; parameters that are not
       named may have any value.
-    - ``excluded``: it would at ``values``, but the ranges of ``reason`` do not contain them.
+    - ``excluded``: it would at ``values``, but the ranges contain neither these nor any others at
+      which it does; ``reason`` names one that contains none.
     - ``not shown``: no such values are known; ``reason`` says why.
     """
 
@@ -61,12 +79,17 @@ class NeutralParameters:
     def text(self) -> str:
         """The finding in one line."""
         where = f"module `{self.module}` in `{self.production}`"
-        at = " and ".join(f"{name} = {number_text(value)}" for name, value in self.values)
+        at = " and ".join(f"{name} = {value_text(value)}" for name, value in self.values)
         if self.status == "neutral":
-            return f"{where} is neutral at {at}" if at else f"{where} is neutral: {self.reason}"
+            found = f"{where} is neutral at {at}" if at else f"{where} is neutral"
+            return found if at and self.reason == NOTHING else f"{found}: {self.reason}"
         if self.status == "excluded":
             return f"{where} would be neutral at {at}, but {self.reason}: Theorem 1 does not apply"
         return f"{where} has no neutral value that is known: {self.reason}"
+
+
+NOTHING = "it adds neither mass nor motion"
+MASSLESS = f"{NOTHING}, only points without mass, which `avoid ... with body` sees"
 
 
 def neutral_parameters(program: ir.Program, grammar: ir.Grammar) -> list[NeutralParameters]:
@@ -74,284 +97,179 @@ def neutral_parameters(program: ir.Program, grammar: ir.Grammar) -> list[Neutral
 
     A grammar without semantics gives no findings.
     """
+    blocks = grammar.semantics or {}
+    useful = useful_attributes(grammar.productions, blocks)
     found: list[NeutralParameters] = []
     for rule in grammar.productions:
-        block = (grammar.semantics or {}).get(rule.label)
+        block = blocks.get(rule.label)
         if block is None:
             continue
         for occurrence, symbol in enumerate(rule.right):
             if symbol.kind == "module":
                 module = program.modules[symbol.name]
-                others = rule.right[:occurrence] + rule.right[occurrence + 1 :]
-                roles = [program.modules[s.name].role for s in others if s.kind == "module"]
-                owner = "effector" in roles
-                found.append(_Occurrence(rule, block, occurrence, module, owner).finding())
+                found.append(_Occurrence(rule, block, occurrence, module, useful).finding())
     return found
 
 
 @dataclass(frozen=True, slots=True)
-class _Occurrence:
-    """A module on the right side of a production.
+class _Roots:
+    """All values of one parameter at which a necessary equation holds.
 
-    ``others_are_effectors``: another module there has that role.
+    ``inside`` are such values in its domain and ``outside`` one that is not; ``none``: there surely
+    are none inside.
     """
+
+    inside: tuple[Value, ...]
+    outside: Value
+    none: bool
+    turn: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Occurrence:
+    """A module on the right side of a production."""
 
     production: ir.Production
     block: ir.SemanticBlock
     occurrence: int
     module: ir.Module
-    others_are_effectors: bool
+    useful: UsefulAttributes
 
     def finding(self) -> NeutralParameters:
-        if self.module.dofs:
-            joint = self.module.dofs[0].name
-            reason = (
-                f"it adds a degree of freedom, so that it is neutral only while {joint} is held"
-            )
+        reason = self._of_kind() or self._of_place()
+        if reason is not None:
             return self._found("not shown", (), reason)
-        if self.module.role == "base":
-            return self._found("not shown", (), "a base starts a robot and is added to none")
-        if self._adds_effector():
-            return self._found("not shown", (), "it adds an effector")
-        outside: Values | None = None
-        for values in islice(self._candidates(), CANDIDATES):
-            if self._change(dict(values)) is None:
-                if self._excluding(values) is None:
-                    return self._found("neutral", values, "it adds neither mass nor motion")
-                if outside is None and self._certainly_excluded(values):
-                    outside = values
-        if outside is not None:
-            return self._found("excluded", outside, self._excluding(outside) or "")
-        zeros = {parameter.name: Fraction(0) for parameter in self.module.parameters}
-        return self._found("not shown", (), self._change(zeros) or "its ranges are not rational")
+        try:
+            change, equations = self._equations({})
+        except NotHandedOn as problem:
+            return self._found("not shown", (), str(problem))
+        except TooManyTerms:
+            return self._found("not shown", (), "its rules are too long to compare")
+        return self._decided(self._roots(change, equations))
 
-    def _adds_effector(self) -> bool:
-        """Whether an effector of the block is this module's, or no other module's."""
-        if not any(isinstance(emission, ir.Effector) for emission in self.block.emissions):
-            return False
-        return self.module.role == "effector" or not self.others_are_effectors
+    def _decided(self, roots: Mapping[str, _Roots]) -> NeutralParameters:
+        excluding = next((name for name, each in roots.items() if each.none), None)
+        for values in islice(self._candidates(roots), CANDIDATES):
+            if excluding is not None and excluding not in dict(values):
+                continue
+            inside = [contains(self._domain(name), value) for name, value in values]
+            if excluding is None and not all(inside):
+                continue
+            if self._change(dict(values)) is None:
+                if excluding is None:
+                    return self._found("neutral", values, self._remaining())
+                return self._found("excluded", values, self._excluding(excluding, roots))
+        zeros: dict[str, Value] = {p.name: Fraction(0) for p in self.module.parameters}
+        reason = self._change(zeros)
+        return self._found("not shown", (), reason or "its ranges contain no value that was tried")
+
+    def _remaining(self) -> str:
+        return MASSLESS if self.block.emissions else NOTHING
+
+    def _excluding(self, name: str, roots: Mapping[str, _Roots]) -> str:
+        text = f"its {name} is in {domain_text(self._domain(name))}"
+        return f"{text}, without a whole turn" if roots[name].turn else text
 
     def _found(self, status: Status, values: Values, reason: str) -> NeutralParameters:
         return NeutralParameters(
             self.module.name, self.production.label, self.occurrence, status, values, reason
         )
 
+    def _domain(self, name: str) -> Domain:
+        return next(p.domain for p in self.module.parameters if p.name == name)
+
+    # --- what rules a module out ----------------------------------------------------------------
+
+    def _of_kind(self) -> str | None:
+        """Why a module of this kind always adds something."""
+        if self.module.dofs:
+            joint = self.module.dofs[0].name
+            return f"it adds a degree of freedom, so that it is neutral only while {joint} is held"
+        if self.module.states or self.module.inputs:
+            return "it adds a state or an input of its own"
+        if self.module.role == "base":
+            return "a base starts a robot and is added to none"
+        if self.module.role == "effector":
+            return "it adds an effector"
+        return None
+
+    def _of_place(self) -> str | None:
+        """Why the robot without this production is not known."""
+        right = self.production.right
+        for place, symbol in enumerate(right):
+            if symbol.kind == "module" and place != self.occurrence:
+                return f"it comes with `{symbol.name}` in one production"
+        nonterminals = [symbol.name for symbol in right if symbol.kind == "nonterminal"]
+        if len(nonterminals) != 1:
+            return "its production extends no single part of a robot"
+        if nonterminals[0] != self.production.left:
+            left = self.production.left
+            return f"it makes a `{left}` of a `{nonterminals[0]}`, which cannot just replace it"
+        defined = {rule.target for rule in self.block.rules}
+        for attribute in self.useful.due(self.production):
+            if attribute not in defined:
+                return f"its production does not define the attribute `{attribute.name}`"
+        return None
+
     # --- candidates and ranges ------------------------------------------------------------------
 
-    def _candidates(self) -> Iterator[Values]:
+    def _roots(self, change: ProductionChange, equations: list[Equation]) -> dict[str, _Roots]:
+        """Parameters with an equation that only certain values fulfil."""
+        names = {number: name for name, number in change.parameters.items()}
+        found: dict[str, _Roots] = {}
+        for equation in equations:
+            roots = roots_of(equation.polynomial, change.arithmetic.ring)
+            if roots is None or not equation.necessary:
+                continue
+            number, root, unit = roots
+            name = names[number]
+            each = _within(self._domain(name), root, unit)
+            if name not in found or each.none:
+                found[name] = each
+        return found
+
+    def _candidates(self, roots: Mapping[str, _Roots]) -> Iterator[Values]:
         """Values for some of the parameters: few before many, zero before others."""
         parameters = self.module.parameters
-        options = {parameter.name: _options(parameter.domain) for parameter in parameters}
+        options = {p.name: _options(p.domain, roots.get(p.name)) for p in parameters}
         names = [parameter.name for parameter in parameters]
         for size in range(len(names) + 1):
             for chosen in combinations(names, size):
                 for values in product(*(options[name] for name in chosen)):
                     yield tuple(zip(chosen, values, strict=True))
 
-    def _excluding(self, values: Values) -> str | None:
-        """The first range that is not known to contain its value."""
-        domains = {parameter.name: parameter.domain for parameter in self.module.parameters}
-        for name, value in values:
-            if _contains(domains[name], value) is not True:
-                return f"its {name} is in {_domain_text(domains[name])}"
-        return None
-
-    def _certainly_excluded(self, values: Values) -> bool:
-        domains = {parameter.name: parameter.domain for parameter in self.module.parameters}
-        return any(_contains(domains[name], value) is False for name, value in values)
-
     # --- what the module changes ----------------------------------------------------------------
 
-    def _change(self, values: Mapping[str, Fraction]) -> str | None:
-        """What the module changes at these values, as far as is seen; None if nothing."""
-        reader = _Reader(self.occurrence, values)
-        for rule in self.block.rules:
-            change = self._rule_change(rule, reader)
-            if change is not None:
-                return change
-        for emission in self.block.emissions:
-            frame = self._frame_change(emission.frame, reader)
-            if frame is not None:
-                return frame
-            if self._owns(emission.mentions) and not reader.massless(emission):
-                return "it adds mass"
-        return None
-
-    def _rule_change(self, rule: ir.AttributeRule, reader: _Reader) -> str | None:
-        target = rule.target.name
-        match rule.value:
-            case ir.World() | ir.Rot() | ir.Move() | ir.Shift() | ir.Compose():
-                return self._frame_change(rule.value, reader)
-            case ir.AttributeOf(_, name) if name == target:
-                return None
-            case _ if not self._owns(rule.mentions) or reader.passes_on(rule):
-                return None
-            case _:
-                return f"the attribute `{target}` depends on it"
-
-    def _frame_change(self, expression: ir.Expr, reader: _Reader) -> str | None:
-        """Whether a step of a frame that belongs to the module is not the identity."""
-        todo = [expression]
-        while todo:
-            current = todo.pop()
-            match current:
-                case ir.Compose(left, right):
-                    todo += [right, left]
-                case ir.Rot(_, value) | ir.Move(_, value) | ir.Shift(value):
-                    if self._owns(current.mentions) and not reader.vanishes(value):
-                        return "it turns a frame" if isinstance(current, ir.Rot) else _MOVES
-                case _:
-                    pass
-        return None
-
-    def _owns(self, mentions: Sequence[int]) -> bool:
-        """Whether a step or emission is the module's: it is named there, or no module is."""
-        return self.occurrence in mentions or not any(
-            i >= 0 and self.production.right[i].kind == "module" for i in mentions
+    def _equations(self, values: Mapping[str, Value]) -> tuple[ProductionChange, list[Equation]]:
+        nonterminal = next(
+            i for i, symbol in enumerate(self.production.right) if symbol.kind == "nonterminal"
         )
+        used = frozenset(self.useful.synthesized.get(self.production.left, ()))
+        change = ProductionChange(self.block, nonterminal, self.occurrence, values, used)
+        return change, change.equations()
 
-
-_MOVES = "it shifts a frame"
-
-
-@dataclass(frozen=True, slots=True)
-class _Reader:
-    """Scalars of a block with values for the parameters of one occurrence, all else unknown."""
-
-    occurrence: int
-    values: Mapping[str, Fraction]
-
-    def vanishes(self, expression: ir.Expr) -> bool:
-        """Whether a scalar or vector is zero whatever the unknowns are."""
-        if isinstance(expression, ir.Vector):
-            return all(self.vanishes(item) for item in (expression.x, expression.y, expression.z))
-        table, unknowns = ScalarTable(), dict[ir.Expr, int]()
-        return table.rational(self._scalar(expression, table, unknowns)) == 0
-
-    def massless(self, emission: ir.Emission) -> bool:
-        """Whether a body has neither mass nor inertia nor extent."""
-        match emission:
-            case ir.Rod(_, _, length, density, radius):
-                thin = radius is None or self.vanishes(radius)
-                return thin and self.vanishes(length) and self._defined(density)
-            case ir.PointMass(_, mass):
-                return self.vanishes(mass)
-            case ir.Solid(_, mass, com, inertia):
-                moments = all(self.vanishes(item) for item in inertia)
-                return moments and self.vanishes(mass) and self.vanishes(com)
-            case ir.Effector():
-                return False
-
-    def passes_on(self, rule: ir.AttributeRule) -> bool:
-        """Whether a scalar rule hands on an attribute of the same name unchanged."""
-        table, unknowns = ScalarTable(), dict[ir.Expr, int]()
+    def _change(self, values: Mapping[str, Value]) -> str | None:
+        """What the module changes at these values, as far as is seen; None if nothing."""
         try:
-            found = self._scalar(rule.value, table, unknowns)
-        except ValueError:
-            return False
-        same = (e for e in unknowns if isinstance(e, ir.AttributeOf))
-        return any(e.name == rule.target.name and unknowns[e] == found for e in same)
-
-    def _defined(self, expression: ir.Expr) -> bool:
-        """Whether no quotient or root could be undefined: none is taken."""
-        todo = [expression]
-        while todo:
-            current = todo.pop()
-            match current:
-                case ir.Binary("/", left, ir.Num(value)) if value:
-                    todo.append(left)
-                case ir.Binary("^", left, ir.Num(exponent)) if exponent >= 0:
-                    todo.append(left)
-                case ir.Binary("+" | "-" | "*", left, right):
-                    todo += [left, right]
-                case ir.Unary("neg" | "abs" | "sin" | "cos", operand):
-                    todo.append(operand)
-                case ir.Binary() | ir.Unary():
-                    return False
-                case _:
-                    pass
-        return True
-
-    def _scalar(self, expression: ir.Expr, table: ScalarTable, unknowns: dict[ir.Expr, int]) -> int:
-        """A scalar in a table; what is undefined somewhere is unknown."""
-        match expression:
-            case ir.Num(value):
-                return table.constant(value)
-            case ir.ParameterOf(occurrence, name) if (
-                occurrence == self.occurrence and name in self.values
-            ):
-                return table.constant(self.values[name])
-            case ir.Unary(function, operand) if function in ("neg", "abs", "sin", "cos", "tan"):
-                return table.unary(function, self._scalar(operand, table, unknowns))
-            case ir.Binary("^", left, ir.Num(exponent)) if exponent >= 1:
-                return table.power(self._scalar(left, table, unknowns), int(exponent))
-            case ir.Binary("/", left, right):
-                return self._quotient(expression, left, right, table, unknowns)
-            case ir.Binary(operator, left, right) if operator != "^":
-                if not (self._defined(left) and self._defined(right)):
-                    return self._unknown(expression, table, unknowns)
-                first = self._scalar(left, table, unknowns)
-                return table.binary(operator, first, self._scalar(right, table, unknowns))
-            case _:
-                return self._unknown(expression, table, unknowns)
-
-    def _quotient(
-        self,
-        whole: ir.Expr,
-        left: ir.Expr,
-        right: ir.Expr,
-        table: ScalarTable,
-        unknowns: dict[ir.Expr, int],
-    ) -> int:
-        divisor = table.rational(self._scalar(right, table, unknowns))
-        if not divisor:
-            return self._unknown(whole, table, unknowns)
-        numerator = self._scalar(left, table, unknowns)
-        return table.binary("*", numerator, table.constant(1 / divisor))
-
-    def _unknown(
-        self, expression: ir.Expr, table: ScalarTable, unknowns: dict[ir.Expr, int]
-    ) -> int:
-        return table.parameter(unknowns.setdefault(expression, len(unknowns)))
+            _, equations = self._equations(values)
+        except NotHandedOn as problem:
+            return str(problem)
+        except TooManyTerms:
+            return "its rules are too long to compare"
+        return next((each.reason for each in equations if each.polynomial.terms), None)
 
 
-# --- domains -------------------------------------------------------------------------------------
+def _within(domain: Domain, root: Fraction | None, unit: Fraction | None) -> _Roots:
+    if root is not None:
+        inside = contains(domain, root)
+        return _Roots((root,) if inside else (), root, inside is False, turn=False)
+    values, sure = multiples_within(domain, unit or Fraction(2))
+    return _Roots(tuple(values), Fraction(0), sure and not values, turn=True)
 
 
-def _options(domain: ir.Interval | ir.Choices) -> tuple[Fraction, ...]:
-    """Values to try: zero, one, and those that the domain names, as far as they are rational."""
-    named = domain.values if isinstance(domain, ir.Choices) else (domain.lower, domain.upper)
-    rationals = (exact_rational(value) for value in named)
-    found = [Fraction(0), Fraction(1), *(value for value in rationals if value is not None)]
+def _options(domain: Domain, roots: _Roots | None) -> tuple[Value, ...]:
+    """Values to try: those that an equation asks for, else zero, one and what the domain names."""
+    if roots is not None:
+        return roots.inside or (roots.outside,)
+    found = [Fraction(0), Fraction(1), *named_values(domain)]
     return tuple(dict.fromkeys(found))
-
-
-def _contains(domain: ir.Interval | ir.Choices, value: Fraction) -> bool | None:
-    """Whether a domain contains a value; None where its bounds are too close to tell."""
-    if isinstance(domain, ir.Choices):
-        answers = [_equal(choice, value) for choice in domain.values]
-        return True if True in answers else (None if None in answers else False)
-    lower, upper = rational_bounds(domain.lower), rational_bounds(domain.upper)
-    if lower[1] <= value <= upper[0]:
-        return True
-    return False if value < lower[0] or value > upper[1] else None
-
-
-def _equal(expression: ir.Expr, value: Fraction) -> bool | None:
-    low, high = rational_bounds(expression)
-    if low == high:
-        return low == value
-    return None if low <= value <= high else False
-
-
-def _domain_text(domain: ir.Interval | ir.Choices) -> str:
-    if isinstance(domain, ir.Choices):
-        return "{" + ", ".join(_number(value) for value in domain.values) + "}"
-    return f"[{_number(domain.lower)}, {_number(domain.upper)}]"
-
-
-def _number(expression: ir.Expr) -> str:
-    value = exact_rational(expression)
-    if value is not None:
-        return number_text(value)
-    return f"{float(rational_bounds(expression)[0]):.6g}"

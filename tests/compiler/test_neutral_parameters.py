@@ -15,6 +15,7 @@ from compiler.languages.structures import derivations_of
 from compiler.robots.robot import RobotModel
 from compiler.semantics.attributes import evaluate
 from compiler.semantics.neutral_parameters import NeutralParameters, neutral_parameters
+from compiler.semantics.parameter_domains import Value
 from grammar_lang import ir
 from grammar_lang.load import load, load_text
 from tests.oracles import robots
@@ -203,6 +204,188 @@ def test_a_grammar_without_semantics_has_no_findings() -> None:
     assert neutral_parameters(program, program.grammars["G"]) == []
 
 
+# --- what is handed on ---------------------------------------------------------------------------
+
+CROSSED = """
+module B {{ role base; }} module J {{ role joint; dof q: revolute z; }}
+module E {{ role effector; }} module Z {{ role link; {parameters} }}
+grammar G {{ start R; r: R -> N E; b: N -> B J; {production} }}
+semantics G {{
+  r {{ effector(frame: N.at); point(frame: N.at * move(x, 1 m), mass: 1 kg);
+       point(frame: N.alt, mass: 1 kg); }}
+  b {{ this.at = rot(z, J.q) * move(x, 1 m); this.alt = world * move(y, 1 m); }}
+  {rules}
+}}
+"""
+LENGTH = "param l in [0, 1] m;"
+
+
+def rational(value: Value) -> Fraction:
+    assert isinstance(value, Fraction)
+    return value
+
+
+def crossed(
+    rules: str, parameters: str = LENGTH, production: str = "add: N -> N Z;"
+) -> NeutralParameters:
+    text = CROSSED.format(rules=f"add {{ {rules} }}", parameters=parameters, production=production)
+    loaded = load_text(text, "g.srg")
+    assert loaded.program is not None, loaded.diagnostics
+    findings = neutral_parameters(loaded.program, loaded.program.grammars["G"])
+    (found,) = (f for f in findings if f.module == "Z")
+    return found
+
+
+@pytest.mark.parametrize(
+    ("rules", "reason"),
+    [
+        ("this.at = N.alt * move(x, Z.l); this.alt = N.alt;", "from another one, `alt`"),
+        ("this.at = N.alt; this.alt = N.at;", "from another one, `alt`"),
+        ("this.at = world * move(x, Z.l); this.alt = N.alt;", "from the world"),
+        ("this.at = N.at * N.alt * move(x, Z.l); this.alt = N.alt;", "from several"),
+        # Emissions: steps that name no module, and massless points away from the frame.
+        (
+            (
+                "this.at = N.at; this.alt = N.alt; "
+                "point(frame: N.at * move(x, 1 m), mass: 1 kg/m * Z.l);"
+            ),
+            "it shifts a frame",
+        ),
+        ("this.at = N.at; this.alt = N.alt; point(frame: N.at, mass: 1 kg);", "it adds mass"),
+        (
+            "this.at = N.at; this.alt = N.alt; point(frame: world, mass: 1 kg/m * Z.l);",
+            "on no frame that is handed on",
+        ),
+    ],
+)
+def test_a_production_has_to_hand_on_what_it_received(rules: str, reason: str) -> None:
+    found = crossed(rules)
+    assert found.status == "not shown"
+    assert reason in found.text
+
+
+def test_a_massless_point_is_named() -> None:
+    found = crossed("this.at = N.at; this.alt = N.alt; point(frame: this.at, mass: 1 kg/m * Z.l);")
+    assert (found.status, found.values) == ("neutral", at(l=0))
+    assert "points without mass" in found.text
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        "N.at * move(x, Z.l)",
+        "world * N.at * move(x, Z.l)",
+        # Steps that cancel are the identity together.
+        "N.at * rot(z, 90 deg) * move(x, Z.l) * rot(z, -90 deg)",
+    ],
+)
+def test_frames_that_are_handed_on(step: str) -> None:
+    found = crossed(f"this.at = {step}; this.alt = N.alt;")
+    assert (found.status, found.values) == ("neutral", at(l=0))
+
+
+@pytest.mark.parametrize(
+    ("production", "rules", "reason"),
+    [
+        (
+            "add: N -> M Z; m: M -> B J; k: M -> N E;",
+            (
+                "this.at = M.at * move(x, Z.l); this.alt = M.alt;} "
+                "m { this.at = rot(z, J.q); this.alt = world; } "
+                "k { this.at = N.at * move(x, 1 m); this.alt = N.alt; effector(frame: N.at);"
+            ),
+            "makes a `N` of a `M`",
+        ),
+        (
+            "add: N -> left:N Z right:N;",
+            "this.at = left.at * move(x, Z.l); this.alt = left.alt;",
+            "no single part",
+        ),
+        (
+            "add: N -> N Z J;",
+            "this.at = N.at * move(x, Z.l) * rot(z, J.q); this.alt = N.alt;",
+            "comes with `J`",
+        ),
+    ],
+)
+def test_where_the_robot_without_the_production_is_not_known(
+    production: str, rules: str, reason: str
+) -> None:
+    found = crossed(rules, production=production)
+    assert found.status == "not shown"
+    assert reason in found.text
+
+
+@pytest.mark.parametrize(
+    ("inherited", "status"),
+    [("this.up", "neutral"), ("this.up + 1 kg", "not shown")],
+)
+def test_inherited_attributes_are_handed_on_too(inherited: str, status: str) -> None:
+    text = f"""
+    module B {{ role base; }} module J {{ role joint; dof q: revolute z; }}
+    module E {{ role effector; }} module Z {{ role link; param l in [0, 1] m; }}
+    grammar G {{ start R; r: R -> N E; b: N -> B J; add: N -> N Z; }}
+    semantics G {{
+      r {{ effector(frame: N.at); N.up = 2 kg; }}
+      b {{ this.at = rot(z, J.q); point(frame: this.at * move(x, 1 m), mass: this.up); }}
+      add {{ this.at = N.at * move(x, Z.l); N.up = {inherited}; }}
+    }}
+    """
+    loaded = load_text(text, "g.srg")
+    assert loaded.program is not None, loaded.diagnostics
+    findings = neutral_parameters(loaded.program, loaded.program.grammars["G"])
+    assert [f.status for f in findings if f.module == "Z"] == [status]
+
+
+TURN = "this.at = N.at * rot(z, Z.a); this.alt = N.alt;"
+
+
+@pytest.mark.parametrize(
+    ("domain", "status", "text"),
+    [
+        ("{90, 180, 270, 360} deg", "neutral", "a = 2*pi"),
+        ("[90, 450] deg", "neutral", "a = 2*pi"),
+        ("[-400, -300] deg", "neutral", "a = -2*pi"),
+        ("[-10, 10] deg", "neutral", "a = 0"),
+        ("{90, 180, 270} deg", "excluded", "without a whole turn"),
+        ("[361, 719] deg", "excluded", "without a whole turn"),
+        ("[1, 6]", "excluded", "without a whole turn"),
+        ("[1, 7]", "neutral", "a = 2*pi"),
+        # 159155 turns are 1000000.3... rad; the turns next to it are outside.
+        ("[1000000, 1000001]", "neutral", "a = 318310*pi"),
+        ("[1000001, 1000002]", "excluded", "without a whole turn"),
+        # So many turns that not all are looked at.
+        ("[1, 10000]", "neutral", "a = 2*pi"),
+    ],
+)
+def test_whole_turns_are_neutral(domain: str, status: str, text: str) -> None:
+    found = crossed(TURN, parameters=f"param a in {domain};")
+    assert found.status == status
+    assert text in found.text
+
+
+def test_a_half_turn_of_twice_the_angle_is_neutral() -> None:
+    rules = TURN.replace("Z.a", "2 * Z.a")
+    assert "a = pi" in crossed(rules, parameters="param a in [90, 300] deg;").text
+    found = crossed(rules, parameters="param a in [100, 170] deg;")
+    assert found.status == "excluded"
+
+
+def test_a_length_beside_its_only_root_is_excluded() -> None:
+    rules = "this.at = N.at * move(x, 2 * Z.l - 3 m); this.alt = N.alt;"
+    found = crossed(rules, parameters="param l in [0, 1] m;")
+    assert (found.status, found.values) == ("excluded", at(l=Fraction(3, 2)))
+    found = crossed(rules, parameters="param l in [0, 2] m;")
+    assert (found.status, found.values) == ("neutral", at(l=Fraction(3, 2)))
+
+
+def test_exclusion_is_claimed_only_where_all_roots_are_known() -> None:
+    # It vanishes at 5/2, within the range, and at 1, which is not.
+    rules = "this.at = N.at * move(x, (Z.l - 1) * (2 * Z.l - 5) * 1 m); this.alt = N.alt;"
+    found = crossed(rules, parameters="param l in [2, 4];")
+    assert found.status == "not shown"
+
+
 # --- the robots themselves -----------------------------------------------------------------------
 
 
@@ -235,7 +418,7 @@ def test_the_longer_robot_at_neutral_values_has_the_same_physics(
     for _ in range(10):
         q, v = rng.uniform(-1, 1, 1), rng.uniform(-1, 1, 1)
         theta = rng.uniform(0.2, 1, len(short.parameters))
-        added = [float(neutral[p.name]) for p in long.parameters[len(theta) :]]
+        added = [float(rational(neutral[p.name])) for p in long.parameters[len(theta) :]]
         both = (theta, np.concatenate([theta, added]))
         for name, columns in (("mass_matrix", (q,)), ("bias", (q, v)), ("effectors", (q,))):
             values = [

@@ -20,7 +20,7 @@ from compiler.definiteness.mass_matrix_check import mass_matrix_check, robot_box
 from compiler.definiteness.positive_definite import Definiteness, positive_definite
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.tape import tape
-from compiler.robots.robot import WORLD, RobotModel
+from compiler.robots.robot import WORLD, Joint, RobotModel
 from grammar_lang import ir
 from tests.oracles import robots
 from tests.oracles.exact_chain import DIGITS, Multiprecision, exact
@@ -358,6 +358,118 @@ def test_a_robot_without_joints_is_proved() -> None:
     builder = Builder()
     builder.link(WORLD, builder.parameter())
     assert mass_matrix_check(builder.build()).status == "proved"
+
+
+# --- singular everywhere, or at one point ---------------------------------------------------------
+
+
+def degrees(builder: Builder, count: int) -> int:
+    return builder.table.binary("*", builder.table.pi(), builder.number(Fraction(count, 180)))
+
+
+def test_two_joints_on_one_axis_fail_everywhere() -> None:
+    """M11 = M12 = M22 = 0.09 by hand: only q1 + q2 moves the point."""
+    builder = Builder()
+    frame = builder.turn(WORLD, "z", degrees(builder, 30))
+    frame = builder.turn(builder.joint(frame), "z", degrees(builder, 30))
+    frame = builder.move(builder.joint(frame), "x", builder.number(Fraction(3, 10)))
+    builder.point(frame, builder.number(1))
+    model = builder.build()
+    found = mass_matrix_check(model)
+    confirmed(model, found)
+    assert found.witness is not None
+    assert found.witness.box == robot_box(model)
+    expected = "not positive definite anywhere: v'Mv = 0 for v = (1, -1) at every point of the box"
+    assert found.text.startswith(expected)
+
+
+def test_joints_on_one_axis_in_the_middle_of_a_chain_fail_everywhere() -> None:
+    """Axes 2 and 3 coincide, the lengths are parameters: v = (0, 1, -1) by hand."""
+    builder = Builder()
+    frame = builder.link(builder.joint(WORLD), builder.parameter())
+    frame = builder.turn(builder.joint(frame), "z", degrees(builder, 45))
+    builder.link(builder.joint(frame), builder.parameter())
+    model = builder.build()
+    found = mass_matrix_check(model)
+    confirmed(model, found)
+    assert found.witness is not None
+    assert found.witness.identically
+    assert found.witness.vector == tuple(map(Fraction, (0, 1, -1)))
+
+
+def test_a_coordinate_that_cancels_fails_everywhere() -> None:
+    """Out by d, half a turn, back by d: the point stays at the origin."""
+    builder = Builder()
+    frame = builder.joint(WORLD, "x", "prismatic", interval(-1, 1))
+    frame = builder.turn(frame, "z", degrees(builder, 180))
+    frame = builder._step(frame, Joint(0, 0, 1))
+    builder.point(frame, builder.number(1))
+    model = builder.build()
+    found = mass_matrix_check(model)
+    assert found.status == "fails"
+    assert "anywhere: v'Mv = 0 for v = (1) at every point" in found.text
+
+
+@pytest.mark.parametrize("low", [-1, Fraction(-1, 3), Fraction(-2, 7)])
+@pytest.mark.parametrize(("length", "status"), [(1, "fails"), (Fraction(3, 4), "proved")])
+def test_a_singular_natural_point_is_found(low: Fraction, length: Fraction, status: str) -> None:
+    """A point at R(q) (2, 0) + R(2q) (-l, 0): M11 = 4 + 4 l^2 - 8 l cos q, zero at l = 1, q = 0."""
+    builder = Builder()
+    frame = builder.joint(WORLD, "z", range_=interval(low, 1))
+    frame = builder._step(builder.move(frame, "x", builder.number(2)), Joint(0, 2, 1))
+    frame = builder.turn(frame, "z", degrees(builder, 180))
+    builder.point(builder.move(frame, "x", builder.number(length)), builder.number(1))
+    model = builder.build()
+    found = mass_matrix_check(model)
+    assert found.status == status
+    if status == "fails":
+        confirmed(model, found)
+        assert found.witness is not None
+        assert found.witness.point == (PiLinear(Fraction(0)),)
+        assert not found.witness.identically
+        assert "anywhere" not in found.text
+
+
+def test_a_singular_corner_is_found() -> None:
+    """M = (a - 1/3)^2 + (b - 1/7)^2 for a >= 1/3 and b <= 1/7: zero in one corner only."""
+    z, k = ca.SX.sym("z", 2), ca.SX.sym("k", 2)
+    function = ca.Function("f", [z, k], [(z[0] - k[0]) ** 2 + (z[1] - k[1]) ** 2])
+    constants = (Constant(THIRD), Constant(Fraction(1, 7)))
+    box = (range_side(THIRD, 1), range_side(-1, Fraction(1, 7)))
+    found = positive_definite(function, constants, box)
+    assert found.status == "fails"
+    assert found.witness is not None
+    assert found.witness.point == (PiLinear(THIRD), PiLinear(Fraction(1, 7)))
+
+
+def test_a_singular_pose_with_roots_is_decided_by_algebra() -> None:
+    """M = 2 (q c)^2 - 2 q c^2 + (q - 1)^2 with c = cos 45 deg: q^2 - q + (q - 1)^2, zero at 1."""
+    z, k = ca.SX.sym("z", 1), ca.SX.sym("k", 1)
+    root = ca.cos(k[0] / 4)
+    matrix = 2 * (z * root) ** 2 - 2 * z * root * root + (z - 1) ** 2
+    function = ca.Function("f", [z, k], [matrix])
+    found = positive_definite(function, (PiConstant(),), (range_side(1, 2),))
+    assert found.status == "fails"
+    assert found.witness is not None
+    assert found.witness.point == (PiLinear(Fraction(1)),)
+
+
+def test_what_is_left_is_said() -> None:
+    """A square that vanishes at an irrational point, and nowhere near another part of the box."""
+    z, k = ca.SX.sym("z", 1), ca.SX.sym("k", 0)
+    function = ca.Function("f", [z, k], [(z * z - 2) ** 2])
+    found = positive_definite(function, (), (range_side(0, 4),), budget=40)
+    assert found.status == "undecided"
+    assert found.decided > 0
+    assert found.left > 0
+    assert "nothing was decided" not in found.text
+    # No part of it is proved where it is zero on a line through all parts.
+    z = ca.SX.sym("z", 2)
+    function = ca.Function("f", [z, k], [(z[0] * z[0] - 2) ** 2])
+    found = positive_definite(function, (), (range_side(1, 2), range_side(0, 4)), budget=1)
+    assert (found.status, found.decided, found.left) == ("undecided", 0, 2)
+    assert "nothing was decided on any part of the box" in found.text
+    assert "left:" not in found.text
 
 
 # --- brute force ----------------------------------------------------------------------------------

@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 TINY = Fraction(1, 10**9)
 
 
-def link_inertial(model: RobotModel, number: int) -> Inertial:
+def link_inertial(model: RobotModel, number: int, least: Fraction = TINY) -> Inertial:
     with working_precision(PRECISION):
-        return inertial(rigid_tree(model, ()).links[number].moments, model.dimension, TINY)
+        return inertial(rigid_tree(model, ()).links[number].moments, model.dimension, least)
 
 
 def tensor(found: Inertial) -> Array:
@@ -58,8 +58,8 @@ def test_bodies_on_one_link_are_summed_in_its_frame() -> None:
     mass, com, expected = of_points(*pieces)
     assert found.mass == mass
     np.testing.assert_allclose(found.com, com, rtol=1e-15)
-    # All of it lies in the plane yz: thickened by the least moment.
-    np.testing.assert_allclose(tensor(found), expected, atol=1.1e-9)
+    # All of it lies in the plane yz: the moment about x is the sum of the others, but for rounding.
+    np.testing.assert_allclose(tensor(found), expected, rtol=0, atol=1e-12)
 
 
 def test_a_solid_is_turned_with_its_frame_and_not_changed() -> None:
@@ -96,7 +96,48 @@ def test_every_link_has_moments_that_some_body_has(dimension: int) -> None:
         assert a >= 1e-9 * (1 - 1e-6)
         assert a + b > c
         if number == 1:
-            assert found.inertia[2] == pytest.approx(27 / 12, abs=1.1e-9 * (dimension - 2))
+            assert found.inertia[2] == pytest.approx(27 / 12, rel=1e-15)
+
+
+@pytest.mark.parametrize("least", [TINY, Fraction(1, 10**12)])
+def test_of_a_thin_rod_only_the_moment_about_itself_is_raised(least: Fraction) -> None:
+    """0.5 g, 1 cm long: m l^2 / 12 across."""
+    builder = Builder(3)
+    frame = builder.turn(builder.joint(WORLD), "z", builder.number(Fraction(1, 3)))
+    frame = builder.turn(frame, "y", builder.number(-2))
+    builder.rod(frame, "x", builder.number(Fraction(1, 100)), Fraction(1, 20))
+    found = tensor(link_inertial(builder.build(), 1, least))
+    across = 5e-4 * 1e-4 / 12
+    along = np.array([np.cos(-2) * np.cos(1 / 3), np.cos(-2) * np.sin(1 / 3), -np.sin(-2)])
+    expected = across * (np.eye(3) - np.outer(along, along)) + float(least) * np.outer(along, along)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * across)
+
+
+@pytest.mark.parametrize(
+    ("moments", "expected"),
+    [
+        ((3, 4, 5), (3, 4, 5)),
+        ((2, 1, 3), (2, 1, 3)),  # a lamina
+        ((0.5, 4, 4), (1, 4, 4)),
+        ((0.25, 4, 4.25), (1, 4, 4.25)),
+        ((0.5, 0.75, 1.25), (1, 1, 1.25)),
+        ((0.5, 0.5, 0.5), (1, 1, 1)),
+    ],
+)
+def test_only_principal_moments_below_the_least_are_raised(
+    moments: tuple[float, ...], expected: tuple[float, ...]
+) -> None:
+    """In units of the least, about axes of a frame that is turned about two others."""
+    turn = np.linalg.qr(np.array([[1, 2, 3], [-2, 1, 1], [0, 1, -4]]))[0]
+    given = turn @ np.diag(moments) @ turn.T
+    places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    builder = Builder(3)
+    # Doubles are rounded; half an ulp more about each axis keeps the triangle inequality.
+    entries = [Fraction(float(given[place])) for place in places]
+    entries[:3] = [entry + Fraction(1, 10**15) for entry in entries[:3]]
+    builder.solid(builder.joint(WORLD), 2, (1, 2, 3), [entry * TINY for entry in entries])
+    found = tensor(link_inertial(builder.build(), 1)) / float(TINY)
+    np.testing.assert_allclose(found, turn @ np.diag(expected) @ turn.T, rtol=0, atol=1e-12)
 
 
 def test_an_inertia_against_the_triangle_inequality_is_refused() -> None:
