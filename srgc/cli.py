@@ -6,6 +6,7 @@ error, 130 interrupted.  Heavy libraries are imported in the command that needs 
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import os
@@ -147,7 +148,12 @@ for _command in (words, accepts, language, compare, model, export):
 )
 @click.option("--word", metavar='"SYM ..."', help="Of a robot: its word.")
 @click.option("--derivation", type=click.IntRange(1), help="Of a robot: which, in order.")
-@click.option("-o", "output", type=click.Path(path_type=Path), help="Write here, not to stdout.")
+@click.option(
+    "-o",
+    "output",
+    type=click.Path(path_type=Path, allow_dash=True),
+    help="Write here, not to stdout (`-`).",
+)
 def graph(
     file: Path,
     what: str,
@@ -180,7 +186,7 @@ def graph(
     for remark in drawing.remarks:
         click.echo(f"note: {remark}", err=True)
     text = to_dot(drawing.picture)
-    if output is None:
+    if output is None or output == Path("-"):
         click.echo(text, nl=False)
     else:
         for line in write_graph(text, output).splitlines():
@@ -307,7 +313,10 @@ def _guarded(action: Callable[[], int]) -> int:
 
 
 def _internal(error: Exception) -> int:
-    """Report a fault of srgc itself in one message."""
+    """Report a fault of srgc itself, or of a device that takes no more, in one message."""
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+        click.echo(f"error: the output cannot be written: {error.strerror}", err=True)
+        return USAGE
     if "SRGC_TRACEBACK" in os.environ:
         raise error
     kind = type(error).__name__

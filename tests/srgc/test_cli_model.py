@@ -230,3 +230,13 @@ def test_formats_and_files(srgc, arm_file, tmp_path):
     script = (tmp_path / "model.smt2").read_text(encoding="utf-8")
     assert script.startswith("(set-logic QF_NRA)\n")
     assert "(define-fun M_1_2 () Real " in script
+
+
+def test_equations_of_many_degrees_of_freedom_are_left_out(srgc, spec):
+    long = "B" + " eps JO eps L" * 9 + " eps EN"
+    path = spec(TURNER)
+    short = srgc("model", path, "--word", long)
+    assert "left out for 9 degrees of freedom: --whole writes them" in short.out
+    assert "M11" not in short.out
+    assert "positive definite" in short.out
+    assert "M11" in srgc("model", path, "--word", long, "--whole").out
