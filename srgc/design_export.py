@@ -6,8 +6,10 @@ from fractions import Fraction
 from importlib.metadata import version
 
 from compiler.graphs.labelled_graph import labelled_graph
+from compiler.rigid_links.effector_modules import effector_modules
 from compiler.rigid_links.part_names import part_names
 from compiler.rigid_links.rigid_tree import rigid_tree
+from compiler.rigid_links.viscous_friction import viscous_friction
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from grammar_lang import ir
@@ -41,18 +43,21 @@ def exported_robot(design: FoundDesign) -> ExportedRobot:
     model, task = design.model, design.task
     tree = rigid_tree(model, design.theta)
     grammar = design.program.grammars[task.grammar]
+    modules = design.program.modules
     graph = labelled_graph(design.program, grammar, design.derivation)
+    tools = effector_modules(design.derivation, grammar.semantics or {}, modules)
     gravity = [float(value) for value in task.gravity] + [0.0] * 3
     coordinates = design.start[: 2 * len(model.dofs)]
     return ExportedRobot(
         task.name,
         tree,
-        part_names(model, tree, graph, design.program.modules),
+        part_names(model, tree, graph, modules, tools),
         tuple(motor_bound(model, task, dof) for dof in range(len(model.dofs))),
+        _dampings(design),
         (gravity[0], gravity[1], gravity[2]),
         task.step,
         tuple(float(value) for value in coordinates),
-        (*_origin(design), *left_out(model)),
+        (*_origin(design), *left_out(design)),
     )
 
 
@@ -65,9 +70,19 @@ def motor_bound(model: RobotModel, task: ir.Task, dof: int) -> float | None:
     return float(min(bounds)) if bounds else None
 
 
-def left_out(model: RobotModel) -> tuple[str, ...]:
+def _dampings(design: FoundDesign) -> tuple[float, ...]:
+    """The viscous friction of every degree of freedom that has no other dynamics of its own."""
+    found = [0.0] * len(design.model.dofs)
+    for own in design.model.own:
+        for dof, damping in (viscous_friction(own, design.theta) or {}).items():
+            found[dof] = float(damping)
+    return tuple(found)
+
+
+def left_out(design: FoundDesign) -> tuple[str, ...]:
     """What of a robot an export does not hold."""
-    modules = sorted({(own.symbol, own.module) for own in model.own})
+    others = [own for own in design.model.own if viscous_friction(own, design.theta) is None]
+    modules = sorted({(own.symbol, own.module) for own in others})
     if not modules:
         return ()
     names = ", ".join(f"{module} (symbol {symbol})" for symbol, module in modules)

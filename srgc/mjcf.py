@@ -14,12 +14,14 @@ from compiler.arithmetic.balls import working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
 from compiler.rigid_links.link_shape import Shape
 from compiler.rigid_links.mass_moments import inertial
-from compiler.rigid_links.rigid_tree import PRECISION, LinkJoint, RigidLink
+from compiler.rigid_links.rigid_tree import PRECISION, LinkJoint
 from srgc.exported_robot import ExportedRobot
 from srgc.xml_lines import Value, XmlLines
 
 LEAST = Fraction(1, 10**12)
-"""MuJoCo refuses moving bodies with masses (kg) or moments (kg m^2) below 1e-15."""
+"""The least moment (kg m^2) of a moving body, and its mass (kg) if it has none."""
+LIGHTEST = 1e-15
+"""It refuses lighter moving bodies (mjMINVAL)."""
 LONGEST_STEP = Fraction(1, 1000)
 """Of the simulation, in seconds."""
 JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
@@ -42,7 +44,7 @@ def mjcf_text(robot: ExportedRobot) -> str:
     """The robot as MJCF.
 
     Raises:
-        ValueError: a link has an inertia that no body has.
+        ValueError: a link has an inertia that no body has, or MuJoCo would not load the robot.
     """
     with working_precision(PRECISION):
         return _Writer(robot).document()
@@ -114,7 +116,7 @@ class _Writer:
         )
         link = robot.tree.links[number]
         if number > 0 or not link.moments.massless:
-            self.inertial(link)
+            self.inertial(number)
         for item in placed:
             self.joint(item)
         for shape in link.shapes:
@@ -124,18 +126,29 @@ class _Writer:
             origin, turn = doubles(pose.origin), pose.quaternion()
             xml.element("site", name=robot.names.effectors[tool], pos=origin, quat=turn)
 
-    def inertial(self, link: RigidLink) -> None:
-        values = inertial(link.moments, self.robot.tree.dimension, LEAST)
+    def inertial(self, number: int) -> None:
+        tree = self.robot.tree
+        values = inertial(tree.links[number].moments, tree.dimension, LEAST)
+        if number > 0 and values.mass < LIGHTEST:
+            raise ValueError(
+                f"MuJoCo takes no moving body below {LIGHTEST} kg, and "
+                f"{self.robot.names.links[number]} has {values.mass} kg"
+            )
         self.xml.element("inertial", pos=values.com, mass=values.mass, fullinertia=values.inertia)
 
     def joint(self, item: _BodyJoint) -> None:
         joint, place = item.joint, item.place
+        name, damping = self.robot.names.joints[joint.dof], self.robot.dampings[joint.dof]
         limits: dict[str, Value] = {"limited": "false"}
         if joint.range is not None:
+            if not joint.range[0] < joint.range[1]:
+                raise ValueError(f"MuJoCo takes no range of one value, and {name} has such a range")
             limits = {"limited": "true", "range": joint.range}
+        if damping:
+            limits["damping"] = damping
         self.xml.element(
             "joint",
-            name=self.robot.names.joints[joint.dof],
+            name=name,
             type=JOINT_TYPES[joint.kind],
             pos=doubles(place.origin),
             axis=doubles(place.rotation * unit(joint.axis, joint.sign)),
@@ -163,6 +176,8 @@ class _Writer:
         for motor in self.robot.motors():
             limits: dict[str, Value] = {"ctrllimited": "false"}
             if motor.bound is not None:
+                if not motor.bound > 0:
+                    raise ValueError(f"the effort bound of {motor.name} is too small for a double")
                 limits = {"ctrllimited": "true", "ctrlrange": (-motor.bound, motor.bound)}
             self.xml.element("motor", name=motor.name, joint=motor.name, **limits)
         self.xml.close()
@@ -170,15 +185,14 @@ class _Writer:
     def keyframe(self) -> None:
         """The start of the motion, in the order in which MuJoCo numbers the joints."""
         start, n = self.robot.start, len(self.order)
-        if not start:
-            return
+        state: dict[str, Value] = {}
+        if start:
+            state = {
+                "qpos": [start[dof] for dof in self.order],
+                "qvel": [start[n + dof] for dof in self.order],
+            }
         self.xml.open("keyframe")
-        self.xml.element(
-            "key",
-            name="start",
-            qpos=[start[dof] for dof in self.order],
-            qvel=[start[n + dof] for dof in self.order],
-        )
+        self.xml.element("key", name="start", **state)
         self.xml.close()
 
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 from compiler.arithmetic.balls import ball, working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles
 from compiler.rigid_links.link_shape import Shape
-from compiler.rigid_links.mass_moments import MassMoments, about, inertial, physical, token
+from compiler.rigid_links.mass_moments import MassMoments, inertial, legal, token
 from compiler.rigid_links.rigid_tree import PRECISION, axis_of
 from srgc.exported_robot import ExportedRobot, Motor
 from srgc.xml_lines import XmlLines
@@ -66,17 +66,18 @@ class _Writer:
     def remaining(self, number: int) -> MassMoments:
         """The moments of a link without what the frames of its effectors are given.
 
-        Of a link too thin for that, only the mass is less.
+        What it then lacks is as little as ``legal`` allows; a link with too little mass for that
+        is left as it is.
         """
         tree = self.robot.tree
         whole = tree.links[number].moments
         left = whole
         for tool in self.tools[number]:
             left = left - token(LEAST, tree.effectors[tool].pose.origin)
-        if physical(left, tree.dimension, LEAST):
-            return left
-        enough = left.mass > ball(LEAST)
-        return about(left.mass, left.com, whole.central) if enough else whole
+        if left is whole or not left.mass > ball(LEAST):
+            return whole
+        inertial(whole, tree.dimension, LEAST)  # an inertia that no body has is refused
+        return legal(left, tree.dimension, LEAST)
 
     def inertial(self, moments: MassMoments) -> None:
         values = inertial(moments, self.robot.tree.dimension, LEAST)
@@ -124,6 +125,8 @@ class _Writer:
         else:
             lower, upper = joint.range or (-UNLIMITED, UNLIMITED)
             self.xml.element("limit", lower=lower, upper=upper, effort=most, velocity=speed)
+        if motor.damping:
+            self.xml.element("dynamics", damping=motor.damping)
         self.xml.close()
 
     def effector(self, number: int, parent: str, pose: Pose) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 from flint import arb, arb_mat
 
@@ -30,11 +31,14 @@ def nearest(value: arb) -> float:
     """The double that stands for a ball: zero if the ball contains zero, else its middle.
 
     Raises:
-        ValueError: the ball is too wide to stand for a number.
+        ValueError: the ball is too wide to stand for a number, or the number for a double.
     """
     if not value.is_finite() or not value.rad() < UNCERTAIN * (1 + abs(value.mid())):
         raise ValueError(f"no definite value: {value}")
-    return 0.0 if value.contains(0) else float(value.mid())
+    found = 0.0 if value.contains(0) else float(value.mid())
+    if not isfinite(found):
+        raise ValueError(f"too large for a double: {value.str(3, radius=False)}")
+    return found
 
 
 def doubles(vector: arb_mat) -> tuple[float, float, float]:

@@ -15,12 +15,13 @@ from flint import arb, arb_mat
 
 from compiler.arithmetic.balls import ball
 from compiler.rigid_links.ball_pose import Pose, column, doubles, identity, nearest, unit
+from compiler.rigid_links.principal_axes import principal_axes
 from compiler.robots.robot import Body, PointBody, RodBody, SolidBody
 
 BLEND = Fraction(1, 100)
 """Of the moments of a planar link that its motion does not depend on, so much is isotropic."""
-RELATIVE = Fraction(1, 10**12)
-"""Second moments below this part of their sum are too small for eigenvalues in doubles."""
+RELATIVE = Fraction(1, 10**14)
+"""Moments below this part of their sum are too small for eigenvalues in doubles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,23 +113,10 @@ def token(least: Fraction, place: arb_mat) -> MassMoments:
     return about(ball(least), place, identity() * ball(least))
 
 
-def physical(moments: MassMoments, dimension: int, least: Fraction) -> bool:
-    """Whether mass and moments are large enough to be left as far as motion depends on them."""
-    if not moments.mass > ball(least):
-        return False
-    central = moments.central
-    if dimension == 2:
-        large = central[0, 0] + central[1, 1] > ball(least)
-        return bool(large) and _definite(_plate(central, least))
-    return not _thin(central, least)
-
-
 def inertial(moments: MassMoments, dimension: int, least: Fraction) -> Inertial:
     """The numbers of a link as simulators want them: all principal moments at least ``least``.
 
-    What lacks mass gets a ``token``.  In the plane only the moments that no planar motion
-    depends on are changed, unless the one about z is too small.  In space what is too thin is
-    thickened by ``least`` in all directions, else nothing changes.
+    What lacks mass gets a ``token``; ``legal`` says what else is changed.
 
     Raises:
         ValueError: no body has these moments, or they have no definite values.
@@ -137,11 +125,28 @@ def inertial(moments: MassMoments, dimension: int, least: Fraction) -> Inertial:
         moments = token(least, column([0, 0, 0]))
     if not moments.mass > 0:
         raise ValueError("a link has a moment of inertia and no mass")
-    central = moments.central
-    central = _plate(central, least) if dimension == 2 else _thickened(central, least)
-    if not _definite(central):
+    if not _definite(moments.central + identity() * _margin(moments, least)):
         raise ValueError("no body has such an inertia: the triangle inequality fails")
-    return _rounded(moments.mass, moments.com, central)
+    return _rounded(legal(moments, dimension, least))
+
+
+def legal(moments: MassMoments, dimension: int, least: Fraction) -> MassMoments:
+    """The moments with the least change after which simulators take them.
+
+    All principal moments of inertia are then at least ``least`` and keep the triangle inequality,
+    both with a margin of ``RELATIVE`` of their sum.  In space only those that fail are raised; in
+    the plane the moment about z is raised if it is too small, and only those that no planar motion
+    depends on are changed otherwise.
+    """
+    central = moments.central
+    changed = _plate(central, least) if dimension == 2 else _thickened(central, least)
+    return about(moments.mass, moments.com, changed)
+
+
+def _margin(moments: MassMoments, least: Fraction) -> arb:
+    """What rounding and tokens may have taken from a second moment."""
+    relative, absolute = ball(RELATIVE) * _trace(moments.central), ball(least) / 2
+    return relative if relative > absolute else absolute
 
 
 def _plate(central: arb_mat, least: Fraction) -> arb_mat:
@@ -152,23 +157,35 @@ def _plate(central: arb_mat, least: Fraction) -> arb_mat:
     part, keep = ball(BLEND) * total / 2, ball(1 - BLEND)
     thickness = part if part > ball(least) else ball(least)
     xx, yy, xy = keep * central[0, 0] + part, keep * central[1, 1] + part, keep * central[0, 1]
-    return arb_mat([[xx, xy, 0], [xy, yy, 0], [0, 0, thickness]])
+    plate = arb_mat([[xx, xy, 0], [xy, yy, 0], [0, 0, thickness]])
+    if not _definite(plate):
+        plate = arb_mat([[total / 2, 0, 0], [0, total / 2, 0], [0, 0, thickness]])
+    return plate
 
 
 def _thickened(central: arb_mat, least: Fraction) -> arb_mat:
-    thin = _thin(central, least)
-    return central + identity() * _floor(central, least) if thin else central
+    """A second moment whose moments of inertia are large enough and keep the inequality."""
+    trace = _trace(central)
+    moments, axes = principal_axes(identity() * trace - central)
+    relative, absolute = ball(RELATIVE) * trace * 2, ball(least)
+    margin = relative if relative > absolute else absolute
+    raised = [_larger(moment, margin) for moment in moments]
+    first, second, third = sorted(range(3), key=lambda i: float(raised[i].mid()))
+    short = raised[third] - raised[second] + _larger(relative, arb(0)) - raised[first]
+    raised[first] = raised[first] + _larger(short, arb(0))
+    change = identity() * 0
+    for axis, old, new in zip(axes, moments, raised, strict=True):
+        change += axis * axis.transpose() * (new - old)
+    return central + identity() * (_trace(change) / 2) - change
 
 
-def _thin(central: arb_mat, least: Fraction) -> bool:
-    return not _definite(central - identity() * _floor(central, least))
+def _larger(value: arb, other: arb) -> arb:
+    """The one of two numbers, or the first where they cannot be told apart."""
+    return other if other > value else value
 
 
-def _floor(central: arb_mat, least: Fraction) -> arb:
-    """Half the least principal moment of inertia."""
-    relative = ball(RELATIVE) * (central[0, 0] + central[1, 1] + central[2, 2])
-    absolute = ball(least) / 2
-    return relative if relative > absolute else absolute
+def _trace(matrix: arb_mat) -> arb:
+    return matrix[0, 0] + matrix[1, 1] + matrix[2, 2]
 
 
 def _definite(matrix: arb_mat) -> bool:
@@ -177,10 +194,10 @@ def _definite(matrix: arb_mat) -> bool:
     return bool(matrix[0, 0] > 0 and minor > 0 and matrix.det() > 0)
 
 
-def _rounded(mass: arb, com: arb_mat, central: arb_mat) -> Inertial:
-    trace = central[0, 0] + central[1, 1] + central[2, 2]
-    tensor = identity() * trace - central
+def _rounded(moments: MassMoments) -> Inertial:
+    central = moments.central
+    tensor = identity() * _trace(central) - central
     xx, yy, zz, xy, xz, yz = (
         nearest(tensor[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     )
-    return Inertial(nearest(mass), doubles(com), (xx, yy, zz, xy, xz, yz))
+    return Inertial(nearest(moments.mass), doubles(moments.com), (xx, yy, zz, xy, xz, yz))

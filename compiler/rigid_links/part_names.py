@@ -24,14 +24,18 @@ class PartNames:
 
 
 def part_names(
-    model: RobotModel, tree: RigidTree, graph: LabelledGraph, modules: Mapping[str, ir.Module]
+    model: RobotModel,
+    tree: RigidTree,
+    graph: LabelledGraph,
+    modules: Mapping[str, ir.Module],
+    tools: Sequence[int | None],
 ) -> PartNames:
     """Names like ``L_4``: the module and its index in the word.
 
     A joint has the names of the joint modules that it was merged from; a link that of its first
     module with the role link, the base that of the first base; a link without one that of its
-    joint.  An effector has that of its module if the word has as many effector modules as the
-    robot has effectors.
+    joint.  An effector has that of its module, whose place ``tools`` holds (``effector_modules``),
+    or else, where that is None, is called ``effector_1`` and so on by its own number.
     """
     unused = _Unused()
     role = {node.place: modules[node.module].role for node in graph.nodes}
@@ -46,11 +50,11 @@ def part_names(
     for number, link in enumerate(tree.links[1:], start=1):
         dof = link.joint.dof if link.joint is not None else 0
         links.append(unused.name(first.get(number, f"{joints[dof]}_link")))
-    tools = [name[place] for place in name if role[place] == "effector"]
-    if len(tools) != len(tree.effectors):
-        tools = [f"effector_{i + 1}" for i in range(len(tree.effectors))]
-    effectors = tuple(unused.name(tool) for tool in tools)
-    return PartNames(tuple(links), tuple(joints), effectors)
+    effectors = [
+        unused.name(f"effector_{number}" if place is None else name[place])
+        for number, place in enumerate(tools, start=1)
+    ]
+    return PartNames(tuple(links), tuple(joints), tuple(effectors))
 
 
 class _Unused:

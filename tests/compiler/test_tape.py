@@ -13,9 +13,9 @@ from compiler.arithmetic.balls import BallArithmetic, ball, constant_ball, worki
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.dynamics.tape import tape
 from compiler.robots.robot import WORLD, RobotModel
+from tests.oracles.driven_robots import driven
 from tests.oracles.exact_chain import DIGITS, Multiprecision, contains, exact
 from tests.oracles.planar_chain import chain_dynamics
-from tests.oracles.driven_robots import driven
 from tests.oracles.robots import Builder, constants_of, rod_chain
 
 NAMES = ("mass_matrix", "bias", "acceleration", "balance", "variation", "effectors", "body_points")

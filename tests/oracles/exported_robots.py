@@ -102,5 +102,5 @@ def exported(
         tuple(f"e{i + 1}" for i in range(len(model.effectors))),
     )
     x, y, z = [*(float(value) for value in gravity), 0.0, 0.0, 0.0][:3]
-    efforts = (None,) * len(model.dofs)
-    return ExportedRobot("robot", tree, names, efforts, (x, y, z), Fraction(1, 8), (), ())
+    efforts, dampings = (None,) * len(model.dofs), (0.0,) * len(model.dofs)
+    return ExportedRobot("robot", tree, names, efforts, dampings, (x, y, z), Fraction(1, 8), (), ())

@@ -244,23 +244,64 @@ def test_names_follow_the_branches(srgc: Export, tmp_path: Path) -> None:
     assert model.joint("JO_17").bodyid[0] == model.body("L_19").id
 
 
-FRICTION = replaced(
-    TURNER,
-    "in [-180, 180] deg; }",
-    "in [-180, 180] deg; torque(q) = u - 0.1 N*m*s/rad * rate(q); }",
-)
+def hinge(torque: str) -> str:
+    """The spec of one link whose joint has this torque, and a parameter b."""
+    more = f"torque(q) = {torque}; param b in [0, 1] N*m*s; }}"
+    return replaced(TURNER, "in [-180, 180] deg; }", f"in [-180, 180] deg; {more}")
 
 
 @pytest.mark.parametrize("form", ["urdf", "mjcf"])
+@pytest.mark.parametrize(
+    "torque",
+    [
+        "u - b*abs(rate(q))",
+        "u - b*rate(q) - 0.1 N*m*q",
+        "u + 0.1 N*m*s*rate(q)",
+        "2*u - b*rate(q)",
+        "u - b*rate(q) + 0.1 N*m",
+        "-b*rate(q)",
+        "u - u*b*rate(q)/(1 N*m)",
+    ],
+)
 def test_dynamics_of_modules_are_left_out_with_a_note(
-    srgc: Export, tmp_path: Path, form: str
+    srgc: Export, tmp_path: Path, form: str, torque: str
 ) -> None:
-    folder = claim_found(tmp_path / "arm", FRICTION, "B eps JO eps L eps EN", ["1.5"])
+    folder = claim_found(tmp_path / "arm", hinge(torque), "B eps JO eps L eps EN", ["0.25", "1.5"])
     ran = srgc("export", folder, "--to", form)
     assert ran.status == 0
     assert ran.err.startswith("note: the dynamics of their own of JO (symbol 2) are left out")
     assert "the dynamics of their own of JO (symbol 2) are left out" in ran.out
     assert 'name="JO_2"' in ran.out
+    assert "damping" not in ran.out
+
+
+@pytest.mark.parametrize(
+    ("torque", "damping"),
+    [
+        ("u - 0.1 N*m*s*rate(q)", 0.1),
+        ("u - b*rate(q)", 0.25),
+        ("-((3 - 1)*b*rate(q)*0.5^2 - (u + rate(q)*b)) - rate(q)*b/0.5", 0.375),
+        ("u - (b - 0.25 N*m*s)*rate(q)", 0),
+    ],
+)
+def test_viscous_friction_is_the_damping_of_the_joint(
+    srgc: Export, tmp_path: Path, torque: str, damping: float
+) -> None:
+    folder = claim_found(tmp_path / "arm", hinge(torque), "B eps JO eps L eps EN", ["0.25", "1.5"])
+    ran = srgc("export", folder, "--to", "mjcf")
+    assert (ran.status, ran.err) == (0, "")
+    assert "left out" not in ran.out
+    model = mujoco.MjModel.from_xml_string(ran.out)
+    data = mujoco.MjData(model)
+    data.qvel[0], data.ctrl[0] = -3, 2
+    mujoco.mj_forward(model, data)
+    # A rod of 1 kg/m about its end: I = l^3/3.
+    assert data.qacc[0] == pytest.approx((2 + 3 * damping) / (1.5**3 / 3), rel=1e-12)
+    path = tmp_path / "arm.urdf"
+    assert srgc("export", folder, "--to", "urdf", "-o", path) == Ran(0, "", "")
+    check_urdf(path)
+    found = [float(item.attrib["damping"]) for item in ET.parse(path).getroot().iter("dynamics")]
+    assert found == ([damping] if damping else [])
 
 
 # --- what is refused -----------------------------------------------------------------------------
@@ -280,6 +321,41 @@ def test_usage(srgc: Export, crane: Path, tmp_path: Path) -> None:
     refused(srgc("export", crane / "certificate.json", "--to", "urdf"), "is not a folder")
     refused(srgc("export", tmp_path, "--to", "mjcf"), "has no certificate")
     refused(srgc("export", crane, "--to", "mjcf", "-o", tmp_path), f"{tmp_path}: ")
+
+
+@pytest.mark.parametrize(
+    "name", ["certificate.json", "design.json", "spec/robot.srg", "proofs/new.xml", "log.json"]
+)
+def test_results_are_not_overwritten(
+    srgc: Export, crane: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    before = {path: path.read_bytes() for path in crane.rglob("*") if path.is_file()}
+    (tmp_path / "link").symlink_to(crane)
+    monkeypatch.chdir(tmp_path)
+    for output in (crane / name, Path("link") / name, Path("crane/spec/..") / name):
+        refused(srgc("export", crane, "--to", "mjcf", "-o", output), "is one of the results")
+    assert {path: path.read_bytes() for path in crane.rglob("*") if path.is_file()} == before
+    assert srgc("export", "crane", "--to", "mjcf", "-o", crane / "arm.xml") == Ran(0, "", "")
+    assert (crane / "arm.xml").is_file()
+
+
+def test_a_dash_is_standard_output(
+    srgc: Export, crane: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for form in ("urdf", "mjcf"):
+        ran = srgc("export", crane, "--to", form, "-o", "-")
+        assert ran == srgc("export", crane, "--to", form)
+        assert ran.out.startswith("<?xml")
+    spec = crane / "spec" / "robot.srg"
+    for command in (
+        ("model", spec, "--word", "B eps V eps L eps EN"),
+        ("graph", spec, "--of", "sra"),
+    ):
+        ran = srgc(*command, "-o", "-")
+        assert (ran.status, ran.out) == (0, srgc(*command).out)
+        assert ran.out
+    assert not (tmp_path / "-").exists()
 
 
 def test_another_verdict(srgc: Export, made: Result) -> None:
@@ -335,3 +411,91 @@ def test_a_coordinate_that_moves_several_frames(srgc: Export, tmp_path: Path) ->
     )
     folder = claim_found(tmp_path / "arm", text, "B eps JO eps L eps EN", ["1.5"])
     refused(srgc("export", folder, "--to", "mjcf"), "degree of freedom 1 moves several frames")
+
+
+def test_what_mujoco_would_not_load(srgc: Export, tmp_path: Path) -> None:
+    word = "B eps JO eps L eps EN"
+    cases = [
+        ("const density = 1 kg/m", "const density = 6e-16 kg/m", "L_4 has 9e-16 kg"),
+        ("in [-180, 180] deg; }", "in [10, 10] deg; }", "JO_2 has such a range"),
+        (
+            "{ role link; param length in [1, 2] m;",
+            "{ role link; param length in [1, 1e200] m;",
+            "",
+        ),
+    ]
+    for number, (old, new, reason) in enumerate(cases):
+        text = replaced(TURNER, old, new)
+        length = "1.5" if reason else f"1{200 * '0'}"
+        folder = claim_found(tmp_path / str(number), text, word, [length])
+        ran = srgc("export", folder, "--to", "mjcf")
+        refused(ran, reason or "too large for a double")
+        assert "cannot be exported" in ran.err
+
+
+def test_what_mujoco_does_load(srgc: Export, tmp_path: Path) -> None:
+    """Light and heavy bodies, in the plane and in space, without a message."""
+    word = "B eps JO eps L eps EN"
+    for planar in (True, False):
+        for density in ("1e-15", "1e-12", "1e-6", "1e6", "1e30", "1e200"):
+            text = replaced(TURNER, "const density = 1 kg/m", f"const density = {density} kg/m")
+            if not planar:
+                text = text.replace("plane xy", "space xyz").replace("] m;", "] x [0, 1] m;")
+                text = text.replace(
+                    "param length in [1, 2] x [0, 1] m;", "param length in [1, 2] m;"
+                )
+            folder = claim_found(tmp_path / f"{density} {planar}", text, word, ["1.5"])
+            ran = srgc("export", folder, "--to", "mjcf")
+            assert (ran.status, ran.err) == (0, "")
+            model = mujoco.MjModel.from_xml_string(ran.out)
+            assert model.body("L_4").mass[0] == pytest.approx(1.5 * float(density), rel=1e-15)
+
+
+def test_a_robot_without_degrees_of_freedom_has_a_start(srgc: Export, tmp_path: Path) -> None:
+    text = replaced(TURNER, " and starts with B eps JO", "")
+    folder = claim_found(tmp_path / "pole", text, "B eps L eps EN", ["1.5"])
+    model = mujoco.MjModel.from_xml_string(srgc("export", folder, "--to", "mjcf").out)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    assert (model.nq, model.nkey) == (0, 1)
+    mujoco.mj_forward(model, data)
+    assert list(data.site("EN_4").xpos) == [1.5, 0, 0]
+
+
+TWO_TOOLS = """\
+module B { role base; } module J { role joint; dof q: revolute z; }
+module F { role effector; } module E { role effector; }
+grammar G { start R; r: R -> B J X E; go: X -> F; }
+semantics G {
+  r {
+    this.a = this.frame * rot(z, J.q);
+    point(frame: this.a * move(x, 0.2), mass: 3);
+    X.at = this.a * move(x, 1);
+    effector(frame: this.a * move(x, 2));
+  }
+  go { effector(frame: this.at); }
+}
+workspace W {
+  plane xy; bounds box [-20, 20] x [-20, 20] m;
+  region S box [-18, 18] x [-18, 18] m; target T box [-19, 19] x [-19, 19] m;
+}
+task Go {
+  robot G; workspace W; start in S rates <= 0.5; reach T; effort <= 30 N*m;
+  horizon 8 steps of 0.125 s; modules <= 40;
+}
+"""
+
+
+def test_effectors_are_where_their_modules_are(srgc: Export, tmp_path: Path) -> None:
+    folder = claim_found(tmp_path / "two", TWO_TOOLS, "B J F E", [])
+    model = mujoco.MjModel.from_xml_string(srgc("export", folder, "--to", "mjcf").out)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    assert data.site("F_2").xpos[0] == 1
+    assert data.site("E_3").xpos[0] == 2
+    root = ET.fromstring(srgc("export", folder, "--to", "urdf").out)
+    origins = {item.attrib["name"]: item.find("origin") for item in root.findall("joint")}
+    for name, x in (("F_2_fixed", 1), ("E_3_fixed", 2)):
+        origin = origins[name]
+        assert origin is not None
+        assert [float(item) for item in origin.attrib["xyz"].split()] == [x, 0, 0]

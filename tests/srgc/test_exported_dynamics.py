@@ -123,6 +123,46 @@ def test_the_urdf_has_the_same_mass_matrix(joints: int, dimension: int, tree: in
             close(other.mass_matrix(), evaluate(graph, "mass_matrix", q, values))
 
 
+def thin_rods() -> RobotModel:
+    """A gripper's finger of 1 cm and 0.5 g on another, in space, with an effector at the tip."""
+    builder, frame = Builder(3), WORLD
+    for axis in ("z", "y"):
+        frame = builder.joint(frame, axis)
+        frame = builder.link(frame, builder.number(Fraction(1, 100)), "x", Fraction(1, 20))
+    builder.effector(frame)
+    return builder.build()
+
+
+def test_small_thin_rods_in_space() -> None:
+    """But for the moments about themselves, 1e-9 in URDF, they and their sums are exact."""
+    model, q = thin_rods(), np.array([0.5, 0.4])
+    expected = evaluate(robot_graph(model), "mass_matrix", q, np.array([]))
+    assert expected[1, 1] == pytest.approx(5e-4 * 1e-4 / 3)
+    for text, least in ((mjcf_text(exported(model)), 1e-12), (urdf_text(exported(model)), 1e-9)):
+        other = MujocoRobot(text, exported(model).names.joints)
+        other.put(q, 0 * q, 0 * q)
+        found = other.mass_matrix()
+        assert found[1, 1] == pytest.approx(expected[1, 1], rel=1e-9)
+        # The first rod is across its axis; the second turns about z with part of its own moment
+        # and, in URDF, with what the frame of the effector has on its axis (2e-9).
+        along = np.sin(0.4) ** 2 * (least if least < 1e-9 else 3e-9)
+        assert found[0, 0] - along == pytest.approx(expected[0, 0], rel=1e-9)
+
+
+def test_laminas_in_space_are_taken() -> None:
+    """Their moments of inertia are at the edge of the triangle inequality, and stay there."""
+    for seed in range(20):
+        builder, rng = Builder(3), np.random.default_rng(seed)
+        frame = builder.turn(builder.joint(WORLD, "x"), "y", builder.number(seed))
+        frame = builder.turn(frame, "z", builder.number(2 * seed))
+        scale = Fraction(10) ** int(rng.integers(-6, 6))
+        builder.solid(frame, scale, (0, 0, 0), (scale, 2 * scale, 3 * scale, 0, 0, 0))
+        for text in (mjcf_text(exported(builder.build())), urdf_text(exported(builder.build()))):
+            body = MujocoRobot(text, ["j1"]).model.body("l1")
+            moments = sorted(body.inertia / float(scale))
+            np.testing.assert_allclose(moments, [1, 2, 3], rtol=1e-11)
+
+
 def test_sites_are_the_effectors() -> None:
     for seed, dimension in ((1, 2), (2, 3)):
         model = solid_robot(seed, dimension, 4, tree=True)

@@ -11,6 +11,8 @@ import pytest
 
 from srgc.cli import run
 from tests.oracles import pages
+from tests.oracles.found_folders import claim_found
+from tests.oracles.small_specs import TURNER, replaced
 from tests.srgc.conftest import ROOT
 
 PAGE = (ROOT / "docs" / "take-away.md").read_text(encoding="utf-8")
@@ -19,6 +21,21 @@ PAGE = (ROOT / "docs" / "take-away.md").read_text(encoding="utf-8")
 def only(kind: str) -> str:
     (block,) = (block for block in pages.blocks(PAGE) if block.kind == kind)
     return block.body
+
+
+POLE = replaced(TURNER, " and starts with B eps JO", "")
+
+
+def test_the_program_replays_a_robot_that_cannot_move(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = claim_found(tmp_path / "out" / "arm", POLE, "B eps L eps EN", ["1.5"])
+    rows = "".join(f"{i / 5},1.5,0\n" for i in range(11))
+    (folder / "trajectory.csv").write_text(f"t,e1_x,e1_y\n{rows}", encoding="utf-8")
+    assert run(["export", str(folder), "--to", "mjcf", "-o", "arm.xml"]) == 0
+    exec(compile(only("python"), "take-away.md", "exec"), {})
+    assert capsys.readouterr().out == only("text")
 
 
 def test_the_page_does_what_it_says(
