@@ -23,7 +23,7 @@ from compiler.arithmetic.balls import (
 )
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.dynamics.tape import tape
+from compiler.dynamics.tape import UndefinedValueError, tape
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.parameter_values import ExactValue, value_ball
@@ -103,7 +103,10 @@ def prove_motion(
     findings: tuple[Finding, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
-            findings = _findings(scene, motion, accuracy, tick)
+            try:
+                findings = _findings(scene, motion, accuracy, tick)
+            except UndefinedValueError as error:
+                return (Finding(f"equations of motion: {error}", Status.FAILS, 0.0, ""),)
         if not any(finding.status is Status.UNDECIDED for finding in findings):
             break
     return findings

@@ -14,7 +14,8 @@ from compiler.descriptions.model_reading import model_reading
 from compiler.descriptions.model_sections import motion_sections
 from compiler.descriptions.robot_sections import robot_sections
 from compiler.descriptions.text_document import to_text
-from compiler.dynamics.motion_graph import UndefinedMotionError, motion_graph
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.tape import UndefinedValueError
 from compiler.encodings.model_script import model_script
 from compiler.robots.defined_scalars import scalars_are_defined
 from compiler.robots.planarity import is_planar
@@ -94,13 +95,13 @@ def model_report(program: ir.Program, request: ModelRequest) -> ModelReport:
     robot = _Robot(program, request.word, labels, model, grammar, task, request.whole)
     try:
         return ModelReport(_written(robot, request.form), found.remarks)
-    except UndefinedMotionError as error:
+    except UndefinedValueError as error:
         raise UsageFault(str(error)) from None
 
 
 def _written(robot: _Robot, form: Form) -> str:
     if form == "smt2":
-        return model_script(motion_graph(robot.model))
+        return model_script(robot_graph(robot.model))
     sections = list(_sections(robot))
     return to_latex(sections) if form == "latex" else to_text(sections)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from compiler.dynamics.motion_graph import MotionGraph, motion_graph
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.formulas.trigonometric_reading import Formulas, formulas
 from compiler.robots.robot import RobotModel
 
@@ -20,7 +20,7 @@ class ModelReading:
 
     model: RobotModel
     gravity: tuple[Fraction, ...]
-    graph: MotionGraph
+    graph: RobotGraph
     mass: Formulas
     centrifugal: Formulas
     gravitational: Formulas
@@ -29,7 +29,7 @@ class ModelReading:
 
 def model_reading(model: RobotModel, gravity: tuple[Fraction, ...] = ()) -> ModelReading:
     """Read a robot; ``gravity`` in m/s^2."""
-    graph, n = motion_graph(model, gravity), len(model.dofs)
+    graph, n = robot_graph(model, gravity), len(model.dofs)
     return ModelReading(
         model,
         gravity,

@@ -9,8 +9,10 @@ with the modules' own states s; together one controlled system x' = f(x, theta, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 
 import casadi as ca
 
@@ -20,12 +22,32 @@ from compiler.dynamics.coordinate_change import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
 from compiler.dynamics.kinematics import ConstantInputs, kinematics
 from compiler.dynamics.ldl import ldl_solve
-from compiler.dynamics.rigid_bodies import centrifugal, gravitational, mass_matrix
+from compiler.dynamics.rigid_bodies import centrifugal_forces, gravitational_forces, mass_matrix
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 
 
 @dataclass(frozen=True, slots=True)
+class _Expressions:
+    """The variables of a graph, and what its functions are made of."""
+
+    q: ca.SX
+    w: ca.SX
+    u: ca.SX
+    theta: ca.SX
+    k: ca.SX
+    half: ca.SX
+    mass: ca.SX
+    regular_mass: ca.SX
+    gravitational: ca.SX
+    forces: ca.SX
+    derivatives: ca.SX
+    effectors: ca.SX
+    body_points: ca.SX
+    conditions: ca.SX
+
+
+@dataclass(frozen=True)
 class RobotGraph:
     """One robot's expression graph, read by several back ends; ``gravity`` is in m/s^2.
 
@@ -36,7 +58,8 @@ class RobotGraph:
     b body points and d the dimension of the workspace:
 
     - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows);
-    - ``bias(q, v, theta, k)``: c + g, shape (n,), N m (N);
+    - ``centrifugal(q, v, theta, k)``: c, shape (n,), N m (N);
+    - ``gravitational(q, theta, k)``: g, shape (n,); ``bias(q, v, theta, k)``: c + g;
     - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,); floats have a
       cheaper way (``controlled_system.py``);
     - ``balance(q, w, u, theta, k)``: M column by column (n * n,), then tau - c - g (n,), then the
@@ -49,22 +72,93 @@ class RobotGraph:
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
       them span which body.
+
+    A function is made when it is first asked for: their sizes differ by orders of magnitude.
     """
 
     model: RobotModel
     gravity: tuple[Fraction, ...]
     coordinates: Coordinates
     constants: tuple[Constant | PiConstant, ...]
-    mass_matrix: ca.Function
-    bias: ca.Function
-    acceleration: ca.Function
-    balance: ca.Function
-    variation: ca.Function
-    effectors: ca.Function
-    body_points: ca.Function
     hulls: tuple[tuple[int, ...], ...]
-    conditions: ca.Function
     divisors: int
+    parts: _Expressions = field(repr=False)
+
+    def _function(self, name: str, inputs: Sequence[ca.SX], output: ca.SX) -> ca.Function:
+        columns = [*inputs, self.parts.theta, self.parts.k]
+        return ca.Function(name, columns, [ca.cse(ca.densify(output))])
+
+    @property
+    def _rates(self) -> ca.SX:
+        return self.parts.w[: len(self.model.dofs)]
+
+    @cached_property
+    def _centrifugal(self) -> ca.SX:
+        return centrifugal_forces(self.parts.mass, self.parts.q, self._rates, self.parts.half)
+
+    @property
+    def _drive(self) -> ca.SX:
+        """Tau - c - g."""
+        return self.parts.forces - self._centrifugal - self.parts.gravitational
+
+    @cached_property
+    def mass_matrix(self) -> ca.Function:
+        """M."""
+        return self._function("mass_matrix", [self.parts.q], self.parts.mass)
+
+    @cached_property
+    def centrifugal(self) -> ca.Function:
+        """Centrifugal and Coriolis forces c."""
+        return self._function("centrifugal", [self.parts.q, self._rates], self._centrifugal)
+
+    @cached_property
+    def gravitational(self) -> ca.Function:
+        """Gravitational forces g."""
+        return self._function("gravitational", [self.parts.q], self.parts.gravitational)
+
+    @cached_property
+    def bias(self) -> ca.Function:
+        """The sum of c and g."""
+        both = self._centrifugal + self.parts.gravitational
+        return self._function("bias", [self.parts.q, self._rates], both)
+
+    @cached_property
+    def acceleration(self) -> ca.Function:
+        """The derivative of w."""
+        p = self.parts
+        rates = ca.vertcat(ldl_solve(p.regular_mass, self._drive), p.derivatives)
+        return self._function("acceleration", [p.q, p.w, p.u], rates)
+
+    @cached_property
+    def balance(self) -> ca.Function:
+        """M, tau - c - g and the derivatives of the modules' own states."""
+        p = self.parts
+        items = ca.vertcat(ca.vec(ca.densify(p.mass)), self._drive, p.derivatives)
+        return self._function("balance", [p.q, p.w, p.u], items)
+
+    @cached_property
+    def variation(self) -> ca.Function:
+        """The Jacobian of what is balanced, for given accelerations."""
+        p, a = self.parts, ca.SX.sym("a", len(self.model.dofs))
+        residual = ca.vertcat(self._drive - p.mass @ a, p.derivatives)
+        jacobian = ca.jacobian(residual, ca.vertcat(p.q, p.w))
+        return self._function("variation", [p.q, p.w, a, p.u], ca.vec(ca.densify(jacobian)))
+
+    @cached_property
+    def conditions(self) -> ca.Function:
+        """Divisors, then radicands."""
+        p = self.parts
+        return self._function("conditions", [p.q, p.w, p.u], p.conditions)
+
+    @cached_property
+    def effectors(self) -> ca.Function:
+        """Positions of the effectors."""
+        return self._function("effectors", [self.parts.q], self.parts.effectors)
+
+    @cached_property
+    def body_points(self) -> ca.Function:
+        """Positions of the points that span the bodies."""
+        return self._function("body_points", [self.parts.q], self.parts.body_points)
 
 
 def robot_graph(
@@ -80,58 +174,43 @@ def robot_graph(
         coordinates: what the motion is written in, default the joints' own coordinates.
     """
     coordinates = coordinates or own_coordinates(model)
-    n, r = len(model.dofs), len(robot_states(model))
-    q, w, u, a = (
-        ca.SX.sym(name, size)
-        for name, size in (("q", n), ("w", n + r), ("u", len(robot_inputs(model))), ("a", n))
-    )
-    v = w[:n]
+    n, r, m = len(model.dofs), len(robot_states(model)), len(robot_inputs(model))
+    q, w, u = (ca.SX.sym(name, size) for name, size in (("q", n), ("w", n + r), ("u", m)))
     theta = ca.SX.sym("theta", len(model.parameters))
+    # All constants are met here, so that every function has the same inputs k.
     constants = ConstantInputs()
+    half = constants.read(Constant(Fraction(1, 2)))
     body = kinematics(model, q, theta, constants, coordinates)
     mass = mass_matrix(model, body, q, constants, coordinates)
-    bias = centrifugal(mass, q, v, constants) + gravitational(model, body, q, gravity, constants)
-    own = own_motion(coordinates, q), own_motion(coordinates, v)
+    pull = gravitational_forces(model, body, q, gravity, constants)
+    own = own_motion(coordinates, q), own_motion(coordinates, w[:n])
     driven = drive(model, Motion(*own, w[n:], u, theta), constants)
-    force = generalised_forces(coordinates, driven.forces) - bias
-    acceleration = ldl_solve(_unfolded(mass, constants), force)
-    d = model.dimension
+    regular = _unfolded(mass, constants)
     points = [body.body_points(item) for item in model.bodies]
+    d = model.dimension
     hulls, start = [], 0
     for group in points:
         hulls.append(tuple(range(start, start + len(group))))
         start += len(group)
-    tips = _stack([body.origins[frame][:d] for frame in model.effectors])
-    corners = _stack([point[:d] for group in points for point in group])
-    k = constants.vector()
-
-    def function(name: str, inputs: list[ca.SX], output: ca.SX) -> ca.Function:
-        return ca.Function(name, [*inputs, theta, k], [ca.cse(ca.densify(output))])
-
-    return RobotGraph(
-        model,
-        gravity,
-        coordinates,
-        tuple(constants.symbols),
-        function("mass_matrix", [q], mass),
-        function("bias", [q, v], bias),
-        function("acceleration", [q, w, u], ca.vertcat(acceleration, driven.derivatives)),
-        function(
-            "balance",
-            [q, w, u],
-            ca.vertcat(ca.vec(ca.densify(mass)), force, driven.derivatives),
-        ),
-        function(
-            "variation",
-            [q, w, a, u],
-            _jacobian(ca.vertcat(force - mass @ a, driven.derivatives), ca.vertcat(q, w)),
-        ),
-        function("effectors", [q], tips),
-        function("body_points", [q], corners),
-        tuple(hulls),
-        function("conditions", [q, w, u], constants.conditions.vector()),
-        len(constants.conditions.divisors),
+    parts = _Expressions(
+        q,
+        w,
+        u,
+        theta,
+        constants.vector(),
+        half,
+        mass,
+        regular,
+        pull,
+        generalised_forces(coordinates, driven.forces),
+        driven.derivatives,
+        _stack([body.origins[frame][:d] for frame in model.effectors]),
+        _stack([point[:d] for group in points for point in group]),
+        constants.conditions.vector(),
     )
+    divisors = len(constants.conditions.divisors)
+    symbols = tuple(constants.symbols)
+    return RobotGraph(model, gravity, coordinates, symbols, tuple(hulls), divisors, parts)
 
 
 def _unfolded(matrix: ca.SX, constants: ConstantInputs) -> ca.SX:
@@ -141,10 +220,6 @@ def _unfolded(matrix: ca.SX, constants: ConstantInputs) -> ca.SX:
         for j in range(matrix.size2()):
             result[i, j] = constants.unfolded(matrix[i, j])
     return result
-
-
-def _jacobian(value: ca.SX, state: ca.SX) -> ca.SX:
-    return ca.vec(ca.densify(ca.jacobian(value, state)))
 
 
 def _stack(columns: list[ca.SX]) -> ca.SX:

@@ -82,13 +82,14 @@ def mass_matrix(
     return total
 
 
-def centrifugal(mass: ca.SX, q: ca.SX, v: ca.SX, constants: ConstantInputs) -> ca.SX:
+def centrifugal_forces(mass: ca.SX, q: ca.SX, v: ca.SX, half: ca.SX) -> ca.SX:
     r"""Coriolis and centrifugal forces by Christoffel symbols of the first kind.
 
     .. math:: c_i = \sum_{jk} \Bigl(\partial_k M_{ij} - \tfrac12 \partial_i M_{jk}\Bigr) v_j v_k
+
+    ``half`` is the exact input that stands for 1/2.
     """
     n, rows = q.numel(), []
-    half = constants.read(Constant(Fraction(1, 2)))
     slope = _slopes(mass, q)
     for i in range(n):
         row = ca.SX(0)
@@ -114,7 +115,7 @@ def _slopes(mass: ca.SX, q: ca.SX) -> dict[tuple[int, int, int], ca.SX]:
     }
 
 
-def gravitational(
+def gravitational_forces(
     model: RobotModel,
     at: Kinematics,
     q: ca.SX,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
@@ -46,6 +47,10 @@ UNARY = {
 BINARY = {ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div"}
 
 
+class UndefinedValueError(ValueError):
+    """A graph that has no value anywhere."""
+
+
 @dataclass(frozen=True, slots=True)
 class Tape:
     """A straight-line program.
@@ -83,6 +88,7 @@ def tape(function: ca.Function) -> Tape:
     """The instruction list of a CasADi function with one output.
 
     Raises:
+        UndefinedValueError: CasADi has divided by a literal zero.
         ValueError: a constant that is not an exact integer, or an operation no reading knows.
     """
     starts = [0]
@@ -99,6 +105,8 @@ def tape(function: ca.Function) -> Tape:
             instructions.append(("output", results[1], (arguments[0],)))
         elif code == CONSTANT:
             value = function.instruction_constant(i)
+            if not math.isfinite(value):
+                raise UndefinedValueError(f"a divisor in the rules is zero: the constant {value!r}")
             if not value.is_integer() or abs(value) >= LARGEST_EXACT_INTEGER:
                 raise ValueError(f"the graph holds the inexact constant {value!r}")
             instructions.append(("constant", results[0], (int(value),)))

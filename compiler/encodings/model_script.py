@@ -9,7 +9,6 @@ from compiler.arithmetic.balls import closed_ball, working_precision
 from compiler.arithmetic.rational_enclosure import rational_bounds
 from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.dynamics.motion_graph import MotionGraph
 from compiler.dynamics.tape import tape
 from compiler.encodings.graph_terms import ONE, PI, LinearTerm, TermArithmetic
 from compiler.encodings.real_terms import RealScript, all_of, any_of, between
@@ -19,7 +18,7 @@ from grammar_lang import ir
 BITS = 128
 
 
-def model_script(graph: RobotGraph | MotionGraph) -> str:
+def model_script(graph: RobotGraph) -> str:
     """Declarations, ranges, and the entries of M and of the effectors' positions as functions.
 
     With entries ``M_i_j`` (i <= j) and ``e_i_x``, indices from 1; coordinates are ``q1`` or

@@ -13,7 +13,6 @@ import casadi as ca
 
 from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.dynamics.motion_graph import MotionGraph
 from compiler.dynamics.tape import tape
 from compiler.formulas.trigonometric_polynomial import (
     Abbreviation,
@@ -162,7 +161,7 @@ class Formulas:
 
 
 def formulas(
-    graph: RobotGraph | MotionGraph,
+    graph: RobotGraph,
     function: ca.Function,
     wanted: Sequence[int] | None = None,
 ) -> Formulas:
@@ -187,7 +186,7 @@ def formulas(
 
 
 def _inputs(
-    graph: RobotGraph | MotionGraph, ring: PolynomialRing, *, rates: bool
+    graph: RobotGraph, ring: PolynomialRing, *, rates: bool
 ) -> list[TrigonometricPolynomial]:
     """The inputs of a function; coordinates first, so that angles begin with them."""
     n, p = len(graph.model.dofs), len(graph.model.parameters)

@@ -18,7 +18,7 @@ from compiler.descriptions.model_symbols import model_symbols
 from compiler.descriptions.robot_sections import robot_sections
 from compiler.descriptions.text_document import WIDTH, to_text
 from compiler.descriptions.text_notation import TextNotation
-from compiler.dynamics.motion_graph import motion_graph
+from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.formulas.trigonometric_polynomial import (
     Abbreviation,
     Opaque,
@@ -266,4 +266,4 @@ def test_a_robot_without_joints() -> None:
     sections = motion_sections(model_reading(builder.build(), (Fraction(0), Fraction(-1))))
     assert [section.title for section in sections] == ["Positions of the effectors, in m"]
     assert to_text(sections).splitlines()[-2:] == ["e1_x = l1", "e1_y = 0"]
-    assert motion_graph(builder.build()).mass_matrix.numel_out(0) == 0
+    assert robot_graph(builder.build()).mass_matrix.numel_out(0) == 0

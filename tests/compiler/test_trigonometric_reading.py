@@ -13,8 +13,7 @@ from compiler.arithmetic.scalars import Constant
 from compiler.descriptions.expression_printer import ExpressionPrinter
 from compiler.descriptions.model_symbols import model_symbols
 from compiler.descriptions.text_notation import TextNotation
-from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.motion_graph import MotionGraph, motion_graph
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.formulas import trigonometric_reading
 from compiler.formulas.trigonometric_polynomial import CONSTANT, COSINE, Abbreviation, Variable
 from compiler.formulas.trigonometric_reading import Formulas, formulas, symbols_of
@@ -42,7 +41,7 @@ class Point:
             for i, item in enumerate(column)
         }
 
-    def floats(self, graph: MotionGraph, name: str) -> Array:
+    def floats(self, graph: RobotGraph, name: str) -> Array:
         k = [float(c.value) if isinstance(c, Constant) else np.pi for c in graph.constants]
         columns = [self.q, self.v] if name == "centrifugal" else [self.q]
         found = getattr(graph, name)(*columns, self.theta, np.array(k))
@@ -87,7 +86,7 @@ def test_random_robots_read_as_their_graphs(
     seed: int, dimension: int, joints: int, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     model = random_robot(seed, dimension, joints)
-    graph, point = motion_graph(model, PULL[:dimension]), Point(model, seed)
+    graph, point = robot_graph(model, PULL[:dimension]), Point(model, seed)
     expected = point.floats(graph, name)
     scale = max(1.0, float(np.abs(expected).max()))
     for products in (10_000, 0):
@@ -119,7 +118,7 @@ def awkward() -> RobotModel:
 @pytest.mark.parametrize("name", NAMES)
 def test_what_is_no_polynomial_is_kept(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     model = awkward()
-    graph, point = motion_graph(model, PULL[:2]), Point(model, 7)
+    graph, point = robot_graph(model, PULL[:2]), Point(model, 7)
     expected = point.floats(graph, name)
     for products in (10_000, 0):
         monkeypatch.setattr(trigonometric_reading, "MOST_PRODUCTS", products)
@@ -129,30 +128,10 @@ def test_what_is_no_polynomial_is_kept(name: str, monkeypatch: pytest.MonkeyPatc
         np.testing.assert_allclose(read, expected, rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_the_parts_are_those_of_the_whole_graph(dimension: int) -> None:
-    """M, c + g and the effectors of the graph that everything else reads."""
-    model = random_robot(5, dimension, 3)
-    point = Point(model, 3)
-    parts, whole = motion_graph(model, PULL[:dimension]), robot_graph(model, PULL[:dimension])
-    k = np.array([float(c.value) if isinstance(c, Constant) else np.pi for c in whole.constants])
-    bias = np.asarray(whole.bias(point.q, point.v, point.theta, k).full()).ravel()
-    total = point.floats(parts, "centrifugal") + point.floats(parts, "gravitational")
-    np.testing.assert_allclose(total, bias, rtol=1e-12, atol=1e-12)
-    at_rest = np.asarray(whole.bias(point.q, 0 * point.v, point.theta, k).full()).ravel()
-    np.testing.assert_allclose(
-        point.floats(parts, "gravitational"), at_rest, rtol=1e-12, atol=1e-12
-    )
-    mass = np.asarray(whole.mass_matrix(point.q, point.theta, k).full()).ravel(order="F")
-    np.testing.assert_allclose(point.floats(parts, "mass_matrix"), mass, rtol=1e-12, atol=1e-12)
-    tips = np.asarray(whole.effectors(point.q, point.theta, k).full()).ravel()
-    np.testing.assert_allclose(point.floats(parts, "effectors"), tips, rtol=1e-12, atol=1e-12)
-
-
 def test_two_rods_have_the_corrected_mass_matrix_of_the_paper() -> None:
     """Correction 4.6: D12 starts with l2^3/3; density 3/2."""
     d = Fraction(3, 2)
-    graph = motion_graph(rod_chain(2, [d, d]))
+    graph = robot_graph(rod_chain(2, [d, d]))
     found = formulas(graph, graph.mass_matrix)
     number = found.ring.number
     l1, l2 = (number(Variable("parameter", i)) for i in range(2))
@@ -167,7 +146,7 @@ def test_two_rods_have_the_corrected_mass_matrix_of_the_paper() -> None:
 
 
 def test_the_reference_values_of_the_contract() -> None:
-    graph = motion_graph(rod_chain(2))
+    graph = robot_graph(rod_chain(2))
     point = Point(graph.model, 0)
     for i, length in enumerate(("1", "0.5")):
         point.variables[Variable("parameter", i)] = mp.mpf(length)
@@ -178,14 +157,14 @@ def test_the_reference_values_of_the_contract() -> None:
 
 
 def test_five_rods_are_canonical_and_seven_joints_in_space_a_listing() -> None:
-    five = motion_graph(rod_chain(5))
+    five = robot_graph(rod_chain(5))
     assert formulas(five, five.mass_matrix).named == ()
     bias = formulas(five, five.centrifugal)
     assert bias.named == ()
     assert max(len(output.terms) for output in bias.outputs) <= trigonometric_reading.MOST_TERMS
     point = Point(five.model, 1)
     np.testing.assert_allclose(values(bias, point), point.floats(five, "centrifugal"), rtol=1e-10)
-    seven = motion_graph(random_robot(2, 3, 7))
+    seven = robot_graph(random_robot(2, 3, 7))
     mass = formulas(seven, seven.mass_matrix)
     assert mass.named
     lengths = [len(item.value.terms) for item in mass.named] + [len(o.terms) for o in mass.outputs]
@@ -211,7 +190,7 @@ def test_the_reading_repeats() -> None:
     symbols = model_symbols(model)
 
     def texts() -> list[str]:
-        graph = motion_graph(model, PULL)
+        graph = robot_graph(model, PULL)
         found = formulas(graph, graph.centrifugal)
         printer = ExpressionPrinter(found.ring, TextNotation(), symbols.text, {})
         return [printer.text(output) for output in found.outputs]

@@ -191,7 +191,7 @@ def test_a_robot_that_is_not_defined(srgc, spec):
     for form in ("text", "latex", "smt2"):
         ran = srgc("model", path, "--word", "B eps JO eps L eps EN", "--format", form)
         assert (ran.status, ran.out) == (2, "")
-        assert ran.err == "error: a divisor in the semantic rules is zero\n"
+        assert ran.err.startswith("error: a divisor in the rules is zero: ")
 
 
 def test_the_plane_or_space(srgc, spec):

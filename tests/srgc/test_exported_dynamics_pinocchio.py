@@ -31,7 +31,7 @@ class PinocchioRobot:
     def __init__(self, text: str, gravity: tuple[Fraction, ...]) -> None:
         import pinocchio
 
-        self.library = pinocchio
+        self.pinocchio = pinocchio
         self.model = pinocchio.buildModelFromXML(text)
         self.data = self.model.createData()
         joints = [self.model.getJointId(f"j{i + 1}") for i in range(self.model.nv)]
@@ -63,12 +63,12 @@ def agree(model: RobotModel, theta: tuple[Fraction, ...], seed: int) -> None:
     for _ in range(3):
         q, v, u = rng.uniform(-2.5, 2.5, n), rng.uniform(-2, 2, n), rng.uniform(-9, 9, n)
         at, rate, force = other.configuration(q), other.tangent(v), other.tangent(u)
-        mass = np.array(other.library.crba(other.model, other.data, at))
+        mass = np.array(other.pinocchio.crba(other.model, other.data, at))
         mass = np.triu(mass) + np.triu(mass, 1).T
         close(mass[np.ix_(other.rates, other.rates)], evaluate(graph, "mass_matrix", q, values))
-        bias = np.array(other.library.nonLinearEffects(other.model, other.data, at, rate))
+        bias = np.array(other.pinocchio.nonLinearEffects(other.model, other.data, at, rate))
         close(bias[other.rates], evaluate(graph, "bias", q, v, values))
-        found = np.array(other.library.aba(other.model, other.data, at, rate, force))
+        found = np.array(other.pinocchio.aba(other.model, other.data, at, rate, force))
         close(found[other.rates], evaluate(graph, "acceleration", q, v, u, values))
 
 
