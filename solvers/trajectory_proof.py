@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-import casadi as ca
 from flint import arb
 
 from compiler.arithmetic.balls import (
@@ -112,15 +111,6 @@ def prove_motion(
     return findings
 
 
-def all_points(graph: RobotGraph) -> ca.Function:
-    """Effectors, then body points, as one function of (q, theta, k)."""
-    symbols = [
-        ca.SX.sym(name, graph.effectors.size1_in(i)) for i, name in enumerate(("q", "theta", "k"))
-    ]
-    both = ca.vertcat(graph.effectors(*symbols), graph.body_points(*symbols))
-    return ca.Function("points", symbols, [ca.cse(ca.densify(both))])
-
-
 def _findings(
     scene: Scene, motion: Motion, accuracy: Accuracy, tick: Callable[[], None]
 ) -> tuple[Finding, ...]:
@@ -131,7 +121,7 @@ def _findings(
     field = VectorField(
         tape(graph.balance), tape(graph.variation), len(graph.model.dofs), tail, len(own)
     )
-    reading = PointReading(tape(all_points(graph)), field, graph.model.dimension)
+    reading = PointReading(tape(graph.points), field, graph.model.dimension)
     n, coordinates = len(graph.model.dofs), graph.coordinates
     exact = [coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
     state = [ball(value) for part in exact for value in part]

@@ -97,7 +97,7 @@ class FloatReading:
 
     @cached_property
     def _points(self) -> ca.Function:
-        return _with_jacobians(_all_points(self.graph), (0, 1))
+        return _with_jacobians(self.graph.points, (0, 1))
 
     def _call(self, function: ca.Function, q: Array, theta: Array) -> list[Array]:
         """Evaluate a function of (q, theta, k) at K samples (K, n); each result is (K, numel)."""
@@ -234,12 +234,3 @@ def _tracker(points: ca.Function, n: int, d: int, point: int, steps: int) -> ca.
         longest = ca.fmax(1, ca.norm_2(step) / LONGEST_STEP)
         at = ca.fmin(ca.fmax(at + step / longest, lower), upper)
     return ca.Function("follow", [q, extra], [at]).mapaccum("track", steps)
-
-
-def _all_points(graph: RobotGraph) -> ca.Function:
-    """Effectors, then body points, as one function of (q, theta, k)."""
-    symbols = [
-        ca.SX.sym(f"i{i}", graph.effectors.size1_in(i)) for i in range(graph.effectors.n_in())
-    ]
-    both = ca.vertcat(graph.effectors(*symbols), graph.body_points(*symbols))
-    return ca.Function("points", symbols, [both])

@@ -71,7 +71,7 @@ class RobotGraph:
       what must not be negative, for the values above to exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
-      them span which body.
+      them span which body; ``points(q, theta, k)``: effectors, then body points.
 
     A function is made when it is first asked for: their sizes differ by orders of magnitude.
     """
@@ -159,6 +159,12 @@ class RobotGraph:
     def body_points(self) -> ca.Function:
         """Positions of the points that span the bodies."""
         return self._function("body_points", [self.parts.q], self.parts.body_points)
+
+    @cached_property
+    def points(self) -> ca.Function:
+        """Effectors, then body points."""
+        both = ca.vertcat(self.parts.effectors, self.parts.body_points)
+        return self._function("points", [self.parts.q], both)
 
 
 def robot_graph(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from compiler.grammars.derivation import Derivation, DerivationNode
+from compiler.semantics.emission_order import emission_order
 from grammar_lang import ir
 
 
@@ -19,9 +20,8 @@ def effector_modules(
     module of the role effector only; of others (None) nobody can say.
     """
     found: list[int | None] = []
-    nodes = derivation.nodes
-    for number in sorted(range(len(nodes)), key=lambda n: (_emits_at(derivation, nodes[n]), n)):
-        node = nodes[number]
+    for number in emission_order(derivation):
+        node = derivation.nodes[number]
         emissions = semantics[node.production.label].emissions
         count = sum(isinstance(emission, ir.Effector) for emission in emissions)
         places = [place for place, name in _modules(node) if modules[name].role == "effector"]
@@ -33,12 +33,3 @@ def _modules(node: DerivationNode) -> list[tuple[int, str]]:
     """The modules of a production by place and name."""
     symbols = zip(node.children, node.production.right, strict=True)
     return [(place, symbol.name) for place, symbol in symbols if symbol.kind == "module"]
-
-
-def _emits_at(derivation: Derivation, node: DerivationNode) -> int:
-    """Where in the word a production emits: its first module, else its first terminal."""
-    if own := _modules(node):
-        return own[0][0]
-    symbols = zip(node.children, node.production.right, strict=True)
-    edges = (place for place, symbol in symbols if symbol.kind != "nonterminal")
-    return next(edges, len(derivation.word))

@@ -103,6 +103,24 @@ class SolidBody:
 Body: TypeAlias = RodBody | PointBody | SolidBody
 
 
+def scalars_of_step(step: Step | None) -> tuple[int, ...]:
+    """The scalars of a step, in order."""
+    match step:
+        case Turn(_, angle):
+            return (angle,)
+        case Offset(vector):
+            return vector
+        case Joint() | None:
+            return ()
+
+
+def scalars_of_body(body: Body) -> tuple[int, ...]:
+    """The scalars of a body, in order."""
+    if isinstance(body, SolidBody):
+        return (body.mass, *body.com, *body.inertia)
+    return amounts_of(body)
+
+
 def amounts_of(body: Body) -> tuple[int, ...]:
     """The scalars of a body that no real body has below zero."""
     match body:

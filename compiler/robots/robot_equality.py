@@ -28,6 +28,8 @@ from compiler.robots.robot import (
     RodBody,
     SolidBody,
     Turn,
+    scalars_of_body,
+    scalars_of_step,
 )
 from grammar_lang import ir
 
@@ -102,23 +104,8 @@ def _limits(dof: RobotDof) -> Iterator[arb]:
 
 def _scalars(model: RobotModel) -> tuple[int, ...]:
     """The scalars of frames and bodies, in order."""
-    found: list[int] = []
-    for frame in model.frames:
-        match frame.step:
-            case Turn(_, angle):
-                found.append(angle)
-            case Offset(vector):
-                found += vector
-            case Joint() | None:
-                pass
-    for body in model.bodies:
-        match body:
-            case RodBody(_, _, _, length, density, radius):
-                found += (length, density) if radius is None else (length, density, radius)
-            case PointBody(_, mass):
-                found.append(mass)
-            case SolidBody(_, mass, com, inertia):
-                found += (mass, *com, *inertia)
+    found = [scalar for frame in model.frames for scalar in scalars_of_step(frame.step)]
+    found += [scalar for body in model.bodies for scalar in scalars_of_body(body)]
     return tuple(found)
 
 

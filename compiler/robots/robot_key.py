@@ -21,8 +21,9 @@ from compiler.robots.robot import (
     RobotModel,
     RodBody,
     SolidBody,
-    Step,
     Turn,
+    scalars_of_body,
+    scalars_of_step,
 )
 
 
@@ -81,33 +82,13 @@ def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:
 
 def _used_scalars(model: RobotModel) -> set[int]:
     """The scalars that frames and bodies use, directly or not."""
-    used = {i for frame in model.frames for i in _step_scalars(frame.step)}
-    used |= {i for body in model.bodies for i in _body_scalars(body)}
+    used = {i for frame in model.frames for i in scalars_of_step(frame.step)}
+    used |= {i for body in model.bodies for i in scalars_of_body(body)}
     for i in range(len(model.scalars) - 1, -1, -1):
         node = model.scalars[i]
         if i in used and isinstance(node, Apply):
             used.update(node.arguments)
     return used
-
-
-def _step_scalars(step: Step | None) -> tuple[int, ...]:
-    match step:
-        case Turn(_, angle):
-            return (angle,)
-        case Offset(vector):
-            return vector
-        case Joint() | None:
-            return ()
-
-
-def _body_scalars(body: Body) -> tuple[int, ...]:
-    match body:
-        case RodBody(_, _, _, length, density, radius):
-            return (length, density) if radius is None else (length, density, radius)
-        case PointBody(_, mass):
-            return (mass,)
-        case SolidBody(_, mass, com, inertia):
-            return (mass, *com, *inertia)
 
 
 def _body_text(body: Body, texts: list[str]) -> str:

@@ -13,6 +13,7 @@ from compiler.grammars.derivation import Derivation
 from compiler.robots.robot import Body, PointBody, RobotModel, RodBody, SolidBody
 from compiler.semantics.attribute_values import AXES, AttributeValues
 from compiler.semantics.declarations import declarations
+from compiler.semantics.emission_order import emission_order
 from compiler.semantics.evaluation_order import EvaluationOrder, Step, Visit
 from compiler.semantics.frame_table import FrameTable
 from compiler.semantics.semantics_error import SemanticsError
@@ -48,7 +49,7 @@ def evaluate(
     emitted = _Emitted(values, FrameTable(values.scalars.nodes, values.zero))
     bodies: list[Body] = []
     effectors: list[int] = []
-    for node in sorted(range(len(derivation.nodes)), key=lambda n: (_place(derivation, n), n)):
+    for node in emission_order(derivation):
         for emission in semantics[derivation.nodes[node].production.label].emissions:
             if isinstance(emission, ir.Effector):
                 effectors.append(emitted.frame(node, emission.frame))
@@ -87,17 +88,6 @@ def _carry_out(order: EvaluationOrder, values: AttributeValues) -> None:
             values.define(node, step)
         else:
             visits.pop()
-
-
-def _place(derivation: Derivation, node: int) -> int:
-    """Where in the word a production emits: its first module, else its first terminal."""
-    current = derivation.nodes[node]
-    own = [
-        (symbol.kind != "module", current.children[position])
-        for position, symbol in enumerate(current.production.right)
-        if symbol.kind != "nonterminal"
-    ]
-    return min(own)[1] if own else len(derivation.word)
 
 
 @dataclass(frozen=True, slots=True)
