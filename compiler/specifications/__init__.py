@@ -1,0 +1,1 @@
+"""What tasks say in temporal logic: one formula per task, its monitors, its sampled form."""

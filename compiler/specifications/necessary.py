@@ -1,0 +1,196 @@
+"""What every motion does that satisfies a formula, read off the formula alone.
+
+*Necessary visits*: an effector is in a region at some instant of [0, T].  *Permanent avoidance*: it
+is at no instant of [0, T].  Both are sound and incomplete: a formula may entail more.  Negations
+are pushed inwards on the way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import reduce
+from typing import TypeAlias
+
+from grammar_lang import ir
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """A region, and the number (from 1) of the effector that is, or never is, in it."""
+
+    region: str
+    effector: int
+
+
+Places: TypeAlias = frozenset[Place]
+
+NOWHERE: Places = frozenset()
+
+
+def necessary_visits(formula: ir.Formula, horizon: Fraction, step: Fraction) -> Places:
+    """The places that are visited in [0, T] wherever a formula holds at time 0.
+
+    Args:
+        formula: the formula.
+        horizon: T, in seconds.
+        step: the length of a step, in seconds.
+    """
+    return _Visits(horizon, step).of(formula, Fraction(0))
+
+
+def permanently_avoided(formula: ir.Formula, horizon: Fraction) -> Places:
+    """The places that are never entered in [0, T] wherever a formula holds at time 0."""
+    return _Avoided(horizon).at_first(formula)
+
+
+def task_visits(task: ir.Task) -> tuple[Place, ...]:
+    """The places that the ``satisfy`` of a task together make necessary, sorted."""
+    total = task.steps * task.step
+    found = (necessary_visits(clause.formula, total, task.step) for clause in task.satisfy)
+    return tuple(sorted(_union(found)))
+
+
+def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
+    """The regions that an effector never enters, sorted: of ``avoid`` and of formulas.
+
+    Args:
+        task: the task.
+        effector: its number, from 1; None for one that has no number.
+    """
+    regions = {name for a in task.avoid if a.subject == "effector" for name in a.regions}
+    total = task.steps * task.step
+    for clause in task.satisfy:
+        found = permanently_avoided(clause.formula, total)
+        regions.update(place.region for place in found if place.effector == effector)
+    return tuple(sorted(regions))
+
+
+def _union(parts: Iterable[Places]) -> Places:
+    return frozenset[Place]().union(*parts)
+
+
+def _common(parts: Iterable[Places]) -> Places:
+    return reduce(frozenset[Place].intersection, parts)
+
+
+def _pushed(formula: ir.Formula) -> ir.Formula:
+    """The same without a negation in front, as far as the operators have duals of their own."""
+    while isinstance(formula, ir.Not):
+        match formula.operand:
+            case ir.Not(operand=part):
+                formula = part
+            case ir.And(operands=operands):
+                return ir.Or(tuple(ir.Not(part) for part in operands))
+            case ir.Or(operands=operands):
+                return ir.And(tuple(ir.Not(part) for part in operands))
+            case ir.Implies(left=left, right=right):
+                return ir.And((left, ir.Not(right)))
+            case ir.Always(operand=part, window=window):
+                return ir.Eventually(ir.Not(part), window)
+            case ir.Eventually(operand=part, window=window):
+                return ir.Always(ir.Not(part), window)
+            case _:
+                return formula
+    if isinstance(formula, ir.Implies):
+        return ir.Or((ir.Not(formula.left), formula.right))
+    return formula
+
+
+@dataclass(frozen=True, slots=True)
+class _Visits:
+    horizon: Fraction
+    step: Fraction
+
+    def of(self, formula: ir.Formula, latest: Fraction) -> Places:
+        """What follows from a formula that holds at some instant, which is not after ``latest``."""
+        pushed = _pushed(formula)
+        match pushed:
+            case ir.And(operands=operands):
+                return _union([self.of(part, latest) for part in operands])
+            case ir.Or(operands=operands):
+                return _common([self.of(part, latest) for part in operands])
+            case ir.Not(operand=operand):
+                return self.without(operand, latest)
+            case ir.Atom(region=region, effector=effector):
+                return frozenset([Place(region, effector)])
+            case _:
+                return self.in_time(pushed, latest)
+
+    def in_time(self, formula: ir.Formula, latest: Fraction) -> Places:
+        """The same for a temporal operator."""
+        match formula:
+            case ir.Always(operand=part, window=window):
+                return self.if_in_time(part, latest + window.lower)
+            case ir.Eventually(operand=part, window=window):
+                upper = self.horizon if window.upper is None else latest + window.upper
+                return self.of(part, min(upper, self.horizon))
+            case ir.Last(operand=part, duration=duration):
+                return self.of(part, max(Fraction(0), self.horizon - duration))
+            case ir.Next(operand=part):
+                return self.of(part, min(latest + self.step, self.horizon))
+            case ir.Until(left=left, right=right):
+                # At first it is left or right that holds, and right at some time.
+                at_first = self.of(left, latest) & self.of(right, latest)
+                return at_first | self.of(right, self.horizon)
+            case _:
+                raise TypeError(formula)
+
+    def without(self, formula: ir.Formula, latest: Fraction) -> Places:
+        """The same where a formula does not hold that has no dual."""
+        match formula:
+            case ir.Last(operand=part):
+                return self.of(ir.Not(part), self.horizon)
+            case ir.Next(operand=part):
+                return self.if_in_time(ir.Not(part), latest + self.step)
+            case ir.Until(right=right):
+                return self.of(ir.Not(right), latest)
+            case _:
+                return NOWHERE
+
+    def if_in_time(self, formula: ir.Formula, latest: Fraction) -> Places:
+        """What follows if nothing is demanded after T: an instant after it demands nothing."""
+        return self.of(formula, latest) if latest <= self.horizon else NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class _Avoided:
+    horizon: Fraction
+
+    def at_first(self, formula: ir.Formula) -> Places:
+        """What follows from a formula that holds at time 0."""
+        pushed = _pushed(formula)
+        match pushed:
+            case ir.And(operands=operands):
+                return _union([self.at_first(part) for part in operands])
+            case ir.Or(operands=operands):
+                return _common([self.at_first(part) for part in operands])
+            case ir.Always(operand=part, window=window):
+                covers = window.upper is None or window.upper >= self.horizon
+                return self.throughout(part) if covers and window.lower == 0 else NOWHERE
+            case ir.Last(operand=part, duration=duration):
+                return self.throughout(part) if duration >= self.horizon else NOWHERE
+            case _:
+                return NOWHERE
+
+    def throughout(self, formula: ir.Formula) -> Places:
+        """What follows from a formula that holds at every instant of [0, T]."""
+        pushed = _pushed(formula)
+        match pushed:
+            case ir.And(operands=operands):
+                return _union([self.throughout(part) for part in operands])
+            case ir.Or(operands=operands):
+                return _common([self.throughout(part) for part in operands])
+            case ir.Not(operand=ir.Atom(region=region, effector=effector)):
+                return frozenset([Place(region, effector)])
+            case ir.Not(operand=ir.Until(right=right)):
+                return self.throughout(ir.Not(right))
+            case ir.Until(left=left, right=right):
+                return self.throughout(left) & self.throughout(right)
+            case ir.Always(operand=part, window=window):
+                return self.throughout(part) if window.lower == 0 else NOWHERE
+            case ir.Last():
+                return self.at_first(pushed)
+            case _:
+                return NOWHERE

@@ -1,0 +1,270 @@
+"""Formulas about words of cells: what a search asks of the samples of a motion.
+
+They are in negation normal form, over samples 0 .. k.  Parts are shared: a formula is a graph of
+objects, to be walked by identity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """The effector (from 1) is in a cell inside the region, or in one that is not."""
+
+    region: str
+    effector: int
+    positive: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Every:
+    """All parts; with none it is true."""
+
+    parts: tuple[SampledFormula, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Some:
+    """At least one part; with none it is false."""
+
+    parts: tuple[SampledFormula, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Eventually:
+    """At some sample from ``first`` to ``last`` later (None: to the end) that there is."""
+
+    part: SampledFormula
+    first: int
+    last: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Throughout:
+    """At all samples from ``first`` to ``last`` later (None: to the end) that there are."""
+
+    part: SampledFormula
+    first: int
+    last: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class SomewhereFrom:
+    """At some sample from the ``sample``-th on, wherever it is asked."""
+
+    part: SampledFormula
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class ThroughoutFrom:
+    """At all samples from the ``sample``-th on, wherever it is asked."""
+
+    part: SampledFormula
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class Until:
+    """``right`` at some sample from the present one on, ``left`` at all before it."""
+
+    left: SampledFormula
+    right: SampledFormula
+
+
+SampledFormula: TypeAlias = (
+    Literal | Every | Some | Eventually | Throughout | SomewhereFrom | ThroughoutFrom | Until
+)
+Word: TypeAlias = Sequence[Mapping[int, frozenset[str]]]
+"""Per sample and effector (from 1) the propositions of its cell."""
+
+TRUE: Final = Every(())
+FALSE: Final = Some(())
+ONE_LATER: Final = Eventually(TRUE, 1, 1)
+"""There is another sample."""
+
+
+# --- constructors that keep formulas small -------------------------------------------------------
+
+
+def every(parts: Iterable[SampledFormula]) -> SampledFormula:
+    """The conjunction."""
+    found: list[SampledFormula] = []
+    for part in parts:
+        found += part.parts if isinstance(part, Every) else [part]
+    if any(part == FALSE for part in found if isinstance(part, Some)):
+        return FALSE
+    found = _once(found)
+    return found[0] if len(found) == 1 else Every(tuple(found))
+
+
+def some(parts: Iterable[SampledFormula]) -> SampledFormula:
+    """The disjunction."""
+    found: list[SampledFormula] = []
+    for part in parts:
+        found += part.parts if isinstance(part, Some) else [part]
+    if any(part == TRUE for part in found if isinstance(part, Every)):
+        return TRUE
+    found = _once(found)
+    return found[0] if len(found) == 1 else Some(tuple(found))
+
+
+def _once(parts: Sequence[SampledFormula]) -> list[SampledFormula]:
+    """Without what comes again, literals by value and others by identity."""
+    found = {part if isinstance(part, Literal) else id(part): part for part in parts}
+    return list(found.values())
+
+
+def throughout(part: SampledFormula, first: int, last: int | None) -> SampledFormula:
+    """``part`` at all samples of a window."""
+    match part:
+        case Every(parts=parts):
+            return every(throughout(one, first, last) for one in parts)
+        case Throughout(part=inner, first=0, last=reach):
+            end = None if last is None or reach is None else last + reach
+            return Throughout(inner, first, end)
+        case _:
+            return part if first == last == 0 else Throughout(part, first, last)
+
+
+def eventually(part: SampledFormula, first: int, last: int | None) -> SampledFormula:
+    """``part`` at some sample of a window."""
+    match part:
+        case Some(parts=parts):
+            return some(eventually(one, first, last) for one in parts)
+        case Eventually(part=inner, first=0, last=reach):
+            end = None if last is None or reach is None else last + reach
+            return Eventually(inner, first, end)
+        case _:
+            return part if first == last == 0 else Eventually(part, first, last)
+
+
+def next_sample(part: SampledFormula) -> SampledFormula:
+    """There is another sample, and ``part`` holds there."""
+    return eventually(part, 1, 1)
+
+
+# --- formulas about one effector's cell ---------------------------------------------------------
+
+
+def _literals(state: SampledFormula) -> Iterator[Literal]:
+    stack = [state]
+    while stack:
+        match stack.pop():
+            case Literal() as literal:
+                yield literal
+            case Every(parts=parts) | Some(parts=parts):
+                stack.extend(parts)
+            case other:
+                raise TypeError(f"not about one instant: {other}")
+
+
+def is_monotone(state: SampledFormula) -> bool:
+    """Whether a formula about one instant asks to be in regions only, a closed set."""
+    return all(literal.positive for literal in _literals(state))
+
+
+def both_cells(state: SampledFormula) -> SampledFormula:
+    """The formula at a common point of the present and of the next cell."""
+    match state:
+        case Literal(positive=positive):
+            return eventually(state, 0, 1) if positive else throughout(state, 0, 1)
+        case Every(parts=parts):
+            return every(both_cells(part) for part in parts)
+        case Some(parts=parts):
+            return some(both_cells(part) for part in parts)
+        case other:
+            raise TypeError(f"not about one instant: {other}")
+
+
+def dense_state(state: SampledFormula) -> SampledFormula:
+    """The formula from a sample to the next, the change of cells between them included."""
+    cells = throughout(state, 0, 1)
+    match state:
+        case Some(parts=parts):
+            open_parts = [part for part in parts if not is_monotone(part)]
+            # With one that is no closed set: if neither cell meets another, both meet this one.
+            if len(open_parts) <= 1 and all(isinstance(part, Literal) for part in open_parts):
+                return cells
+            return every((cells, both_cells(state)))
+        case Every(parts=parts):
+            return every(dense_state(part) for part in parts)
+        case _:
+            return cells
+
+
+# --- the meaning on a word -----------------------------------------------------------------------
+
+
+def holds(formula: SampledFormula, word: Word, i: int = 0) -> bool:
+    """Whether a word of cells satisfies a formula at its i-th sample."""
+    return truth(formula, word)[id(formula)][i]
+
+
+def truth(formula: SampledFormula, word: Word) -> dict[int, list[bool]]:
+    """By the identity of each part of a formula its truth at every sample."""
+    rows: dict[int, list[bool]] = {}
+    for node in nodes(formula):
+        rows[id(node)] = _row(node, rows, word)
+    return rows
+
+
+def nodes(formula: SampledFormula) -> Iterator[SampledFormula]:
+    """The formula and all that it is made of, each object once, parts before wholes."""
+    seen: set[int] = set()
+    stack = [(formula, False)]
+    while stack:
+        node, complete = stack.pop()
+        if complete:
+            yield node
+        elif id(node) not in seen:
+            seen.add(id(node))
+            stack.append((node, True))
+            stack.extend((part, False) for part in reversed(parts_of(node)))
+
+
+def parts_of(formula: SampledFormula) -> tuple[SampledFormula, ...]:
+    """The direct parts."""
+    match formula:
+        case Literal():
+            return ()
+        case Every(parts=parts) | Some(parts=parts):
+            return parts
+        case Until(left=left, right=right):
+            return left, right
+        case _:
+            return (formula.part,)
+
+
+def _row(node: SampledFormula, rows: Mapping[int, list[bool]], word: Word) -> list[bool]:
+    """The truth of a node at every sample, from that of its parts."""
+    count = len(word)
+    parts = [rows[id(part)] for part in parts_of(node)]
+    match node:
+        case Literal(region=region, effector=effector, positive=positive):
+            return [(region in at[effector]) is positive for at in word]
+        case Every():
+            return [all(part[i] for part in parts) for i in range(count)]
+        case Some():
+            return [any(part[i] for part in parts) for i in range(count)]
+        case Eventually(first=first, last=last):
+            return [any(_window(parts[0], i, first, last)) for i in range(count)]
+        case Throughout(first=first, last=last):
+            return [all(_window(parts[0], i, first, last)) for i in range(count)]
+        case SomewhereFrom(sample=sample):
+            return [any(parts[0][sample:])] * count
+        case ThroughoutFrom(sample=sample):
+            return [all(parts[0][sample:])] * count
+        case Until():
+            row = [False] * (count + 1)
+            for i in reversed(range(count)):
+                row[i] = parts[1][i] or (parts[0][i] and row[i + 1])
+            return row[:count]
+
+
+def _window(row: Sequence[bool], i: int, first: int, last: int | None) -> Sequence[bool]:
+    return row[i + first :] if last is None else row[i + first : i + last + 1]
