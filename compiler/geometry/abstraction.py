@@ -2,11 +2,12 @@
 
 Source: Sections 3 and 4.2 of the paper, W = (P, H, N).  The cells partition the bounds and refine
 every region, so that a cell has the propositions of all its inner points.  Only cells that meet a
-region are cut, along its facets; pieces of equal propositions are glued where that stays convex.
+region are cut, along its facets; pieces of equal propositions are then made few and large.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,9 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compiler.geometry.adjacency import Pair, shared_facets, touching
+from compiler.geometry.coarsening import coarsened
 from compiler.geometry.double_description import Point
-from compiler.geometry.partition import divide, glue
+from compiler.geometry.partition import divide
 from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.geometry.refinement import Cut, split_cells
 from grammar_lang.ir import Region, Workspace
 
 Array: TypeAlias = NDArray[np.float64]
@@ -31,12 +34,18 @@ OUTSIDE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A closed convex cell; ``kind`` is that of the region it is named after."""
+    """A closed convex cell; ``region`` is what it is named after, ``kind`` the kind of that."""
 
     name: str
     kind: CellKind
     polytope: Polytope
     propositions: frozenset[str]
+    region: str
+
+    @property
+    def volume(self) -> Fraction:
+        """The area (m^2) in the plane, the volume (m^3) in space; exact."""
+        return self.polytope.volume
 
 
 @dataclass(frozen=True)
@@ -44,11 +53,15 @@ class Abstraction:
     """The cells in order of their names' regions, and the facets that neighbours share.
 
     ``facets`` maps every pair i < j of neighbours to the corners of their common facet.
+    ``cuts`` are those made since ``abstract``, by the numbers cells had then and got since;
+    ``numbers`` has that number of every cell, none where nothing is cut.
     """
 
     dimension: int
     cells: tuple[Cell, ...]
     facets: Mapping[Pair, tuple[Point, ...]]
+    cuts: tuple[Cut, ...] = ()
+    numbers: tuple[int, ...] = ()
 
     @property
     def adjacency(self) -> tuple[Pair, ...]:
@@ -77,6 +90,51 @@ class Abstraction:
         """The cells inside at least one of the regions, ascending."""
         wanted = frozenset(regions)
         return tuple(i for i, cell in enumerate(self.cells) if cell.propositions & wanted)
+
+    def cells_of(self, region: str) -> tuple[int, ...]:
+        """The cells inside a region, ascending."""
+        return self.within((region,))
+
+    def refined(self, cuts: Iterable[Cut]) -> tuple[Abstraction, tuple[tuple[int, ...], ...]]:
+        """The abstraction after some cuts in turn, and per cell of this one the cells it became.
+
+        A cut numbers cells as they are here; each makes the next number, ``len(self.cells)`` first.
+        Named anew at the end, the cells are the same as if all ``cuts`` ever made had been made
+        of the first abstraction at once.
+
+        Raises:
+            ValueError: a cut names no cell, or misses the interior of its cell.
+        """
+        made = tuple(cuts)
+        if not made:
+            return self, tuple((i,) for i in range(len(self.cells)))
+        split = split_cells([cell.polytope for cell in self.cells], self.facets, made)
+        order = list(dict.fromkeys(cell.region for cell in self.cells))
+        ranks = {region: rank for rank, region in enumerate(order)}
+        parents = [self.cells[origin] for origin in split.origins]
+        sequence = sorted(
+            range(len(parents)),
+            key=lambda i: (ranks[parents[i].region], split.polytopes[i].centre, i),
+        )
+        cells = _numbered(
+            (parents[i].region, parents[i].kind, split.polytopes[i], parents[i].propositions)
+            for i in sequence
+        )
+        places = {number: place for place, number in enumerate(sequence)}
+        pairs = (((places[i], places[j]), corners) for (i, j), corners in split.facets.items())
+        facets = dict(sorted(((min(pair), max(pair)), corners) for pair, corners in pairs))
+        children: list[list[int]] = [[] for _ in self.cells]
+        for place, number in enumerate(sequence):
+            children[split.origins[number]].append(place)
+        before = (*(self.numbers or range(len(self.cells))), *range(len(self.cells), len(cells)))
+        history = tuple(Cut(before[cut.cell], cut.half_space) for cut in made)
+        numbers = tuple(before[number] for number in sequence)
+        finer = Abstraction(self.dimension, cells, facets, (*self.cuts, *history), numbers)
+        return finer, tuple(map(tuple, children))
+
+    def cut(self, cuts: Iterable[Cut]) -> Abstraction:
+        """The abstraction after some cuts, see ``refined``."""
+        return self.refined(cuts)[0]
 
     def containing(self, point: Sequence[Fraction]) -> tuple[int, ...]:
         """All closed cells that contain a rational point, ascending; exact."""
@@ -128,17 +186,26 @@ def abstract(workspace: Workspace) -> Abstraction:
     A region without interior inside the bounds makes no cell.
 
     Raises:
-        ValueError: the bounds are empty, flat or unbounded.
+        ValueError: the bounds are empty, flat or unbounded, or there are maps: these become regions
+            before (:mod:`compiler.maps`), so that no obstacle is left out.
     """
+    if workspace.maps:
+        raise ValueError("the maps of a workspace become regions before it is divided")
     bounds = polytope_of(workspace.bounds.shape, workspace.dimension)
     if not bounds.is_bounded:
         raise ValueError("the bounds of a workspace are bounded")
-    pieces: list[tuple[Polytope, frozenset[str]]] = [(bounds.irredundant(), frozenset())]
+    shapes: list[tuple[Polytope, str]] = []
     for region in workspace.regions:
         shape = bounds.intersection(polytope_of(region.shape, workspace.dimension))
         if shape.has_interior:
-            pieces = _refine(pieces, shape.irredundant(), region.name)
-    named = _named(_glued(pieces), workspace.regions)
+            shapes.append((shape.irredundant(), region.name))
+    if workspace.dimension == 3:
+        # In space, where nothing is divided afresh, fewer pieces are cut if large regions go first.
+        shapes.sort(key=lambda shape: (-shape[0].volume, shape[0].centre))
+    pieces: list[tuple[Polytope, frozenset[str]]] = [(bounds.irredundant(), frozenset())]
+    for shape, name in shapes:
+        pieces = _refine(pieces, shape, name)
+    named = _named(_coarse(pieces), workspace.regions)
     return Abstraction(workspace.dimension, named, shared_facets([cell.polytope for cell in named]))
 
 
@@ -161,13 +228,13 @@ def _refine(
     return refined
 
 
-def _glued(
+def _coarse(
     pieces: Sequence[tuple[Polytope, frozenset[str]]],
 ) -> list[tuple[Polytope, frozenset[str]]]:
     groups: dict[frozenset[str], list[Polytope]] = {}
     for piece, propositions in pieces:
         groups.setdefault(propositions, []).append(piece)
-    return [(part, names) for names, parts in groups.items() for part in glue(parts)]
+    return [(part, names) for names, parts in groups.items() for part in coarsened(parts)]
 
 
 def _named(
@@ -186,14 +253,19 @@ def _named(
         (min((ranks[name] for name in names), default=len(ranks)), piece.centre, number)
         for number, (piece, names) in enumerate(pieces)
     )
-    total: dict[str, int] = {}
-    for rank, _, _ in keyed:
-        total[ranked[rank][0]] = total.get(ranked[rank][0], 0) + 1
-    used: dict[str, int] = {}
+    return _numbered((*ranked[rank], *pieces[number]) for rank, _, number in keyed)
+
+
+def _numbered(
+    sorted_cells: Iterable[tuple[str, CellKind, Polytope, frozenset[str]]],
+) -> tuple[Cell, ...]:
+    """Cells of a region, a kind, a shape and propositions, named in this order."""
+    ordered = list(sorted_cells)
+    total = Counter(region for region, _, _, _ in ordered)
+    used = Counter[str]()
     cells: list[Cell] = []
-    for rank, _, number in keyed:
-        base, kind = ranked[rank]
-        used[base] = used.get(base, 0) + 1
-        name = base if total[base] == 1 else f"{base}.{used[base]}"
-        cells.append(Cell(name, kind, *pieces[number]))
+    for region, kind, polytope, propositions in ordered:
+        used[region] += 1
+        name = region if total[region] == 1 else f"{region}.{used[region]}"
+        cells.append(Cell(name, kind, polytope, propositions, region))
     return tuple(cells)

@@ -6,13 +6,13 @@ dimension d - 1; a common corner (or, in space, a common edge) is contact, not a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.geometry.double_description import IntRow, Point, Vertex, clip
+from compiler.geometry.double_description import IntRow, Point, Vertex, clip, value
 from compiler.geometry.polytope import Polytope
 
 Pair: TypeAlias = tuple[int, int]
@@ -43,11 +43,26 @@ def shared_facets(cells: Sequence[Polytope]) -> dict[Pair, tuple[Point, ...]]:
 
 
 def touching(cells: Sequence[Polytope]) -> tuple[Pair, ...]:
-    """The pairs i < j of closed bounded non-empty cells that have a point in common, sorted."""
+    """The pairs i < j of closed cells that have a point in common, sorted.
+
+    The cells are bounded, with interior, and pairwise interior-disjoint.  Then two polygons meet
+    iff a corner of one is in the other; in space two edges may also cross.
+    """
     boxes = np.array([cell.box for cell in cells])
+    rays = [frozenset(vertex.ray for vertex in cell.description.vertices) for cell in cells]
     return tuple(
-        (i, j) for i, j in _overlapping(boxes, boxes) if i < j and cells[i].meets(cells[j])
+        (i, j)
+        for i, j in sorted(_close(boxes))
+        if not rays[i].isdisjoint(rays[j])
+        or _holds_one(cells[i], rays[j])
+        or _holds_one(cells[j], rays[i])
+        or (cells[i].dimension > 2 and cells[i].meets(cells[j]))
     )
+
+
+def _holds_one(cell: Polytope, rays: Iterable[IntRow]) -> bool:
+    """Whether a point of these is in the cell."""
+    return any(all(value(row, ray) <= 0 for row in cell.integer_rows) for ray in rays)
 
 
 def _oriented(row: IntRow) -> tuple[IntRow, int]:
@@ -72,3 +87,16 @@ def _overlapping(first: Boxes, second: Boxes) -> Iterator[Pair]:
         meets = (second[:, 0] <= upper).all(axis=1) & (second[:, 1] >= lower).all(axis=1)
         for j in np.flatnonzero(meets):
             yield i, int(j)
+
+
+def _close(boxes: Boxes) -> Iterator[Pair]:
+    """The pairs i < j of closed boxes, shape (n, 2, d), that meet: a sweep along the first axis."""
+    order = np.argsort(boxes[:, 0, 0], kind="stable")
+    lower, upper = boxes[order, 0], boxes[order, 1]
+    ends = np.searchsorted(lower[:, 0], upper[:, 0], side="right")
+    for start, end in enumerate(ends):
+        rest = slice(start + 1, end)
+        meets = (lower[rest, 1:] <= upper[start, 1:]).all(axis=1)
+        meets &= (upper[rest, 1:] >= lower[start, 1:]).all(axis=1)
+        for other in order[rest][meets]:
+            yield min(int(order[start]), int(other)), max(int(order[start]), int(other))

@@ -11,7 +11,8 @@ from collections import deque
 from collections.abc import Sequence
 
 from compiler.geometry.double_description import value
-from compiler.geometry.polytope import Polytope, half_space_complement
+from compiler.geometry.overlaps import interiors_meet
+from compiler.geometry.polytope import Polytope
 
 
 def divide(cell: Polytope, region: Polytope) -> tuple[tuple[Polytope, ...], Polytope | None]:
@@ -24,19 +25,20 @@ def divide(cell: Polytope, region: Polytope) -> tuple[tuple[Polytope, ...], Poly
         The remainders, and the common part, or None where the interiors do not meet (then the only
         remainder is the cell itself, and the region's facets cut nothing).
     """
-    if cell.separated_interiors(region):
+    cell, region = cell.irredundant(), region.irredundant()
+    if not interiors_meet(cell, region):
         return (cell,), None
     remainders: list[Polytope] = []
     rest, pending = cell, list(region.rows)
-    while pending:
-        cuts = [rest.clipped(half_space_complement(row)) for row in pending]
-        best = max(range(len(cuts)), key=lambda i: (cuts[i].volume, -i))
-        if not cuts[best].volume:
-            break
-        remainders.append(cuts[best].irredundant())
-        rest = rest.clipped(pending[best]).irredundant()
-        pending = [row for i, row in enumerate(pending) if i != best and cuts[i].has_interior]
-    return tuple(remainders), rest
+    while True:
+        cuts = [(row, inside, outside) for row in pending
+                for inside, outside in (rest.halves(row),)
+                if inside is not None and outside is not None]  # fmt: skip
+        if not cuts:
+            return tuple(remainders), rest
+        best, rest, outer = max(cuts, key=lambda cut: cut[2].volume)
+        remainders.append(outer)
+        pending = [row for row, _, _ in cuts if row is not best]
 
 
 def remainder(cell: Polytope, regions: Sequence[Polytope]) -> tuple[Polytope, ...]:

@@ -134,10 +134,10 @@ class Polytope:
     def volume(self) -> Fraction:
         """The area (m^2) in the plane, the volume (m^3) in space; zero without interior."""
         self._require_bounded()
-        if not self.has_interior:
-            return Fraction(0)
         if self.dimension == 2:
             return polygon_area(self.vertices)
+        if not self.has_interior:
+            return Fraction(0)
         if self.dimension == 3:
             return polyhedron_volume(
                 [
@@ -207,6 +207,46 @@ class Polytope:
             vertices = clip(vertices, row, bit)
         known = Description(tuple(vertices), bounded=True)
         return Polytope((*self.rows, *other.rows), known)
+
+    def halves(self, row: HalfSpace) -> tuple[Polytope | None, Polytope | None]:
+        """The parts inside and outside a half-space, None where a part has no interior.
+
+        The polytope is bounded, with interior, and by facets only; so are the parts, and the last
+        row of both is the cut.
+        """
+        cut = integer_row(row.normal, row.offset)
+        heights = [value(cut, vertex.ray) for vertex in self.description.vertices]
+        if max(heights) <= 0:
+            return self, None
+        if min(heights) >= 0:
+            return None, self
+        bit = len(self.rows)
+        below = clip(self.description.vertices, cut, bit)
+        fresh = [vertex for vertex in below if vertex.tight >> bit & 1]
+        above = [
+            vertex
+            for vertex, height in zip(self.description.vertices, heights, strict=True)
+            if height > 0
+        ]
+        return (
+            self._part(below, row),
+            self._part([*above, *fresh], half_space_complement(row)),
+        )
+
+    def _part(self, vertices: Sequence[Vertex], row: HalfSpace) -> Polytope:
+        """The polytope of these vertices, by those rows that still are facets, and the new one."""
+        bits = [
+            bit
+            for bit in range(len(self.rows))
+            if sum(vertex.tight >> bit & 1 for vertex in vertices) >= self.dimension
+        ]
+        bits.append(len(self.rows))
+        renumbered = tuple(
+            Vertex(v.ray, sum(1 << new for new, old in enumerate(bits) if v.tight >> old & 1))
+            for v in vertices
+        )
+        rows = (*(self.rows[bit] for bit in bits[:-1]), row)
+        return Polytope(rows, Description(renumbered, bounded=True))
 
     def irredundant(self) -> Polytope:
         """The same set by its facets only, in the order of the rows.
