@@ -184,12 +184,10 @@ def not_supported(what: str, span: Span, sink: Sink) -> None:
     )
 
 
-def duplicate(name: s.Ident, first: Span, sink: Sink) -> None:
+def duplicate(name: s.Ident, first: Span, sink: Sink, hint: str = "choose another name") -> None:
     """Report a second declaration of a name."""
     message = f"`{name.text}` is declared twice"
-    sink.error(
-        Code.DUPLICATE_NAME, message, name.span, "choose another name", [(first, "first here")]
-    )
+    sink.error(Code.DUPLICATE_NAME, message, name.span, hint, [(first, "first here")])
 
 
 def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:

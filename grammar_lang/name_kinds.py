@@ -8,6 +8,7 @@ from functools import cached_property
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
+from grammar_lang.files.map_names import map_name
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean
@@ -42,10 +43,22 @@ class NameKinds:
         for task in declared.tasks.values():
             yield task.name.text, "a task", task.name.span
         for workspace in declared.workspaces.values():
-            for part in workspace.items:
-                if isinstance(part, t.Region) and part.name is not None:
-                    kind = f"a region of workspace `{workspace.name.text}`"
-                    yield part.name.text, kind, part.name.span
+            yield from self._places(workspace)
+
+    def _places(self, workspace: t.Workspace) -> Iterator[tuple[str, str, Span]]:
+        """The regions and maps of a workspace."""
+        of = f"of workspace `{workspace.name.text}`"
+        for part in workspace.items:
+            if isinstance(part, t.Region) and part.name is not None:
+                yield part.name.text, f"a region {of}", part.name.span
+        for name, span in self.maps(workspace.name.text).items():
+            yield name, f"a map of obstacles {of}", span
+
+    def maps(self, workspace: str) -> dict[str, Span]:
+        """The names of the maps of a workspace, readable or not, with where they stand."""
+        items = self._declared.workspaces[workspace].items
+        maps = [item.path for item in items if isinstance(item, t.ObstaclesFrom)]
+        return {map_name(path.text): path.span for path in reversed(maps)}
 
     def report(
         self,
@@ -81,17 +94,33 @@ class NameKinds:
 
 
 class RegionNames:
-    """The names of the regions of a workspace."""
+    """The names of the regions and maps of a workspace."""
 
     def __init__(self, workspace: ir.Workspace, kinds: NameKinds) -> None:
         self._workspace = workspace.name
         self._kinds = kinds
-        self.names = frozenset(region.name for region in workspace.regions)
-        self._ordered = tuple(region.name for region in workspace.regions)
+        regions = {region.name: region.span for region in workspace.regions}
+        self._maps = kinds.maps(workspace.name)
+        self._places = tuple(regions)
+        self._ordered = tuple(regions | self._maps)
+        self.names = frozenset(self._ordered)
 
     def check(self, name: s.Ident, sink: Sink) -> None:
-        """Report a name that is no region of the workspace."""
+        """Report a name that is no region or map of the workspace."""
         if name.text not in self.names:
-            message = f"workspace `{self._workspace}` has no region `{name.text}`"
-            due = f"a region of workspace `{self._workspace}`"
-            self._kinds.report(name, due, self._ordered, sink, message)
+            self._unknown(name, self._ordered, sink)
+
+    def check_place(self, name: s.Ident, sink: Sink) -> None:
+        """Report a name that is no region, where one starts or ends."""
+        if name.text in self._maps:
+            message = f"`{name.text}` is a map of obstacles, and no place to start or to end"
+            notes = [(self._maps[name.text], "declared here")]
+            hint = "name a region; a map is avoided, or named in a formula"
+            sink.error(Code.WRONG_KIND, message, name.span, hint, notes)
+        elif name.text not in self.names:
+            self._unknown(name, self._places, sink)
+
+    def _unknown(self, name: s.Ident, known: tuple[str, ...], sink: Sink) -> None:
+        message = f"workspace `{self._workspace}` has no region `{name.text}`"
+        due = f"a region of workspace `{self._workspace}`"
+        self._kinds.report(name, due, known, sink, message)

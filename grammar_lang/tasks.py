@@ -96,6 +96,12 @@ class _Reader:
             self.around.regions(self.workspace).check(name, self.sink)
         return name.text
 
+    def place(self, name: s.Ident) -> str:
+        """The name of a region where the task starts or ends; reported if it is none."""
+        if self.workspace is not None:
+            self.around.regions(self.workspace).check_place(name, self.sink)
+        return name.text
+
     def named(self, name: s.Ident, known: Mapping[str, Named], due: str) -> Named | None:
         """The thing of that name; reported if there is none."""
         if name.text not in known:
@@ -137,7 +143,7 @@ class _Reader:
             return None
         match items[0]:
             case t.StartIn(region=region, effector=effector, rates=rates, span=span):
-                name = self.region(region)
+                name = self.place(region)
                 number = self.effector(effector)
                 return ir.StartIn(name, number, self._rates(rates), span)
             case t.StartAt(point=point, span=span):
@@ -186,7 +192,7 @@ class _Reader:
         if item is None:
             return None
         effector = self.effector(item.effector)
-        return ir.Reach(self.region(item.region), effector, item.at_rest, item.span)
+        return ir.Reach(self.place(item.region), effector, item.at_rest, item.span)
 
     def avoid(self) -> tuple[ir.Avoid, ...]:
         found = (self._avoid(i) for i in self.task.items if isinstance(i, t.Avoid))

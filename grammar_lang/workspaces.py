@@ -11,6 +11,7 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import Constants, ListUnit, coordinates, list_unit
+from grammar_lang.files.map_names import map_name
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.linear import Inequalities
@@ -100,16 +101,22 @@ class _Reader:
     bounds: ir.Region | None = None
     bounded: Span | None = None
     regions: dict[str, ir.Region] = field(default_factory=dict[str, ir.Region])
+    names: dict[str, Span] = field(default_factory=dict[str, Span])
 
     def region(self, item: t.Region) -> None:
         shape = self.shapes.lower(item.shape) or ir.Inequalities(())
         if item.name is None:
             self._bounds(item, shape)
-        elif item.name.text in self.regions:
-            duplicate(item.name, self.regions[item.name.text].span, self.sink)
-        else:
+        elif self.named(item.name):
             name = item.name.text
             self.regions[name] = ir.Region(name, item.kind, shape, item.name.span)
+
+    def named(self, name: s.Ident, hint: str = "choose another name") -> bool:
+        """Whether a region or map is the first of its name; else that is reported."""
+        first = self.names.setdefault(name.text, name.span)
+        if first is not name.span:
+            duplicate(name, first, self.sink, hint)
+        return first is name.span
 
     def _bounds(self, item: t.Region, shape: ir.Inequalities | ir.Hull) -> None:
         if self.bounded is not None:
@@ -160,7 +167,11 @@ def lower_workspace(
             case t.Region():
                 reader.region(item)
             case t.ObstaclesFrom():
-                found += _map(item, size, maps, sink)
+                name_of_map = s.Ident(map_name(item.path.text), item.path.span)
+                if item.path.span not in maps:
+                    reader.names.setdefault(name_of_map.text, name_of_map.span)
+                elif reader.named(name_of_map, "a map is named after its file: rename one of them"):
+                    found += _map(item, size, maps, sink)
             case t.Dimension():
                 pass
     if reader.bounds is None:

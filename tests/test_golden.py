@@ -49,7 +49,9 @@ def shown(example: Example, page: Path, folder: Path) -> tuple[str, list[str]]:
     """What is printed about an example, and the severities in it."""
     folder.mkdir()
     for name, content in example.files:
-        (folder / name).write_text(content, encoding="utf-8")
+        place = folder / name
+        place.parent.mkdir(exist_ok=True)
+        place.write_text(content, encoding="utf-8")
     if not example.files:
         for name, data in UNPRINTABLE[page.stem].items():
             (folder / name).write_bytes(data)

@@ -7,7 +7,7 @@ effector, and a region the task starts in or reaches must leave room outside wha
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
 
@@ -26,12 +26,18 @@ LISTED = 5
 class Shapes:
     """The sound polytopes of a workspace, and the parts of the regions within the bounds.
 
-    The parts are given by their facets; a region without interior there has none.
+    The parts are given by their facets; a region without interior there has none.  ``maps`` are
+    the pieces of the maps that have an interior within the bounds.
     """
 
     bounds: Polytope
     regions: Mapping[str, Polytope]
     inside: Mapping[str, Polytope]
+    maps: Mapping[str, Sequence[Polytope]] = field(default_factory=dict[str, Sequence[Polytope]])
+
+    def parts(self, name: str) -> Sequence[Polytope]:
+        """What is avoided with a region or a map."""
+        return [self.inside[name]] if name in self.inside else self.maps.get(name, ())
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,10 +93,10 @@ def _blocked(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
     binding = _avoided(task, ("effector",), part, shapes)
     name, notes = end.region.name, ((end.region.span, f"`{end.region.name}` is declared here"),)
     hint = f"move `{name}`, or avoid less"
-    if _covered(part, list(binding.values())):
+    if _covered(part, _together(binding)):
         message = f"the {end.role} `{name}` lies wholly inside {_listed(binding)}, which is avoided"
         sink.error(end.code, message, end.span, hint, notes)
-    elif len(nearby) > len(binding) and _covered(part, list(nearby.values())):
+    elif len(nearby) > len(binding) and _covered(part, _together(nearby)):
         sink.warning(
             end.code,
             f"the {end.role} `{name}` lies wholly inside {_listed(nearby)}, which the body avoids",
@@ -122,13 +128,21 @@ def _covered(part: Polytope, regions: Sequence[Polytope]) -> bool:
     return sum(common, Fraction(0)) >= part.volume and not remainder(part, regions)
 
 
+def _together(avoided: Mapping[str, Sequence[Polytope]]) -> list[Polytope]:
+    """All that is avoided, without its names."""
+    return [piece for pieces in avoided.values() for piece in pieces]
+
+
 def _avoided(
     task: Task, subjects: tuple[str, ...], part: Polytope, shapes: Shapes
-) -> dict[str, Polytope]:
-    """The regions the task avoids that meet the interior of ``part``, in the order named."""
+) -> dict[str, list[Polytope]]:
+    """What the task avoids by name, in the order named, as far as it meets the interior of a part.
+
+    Of a map only the pieces that do so count.
+    """
     names = [name for avoid in task.avoid if avoid.subject in subjects for name in avoid.regions]
-    return {
-        name: shapes.inside[name]
+    found = {
+        name: [piece for piece in shapes.parts(name) if interiors_meet(piece, part)]
         for name in names
-        if name in shapes.inside and interiors_meet(shapes.inside[name], part)
     }
+    return {name: pieces for name, pieces in found.items() if pieces}

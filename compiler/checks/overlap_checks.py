@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from itertools import islice
 
+from compiler.checks.end_checks import Shapes
 from compiler.geometry.overlaps import candidates, interiors_meet
 from compiler.geometry.polytope import Polytope
 from grammar_lang.findings.codes import Code
@@ -86,3 +87,32 @@ def _note(first: Region, second: Region, one: Polytope, other: Polytope, sink: S
         hint="a point of both has both propositions; move one of them if that is not meant",
         notes=((first.span, f"`{first.name}` is declared here"),),
     )
+
+
+def map_overlap_diagnostics(
+    workspace: Workspace, shapes: Shapes, told: Collection[tuple[str, str]], sink: Sink
+) -> None:
+    """Note the regions, obstacles aside, whose interiors meet that of a map; each pair once.
+
+    Args:
+        workspace: the workspace.
+        shapes: its regions and maps within the bounds.
+        told: pairs of a region and a map about which there is another finding already.
+        sink: where to report.
+    """
+    for region in workspace.regions:
+        part = shapes.inside.get(region.name)
+        if part is None or region.kind == "obstacle":
+            continue
+        for found in workspace.maps:
+            pieces = shapes.maps.get(found.name, ())
+            if (region.name, found.name) not in told and any(
+                interiors_meet(piece, part) for piece in pieces
+            ):
+                sink.note(
+                    Code.OVERLAPPING_REGIONS,
+                    f"{region.kind} `{region.name}` overlaps obstacle `{found.name}`",
+                    region.span,
+                    hint="a point of both has both propositions; change one if that is not meant",
+                    notes=((found.span, f"`{found.name}` is declared here"),),
+                )

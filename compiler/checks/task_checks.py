@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from compiler.automata.acceptance import accept_dfa
-from compiler.encodings.task_demands import subformulas
 from compiler.grammars.grammar import srg
 from compiler.languages.language import Language, restrict
 from compiler.reading.viable_prefix import viable_prefix
 from compiler.semantics.effector_counts import several_effectors
+from compiler.specifications.subformulas import subformulas
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink

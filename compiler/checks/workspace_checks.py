@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import assert_never
 
 from compiler.checks.end_checks import Shapes, end_diagnostics, ends
-from compiler.checks.overlap_checks import overlap_diagnostics
+from compiler.checks.overlap_checks import map_overlap_diagnostics, overlap_diagnostics
 from compiler.checks.shape_checks import sound_polytope
 from compiler.geometry.polytope import Polytope
 from grammar_lang import ir
@@ -54,6 +54,8 @@ def _workspace(
     _useless_regions(workspace, used, shapes, sink)
     if complete:
         overlap_diagnostics(workspace, shapes.inside, told, sink)
+        if shapes.maps:
+            map_overlap_diagnostics(workspace, shapes, told, sink)
 
 
 def _shapes(workspace: ir.Workspace, sink: Sink) -> Shapes | None:
@@ -67,7 +69,12 @@ def _shapes(workspace: ir.Workspace, sink: Sink) -> Shapes | None:
         return None
     parts = {name: _common(bounds, shape) for name, shape in regions.items()}
     inside = {name: part.irredundant() for name, part in parts.items() if part.has_interior}
-    return Shapes(bounds, regions, inside)
+    if not workspace.maps:
+        return Shapes(bounds, regions, inside)
+    # Loaded where there is a map alone, so that other checks start fast.
+    from compiler.checks.map_checks import map_shapes
+
+    return Shapes(bounds, regions, inside, map_shapes(workspace, bounds, sink))
 
 
 def _common(bounds: Polytope, shape: Polytope) -> Polytope:
@@ -90,6 +97,14 @@ def _unused_obstacles(workspace: ir.Workspace, tasks: Sequence[ir.Task], sink: S
                 region.span,
                 hint=f"add `avoid {region.name} with effector;` or `with body` to a task, "
                 "or declare a region",
+            )
+    for found in workspace.maps:
+        if found.name not in used:
+            sink.warning(
+                Code.UNUSED_OBSTACLE,
+                f"no task avoids obstacle `{found.name}`",
+                found.span,
+                hint=f"add `avoid {found.name} with effector;` or `with body` to a task",
             )
 
 

@@ -12,6 +12,7 @@ from typing import Literal, NoReturn, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang.files.file_set import FileSet
+from grammar_lang.files.map_names import map_name
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import nearest
@@ -65,15 +66,17 @@ def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
     if number is None or number in files.unsound:
         return None
     source = files.sources[number]
-    image = None
+    name = map_name(path.text)
     if kind == "geojson":
         if not _is_geojson(source, number, files.sink):
             return None
-    else:
-        image = _image(source, number, files)
-        if image is None:
-            return None
-    return ir.ObstacleMap(source.path, kind, source.text, path.span, image, number)
+        return ir.ObstacleMap(name, source.path, kind, source.text, path.span, None, number)
+    written = _image_path(source, number, files.sink)
+    image = None if written is None else _image(written, number, files)
+    if written is None or image is None:
+        return None
+    at = written.span
+    return ir.ObstacleMap(name, source.path, kind, source.text, path.span, image, number, at)
 
 
 # --- GeoJSON -----------------------------------------------------------------------------------
@@ -114,18 +117,22 @@ def _is_geojson(source: Source, number: int, sink: Sink) -> bool:
 # --- map_server --------------------------------------------------------------------------------
 
 
-def _image(source: Source, number: int, files: FileSet) -> ir.MapImage | None:
-    """The image that a map names; None if a line is missing or the image cannot be read."""
+def _image_path(source: Source, number: int, sink: Sink) -> Ident | None:
+    """The path of the image that a map names; None if a line is missing."""
     ends = {line[1]: line.end() for line in reversed([*_YAML_LINE.finditer(source.text)])}
     missing = [key for key in ("image", "resolution", "origin") if key not in ends]
     if missing:
         message = f"this map has no line `{missing[0]}:`"
         hint = "a map of map_server has `image:`, `resolution:` and `origin:`"
-        files.sink.error(Code.UNREADABLE_REFERENCE, message, Span(0, 1, number), hint)
+        sink.error(Code.UNREADABLE_REFERENCE, message, Span(0, 1, number), hint)
         return None
-    image = _yaml_text(source.text, ends["image"], number)
-    place = files.place(image, number)
-    data = None if place is None else files.image(place, image)
+    return _yaml_text(source.text, ends["image"], number)
+
+
+def _image(path: Ident, number: int, files: FileSet) -> ir.MapImage | None:
+    """The image at a path; None if it cannot be read."""
+    place = files.place(path, number)
+    data = None if place is None else files.image(place, path)
     return None if place is None or data is None else ir.MapImage(place.path, data)
 
 

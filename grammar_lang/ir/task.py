@@ -61,16 +61,19 @@ class MapImage:
 class ObstacleMap:
     """A file of obstacles: a map_server image with its YAML, or polygons as GeoJSON.
 
-    ``path`` is relative to the folder of the file on the command line, ``text`` what it holds,
-    ``file`` its number among the sources.  Only a map_server map has an image.
+    ``name`` stands for all its obstacles together.  ``path`` is relative to the folder of the file
+    on the command line, ``text`` what it holds, ``file`` its number among the sources.  Only a
+    map_server map has an image; ``image_span`` is where its path stands.
     """
 
+    name: str
     path: str
     kind: Literal["map_server", "geojson"]
     text: str = field(repr=False)
     span: Span = field(default=NOWHERE, compare=False, repr=False)
     image: MapImage | None = None
     file: int = field(default=0, compare=False, repr=False)
+    image_span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @node

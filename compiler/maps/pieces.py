@@ -1,0 +1,61 @@
+"""The convex pieces of a map, before they become regions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+Corner: TypeAlias = tuple[Fraction, Fraction]
+Polygon: TypeAlias = tuple[Corner, ...]
+"""The corners of a polygon (m), counter-clockwise, no three consecutive ones on a line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """Convex polygons whose union holds all obstacles of a map.
+
+    ``origin`` says in words what they were made of; no point of theirs is further than
+    ``inflation`` metres from an obstacle.  ``extent`` is what the map knows of, if it has an end.
+    """
+
+    polygons: tuple[Polygon, ...]
+    origin: str
+    inflation: Fraction = Fraction(0)
+    extent: Polygon | None = None
+
+
+def cross(a: Corner, b: Corner, c: Corner) -> Fraction:
+    """Twice the signed area of the triangle a, b, c: positive where it turns to the left."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def area(polygon: Sequence[Corner]) -> Fraction:
+    """The signed area of a simple polygon (m^2), positive if counter-clockwise."""
+    twice = sum(
+        (a[0] * b[1] - a[1] * b[0] for a, b in zip(polygon, _shifted(polygon), strict=True)),
+        Fraction(0),
+    )
+    return twice / 2
+
+
+def _shifted(polygon: Sequence[Corner]) -> Sequence[Corner]:
+    return (*polygon[1:], polygon[0])
+
+
+def sides(polygon: Sequence[Corner]) -> list[tuple[Corner, Corner]]:
+    """The directed edges of a polygon."""
+    return list(zip(polygon, _shifted(polygon), strict=True))
+
+
+def apart(first: Polygon, second: Polygon) -> bool:
+    """Whether the interiors of two convex polygons have no common point (touching is allowed).
+
+    Two convex polygons with disjoint interiors are separated along an edge of one of them.
+    """
+    return _separates(first, second) or _separates(second, first)
+
+
+def _separates(first: Polygon, second: Polygon) -> bool:
+    return any(all(cross(a, b, corner) <= 0 for corner in second) for a, b in sides(first))

@@ -1,0 +1,182 @@
+"""GeoJSON as obstacles: all that holds polygons, exact numbers, mistakes with their places."""
+
+from __future__ import annotations
+
+import json
+import random
+from fractions import Fraction
+
+import pytest
+import shapely
+import shapely.geometry
+
+from compiler.maps.geojson import CORNER_LIMIT, geojson_pieces
+from compiler.maps.json_places import place_of
+from compiler.maps.map_fault import MapFault
+from compiler.maps.pieces import area
+from grammar_lang.findings.codes import Code
+
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
+POLYGON = {"type": "Polygon", "coordinates": [SQUARE]}
+FAR = {"type": "Polygon", "coordinates": [[[5, 5], [7, 5], [5, 6], [5, 5]]]}
+
+
+def shapely_of(text: str) -> shapely.Geometry:
+    pieces = geojson_pieces(text).polygons
+    return shapely.unary_union(
+        [shapely.Polygon([(float(x), float(y)) for x, y in piece]) for piece in pieces]
+    )
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        POLYGON,
+        {"type": "MultiPolygon", "coordinates": [[SQUARE], FAR["coordinates"]]},
+        {"type": "Feature", "geometry": POLYGON, "properties": {"type": "Point"}},
+        {"type": "GeometryCollection", "geometries": [FAR, POLYGON, POLYGON]},
+        {
+            "type": "FeatureCollection",
+            "features": [
+                {"type": "Feature", "geometry": POLYGON, "properties": None},
+                {"type": "Feature", "geometry": None, "properties": None},
+                {
+                    "type": "Feature",
+                    "geometry": {"type": "GeometryCollection", "geometries": [FAR]},
+                },
+            ],
+        },
+    ],
+)
+def test_every_polygon_is_read(value: dict[str, object]) -> None:
+    parts = [POLYGON] if "Multi" not in str(value) and "5" not in str(value) else [POLYGON, FAR]
+    expected = shapely.unary_union([shapely.geometry.shape(part) for part in parts])
+    assert shapely_of(json.dumps(value)).symmetric_difference(expected).area == 0
+
+
+def test_random_features_are_what_shapely_reads() -> None:
+    rng = random.Random(2)
+    for _ in range(30):
+        shapes: list[shapely.Geometry] = []
+        while len(shapes) < 4:
+            points = [(rng.randint(0, 40) / 4, rng.randint(0, 40) / 4) for _ in range(6)]
+            shape = shapely.concave_hull(shapely.MultiPoint(points), 0.3)
+            if shape.is_valid and shape.area > 1:
+                shapes.append(shape)
+        holed = shapes[0].buffer(3, quad_segs=2).difference(shapes[0])
+        whole = shapely.GeometryCollection([holed, *shapes[1:]])
+        found = shapely_of(json.dumps(shapely.geometry.mapping(whole)))
+        assert found.symmetric_difference(shapely.unary_union(whole)).area < 1e-9
+
+
+def test_no_polygon_and_an_empty_one() -> None:
+    for text in (
+        '{"type": "FeatureCollection", "features": []}',
+        '{"type": "Feature", "geometry": null}',
+        '{"type": "MultiPolygon", "coordinates": []}',
+        '{"type": "Polygon", "coordinates": []}',
+    ):
+        assert geojson_pieces(text).polygons == ()
+    assert geojson_pieces(json.dumps(POLYGON)).origin == "1 polygon"
+    two = {"type": "GeometryCollection", "geometries": [POLYGON, FAR]}
+    assert geojson_pieces(json.dumps(two)).origin == "2 polygons"
+
+
+def test_numbers_are_those_of_their_decimals() -> None:
+    text = """{"type": "Polygon", "coordinates": [[
+        [0.1, -2e-1, 7], [0.30000000000000000000000001, -0.2], [0.1, 1E+1], [0.1, -0.20]]]}"""
+    [piece] = geojson_pieces(text).polygons
+    tenth = Fraction(1, 10)
+    assert set(piece) == {
+        (tenth, -2 * tenth), (3 * tenth + Fraction(1, 10**26), -2 * tenth), (tenth, Fraction(10)),
+    }  # fmt: skip
+    assert area(piece) == Fraction("10.2") * (Fraction(1, 5) + Fraction(1, 10**26)) / 2
+
+
+RINGS = '{"type": "Polygon", "coordinates": [%s]}'
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "place"),
+    [
+        ('{"type": "Point", "coordinates": [1, 2]}', "a Point has no interior", 0),
+        ('{"type": "LineString", "coordinates": [[1, 2], [2, 3]]}', "LineString has no int", 0),
+        (
+            '{"type": "Feature", "geometry": {"type": "MultiPoint", "coordinates": []}}',
+            "a MultiPoint has no interior",
+            32,
+        ),
+        ('{"type": "Feature", "geometry": {"type": "Circle"}}', "no type of GeoJSON", 32),
+        ('{"type": "Feature", "geometry": [1]}', "no object of GeoJSON", 32),
+        ('{"type": "Feature"}', "no object of GeoJSON", 0),
+        ('{"type": "FeatureCollection"}', "has no list `features`", 0),
+        ('{"type": "FeatureCollection", "features": [3]}', "no object of GeoJSON", 43),
+        ('{"type": "GeometryCollection", "geometries": {}}', "no list `geometries`", 0),
+        ('{"type": "Polygon"}', "has no list `coordinates`", 0),
+        ('{"type": "MultiPolygon", "coordinates": [7]}', "no list of rings", 41),
+        (RINGS % "7", "no list of positions", 36),
+        (RINGS % "[[0, 0], [1]]", "no list of two numbers", 45),
+        (RINGS % '[[0, 0], [1, "0"]]', "no number that can be used", 49),
+        (RINGS % "[[0, 0], [1, null]]", "no number that can be used", 49),
+        (RINGS % "[[0, 0], [1e999, 0]]", "no number that can be used", 46),
+        (RINGS % "[[0, 0], [NaN, 0]]", "no number that can be used", 46),
+        (RINGS % "[[0, 0], [1, 0], [1, 1], [0, 1]]", "not closed", 36),
+        (RINGS % "[[0, 0], [1, 0], [0, 0]]", "at least four", 36),
+        (RINGS % "[[0, 0], [1, 0], [2, 0], [0, 0]]", "has no area", 36),
+        (RINGS % "[[0, 0], [2, 2], [2, 0], [0, 2], [0, 0]]", r"meets itself at \(1, 1\)", 36),
+        (RINGS % f"{SQUARE}, [[5, 5], [6, 5], [6, 6], [5, 5]]", "a hole is not within", 36),
+        (
+            RINGS % f"{SQUARE}, [[0.5, 0.5], [6, 0.5], [6, 0.7], [0.5, 0.5]]",
+            "crosses another one",
+            36 + len(str(SQUARE)) + 2,
+        ),
+        ('{"type": "Polygon", "type": "Polygon", "coordinates": []}', "two members `type`", 0),
+    ],
+)
+def test_mistakes(text: str, message: str, place: int) -> None:
+    with pytest.raises(MapFault, match=message) as caught:
+        geojson_pieces(text)
+    assert caught.value.place is not None
+    assert caught.value.place[0] == place
+    assert caught.value.code is Code.UNREADABLE_REFERENCE
+    assert caught.value.hint
+    assert "\n" not in caught.value.message
+
+
+def test_many_positions() -> None:
+    ring = [[i, 0] for i in range(CORNER_LIMIT)] + [[0, 1], [0, 0]]
+    with pytest.raises(MapFault, match="10,002 positions, more than 10,000") as caught:
+        geojson_pieces(RINGS % ring)
+    assert caught.value.code is Code.TOO_LARGE
+
+
+def test_many_polygons(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = json.dumps({"type": "MultiPolygon", "coordinates": [[SQUARE]] * 3})
+    monkeypatch.setattr("compiler.maps.geojson.TOTAL_LIMIT", 15)
+    assert len(geojson_pieces(text).polygons) == 3
+    monkeypatch.setattr("compiler.maps.geojson.TOTAL_LIMIT", 14)
+    with pytest.raises(MapFault, match="more than 14 positions") as caught:
+        geojson_pieces(text)
+    assert caught.value.code is Code.TOO_LARGE
+
+
+def test_places_in_json() -> None:
+    text = (
+        r'{"a\"}": [1, {"b": [[], 2], "c": "]"}, "b"], "b": {"b": {"b": true}}, "a": null, "a": 7}'
+    )
+    for path, expected in [
+        ((), "{"),
+        (('a"}',), "["),
+        (('a"}', 0), "1"),
+        (('a"}', 1), "{"),
+        (('a"}', 1, "b", 1), "2"),
+        (('a"}', 1, "c"), '"]"'),
+        (('a"}', 2), '"b"'),
+        (("b", "b", "b"), "true"),
+        (("a",), "7"),
+        (('a"}', 3), "{"),
+        (("none",), "{"),
+    ]:
+        start, end = place_of(text, path)
+        assert text[start:end] == expected
+    assert text[place_of(text, ('a"}', 1, "b"))[0] :].startswith("[[], 2]")
