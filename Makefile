@@ -57,6 +57,8 @@ bench: .venv/compared
 	$(BIN)/python benchmarks/front_end.py
 	$(BIN)/python benchmarks/language.py
 	$(BIN)/python benchmarks/dynamics.py
+	$(BIN)/python benchmarks/planning.py
+	$(BIN)/python benchmarks/partition.py
 	$(BIN)/python benchmarks/run.py
 
 # Needs pip-tools and the network; every other target uses what it wrote.

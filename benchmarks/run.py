@@ -1,6 +1,7 @@
 """Measure srgc on the case study: whole processes, and the stages that the time goes to.
 
-``front_end.py`` measures the front end, ``language.py`` the language operations.
+``front_end.py`` measures the front end, ``language.py`` the language operations, ``planning.py``
+the planner.
 """
 
 from __future__ import annotations
@@ -10,9 +11,8 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -21,7 +21,6 @@ from timing import HEAD, ROOT, SPEC, SRGC, Line, machine, paired, process, summa
 
 sys.path.insert(0, str(ROOT))  # the reference formulations are among the tests' oracles
 ARM = ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
-SIDE = 20
 
 
 # --- whole processes -----------------------------------------------------------------------------
@@ -51,13 +50,14 @@ def measure_convex_step(runs: int) -> list[Line]:
 
     from compiler.discretisation.float_reading import FloatReading
     from compiler.dynamics.equations_of_motion import robot_graph
+    from compiler.encodings.specification import planning_problem
     from compiler.geometry.abstraction import abstract
     from compiler.languages.structures import derivations_of
     from compiler.semantics.family import family_of
     from solvers.control import linearised
     from solvers.convex_step import StepResult, Weights, convex_step
     from solvers.path_following import Follower
-    from solvers.planner import path_planner
+    from solvers.planner import Planner
     from solvers.verdict import Holds
     from srgc.session import program_of
     from tests.oracles.convex_step_cvxpy import solve_reference
@@ -68,11 +68,11 @@ def measure_convex_step(runs: int) -> list[Line]:
     model = family.robot(next(iter(derivations_of(family.language, ARM))))
     place = program.workspaces[task.workspace]
     cells = abstract(place)
-    path = path_planner(cells, task).next_path()
-    if not isinstance(path, Holds):
+    found = Planner(planning_problem(cells, task, 0)).next_plan()
+    if not isinstance(found, Holds):
         raise SystemExit("the case study has no path")
     reading = FloatReading(robot_graph(model, task.gravity))
-    follower = Follower(reading, place, task, cells, 0, path.witness.cells, 2e-3, 0)
+    follower = Follower(reading, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0)
     problem = follower.problem(follower.waypoints()[1])
     about = linearised(problem, follower.seeds(np.array([3.0, 2.5]))[0])
     if about is None:
@@ -140,54 +140,6 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
     return [replace(alone, note=attempts), whole]
 
 
-@dataclass(frozen=True)
-class Grid:
-    """Squares, each adjacent to those it shares a side with."""
-
-    side: int
-
-    @property
-    def neighbours(self) -> tuple[tuple[int, ...], ...]:
-        """Per cell its neighbours, ascending."""
-        n = self.side
-        steps = ((-1, 0), (0, -1), (0, 1), (1, 0))
-        return tuple(
-            tuple((r + dr) * n + c + dc for dr, dc in steps if 0 <= r + dr < n and 0 <= c + dc < n)
-            for r in range(n)
-            for c in range(n)
-        )
-
-
-def measure_planning(runs: int) -> list[Line]:
-    """The first path from corner to corner of an empty grid, against z3."""
-    import z3
-
-    from solvers.planner import Planner
-    from solvers.verdict import Holds
-
-    grid, last = Grid(SIDE), SIDE * SIDE - 1
-    steps = 2 * SIDE - 2
-
-    def ours() -> None:
-        verdict = Planner(grid, [0], [last], [], steps).next_path()
-        if not isinstance(verdict, Holds) or verdict.witness.changes != steps:
-            raise SystemExit("the planner has no shortest path")
-
-    def one_hot() -> None:
-        solver = z3.Solver()
-        at = [[z3.Bool(f"{i},{c}") for c in range(last + 1)] for i in range(steps + 1)]
-        solver.add(at[0][0], at[steps][last])
-        for row, after in pairwise(at):
-            solver.add(z3.AtMost(*row, 1))
-            for cell, beside in enumerate(grid.neighbours):
-                solver.add(z3.Implies(row[cell], z3.Or([after[other] for other in beside])))
-        if solver.check() != z3.sat:
-            raise SystemExit("z3 has no path")
-
-    names = (f"first path, {SIDE} x {SIDE} cells", "the same in z3, one Boolean per (cell, step)")
-    return paired(names, (ours, one_hot), runs)
-
-
 def main() -> None:
     """Measure and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -208,7 +160,6 @@ def main() -> None:
             lambda: measure_verify(options.runs, folder.resolve()),
             lambda: measure_convex_step(options.runs),
             lambda: measure_proof(options.runs, folder),
-            lambda: measure_planning(options.runs),
         ]
         for stage in stages:
             for line in stage():

@@ -1,22 +1,18 @@
-"""P.Planning: paths through the cells by SAT, fewest region changes first.
+"""P.Planning: paths through the cells by SAT, fewest changes of cell first.
 
-Source: Algorithm 1 and Section 4.2 (Problem 3).  A path is a sequence of cells, no cell twice,
-each adjacent to the next; when each is entered is decided by the control synthesis.  Paths that
-a counterexample refutes are blocked by their prefix, together with the reason.
+Source: Algorithm 1 and Section 4.2 (Problem 3).  A path is a sequence of cells, each adjacent to
+the next; without a formula no cell comes twice.  Where a task is not timed, the control synthesis
+decides when each cell is entered.  What counterexamples refute is blocked by its prefix.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from typing import TypeAlias
 
-import numpy as np
-
-from compiler.encodings.specification import path_problem
-from compiler.encodings.unroll import CellGraph, Unrolling
-from compiler.geometry.abstraction import Abstraction
-from grammar_lang.ir import StartAt, Task
+from compiler.encodings.plan_encoding import plan_encoding
+from compiler.encodings.specification import PlanningProblem
 from solvers.sat import SatSolver
 from solvers.verdict import Fails, Holds, Unknown
 
@@ -24,158 +20,176 @@ CONFLICTS = 200_000
 
 
 @dataclass(frozen=True, slots=True)
-class CellPath:
-    """The indices of the cells in the order they are entered, each once."""
+class EffectorPath:
+    """The cells of one effector (from 0), in the order they are entered.
 
+    Consecutive ones differ and are adjacent.  ``entries`` are the samples at which they are
+    entered, the first 0; None where the task does not care when.
+    """
+
+    effector: int
     cells: tuple[int, ...]
-
-    @property
-    def changes(self) -> int:
-        """The number of region changes."""
-        return len(self.cells) - 1
+    entries: tuple[int, ...] | None
 
 
 @dataclass(frozen=True, slots=True)
-class BlockedPrefix:
-    """Every path that begins with these cells is excluded, and why."""
+class Plan:
+    """The paths of the planned effectors, by ascending number."""
 
-    cells: tuple[int, ...]
+    paths: tuple[EffectorPath, ...]
+
+    @property
+    def changes(self) -> int:
+        """The number of changes of cell, of all effectors together."""
+        return sum(len(path.cells) - 1 for path in self.paths)
+
+
+@dataclass(frozen=True, slots=True)
+class CounterExample:
+    """No plan in which that effector (from 0) begins with these cells can be followed.
+
+    ``reason`` and ``robot`` (its key) say why, and of which robot this is known.
+    """
+
+    effector: int
+    prefix: tuple[int, ...]
     reason: str
+    robot: str = ""
+
+
+class Exhaustion(Enum):
+    """Why no plan is left."""
+
+    APART = "no sequence of neighbouring cells leads from the start to the target"
+    TOO_FAR = "every path has more changes of cell than there are samples for"
+    FORMULA = "no path within the bound satisfies the formula"
+    SPENT = "all plans were given out or are blocked"
 
 
 @dataclass(frozen=True, slots=True)
 class Exhausted:
-    """Proved, by graph distance and by the SAT solver: no path is left.
+    """Proved, by graph distance and by the SAT solver: no plan is left.
 
-    ``changes`` is the bound up to which this is so; ``complete`` tells that longer simple paths do
-    not exist, so that the bound was no restriction.  The prefixes blocked and the number of paths
-    given out before are what the claim rests on: with none of either, start and target are apart.
+    ``changes`` is the bound up to which this is so; ``complete`` tells that it was no restriction:
+    there is none with more changes either (with an entry per sample, where the task is timed).
+    ``plans`` counts those given out; they and the counterexamples are what the claim rests on.
     """
 
     changes: int
     complete: bool
-    paths: int
-    blocked: tuple[BlockedPrefix, ...]
+    plans: int
+    blocked: tuple[CounterExample, ...]
+    why: Exhaustion
 
 
-PathVerdict: TypeAlias = Holds[CellPath] | Fails[Exhausted] | Unknown
+PlanVerdict: TypeAlias = Holds[Plan] | Fails[Exhausted] | Unknown
 
 
 class Planner:
-    """Enumerates the simple paths from start to target cells in order of their length."""
+    """Enumerates plans in order of their changes of cell, none twice.
 
-    def __init__(
-        self,
-        graph: CellGraph,
-        start: Iterable[int],
-        target: Iterable[int],
-        forbidden: Iterable[int],
-        max_changes: int,
-        *,
-        conflicts: int = CONFLICTS,
-    ) -> None:
-        """Prepare the search; nothing is solved yet.
+    Plans that differ only in the samples at which cells are entered count as one, until nothing
+    else is left: then the others follow, fewest changes first again.
+    """
+
+    def __init__(self, problem: PlanningProblem, *, conflicts: int = CONFLICTS) -> None:
+        """Measure distances; nothing is solved yet.
 
         Args:
-            graph: an abstraction, or anything with ``neighbours``.
-            start: cells a path may begin in.
-            target: cells a path may end in (passing through them is allowed).
-            forbidden: cells no path may enter; they win over start and target.
-            max_changes: the largest number of region changes, at least 0.
+            problem: what is asked.
             conflicts: the budget of each call of the SAT solver.
 
         Raises:
-            ValueError: ``max_changes`` is negative.
+            ValueError: the bound on changes is negative.
         """
-        if max_changes < 0:
-            raise ValueError("the number of region changes is at least 0")
-        self._cells = len(graph.neighbours)
-        self._unrolling = Unrolling(graph, start, target, forbidden, max_changes)
-        self._max_changes = max_changes
+        if problem.changes < 0:
+            raise ValueError("the number of changes is at least 0")
+        self.problem = problem
+        self._encoding = plan_encoding(problem)
         self._conflicts = conflicts
         self._solver = SatSolver()
-        self._changes = self._unrolling.shortest
-        self._paths = 0
-        self._blocked: list[BlockedPrefix] = []
-        self._pending: list[tuple[int, ...]] = []
+        self._bound = self._encoding.least
+        self._distinct = True
+        self._unbounded = False
+        self._plans = 0
+        self._blocked: list[CounterExample] = []
 
     @property
-    def blocked(self) -> tuple[BlockedPrefix, ...]:
-        """The blocked prefixes, in the order they were blocked."""
+    def blocked(self) -> tuple[CounterExample, ...]:
+        """The counterexamples, in the order they were given."""
         return tuple(self._blocked)
 
     @property
     def complete(self) -> bool:
-        """Whether the bound on region changes excludes no path."""
-        return self._unrolling.complete
+        """Whether the bound on changes is known to exclude no plan."""
+        return self._encoding.complete or self._encoding.least is None or self._unbounded
 
-    def next_path(self) -> PathVerdict:
-        """The next path, never one given before; or the proof that none is left.
+    def next_plan(self) -> PlanVerdict:
+        """The next plan, never one given before; or the proof that none is left.
 
         ``Unknown`` leaves everything as it was: another call goes on with the same bound.
         """
-        while self._changes is not None and self._changes <= self._unrolling.limit:
-            self._lay_out(self._changes)
-            ending = self._unrolling.at_target(self._changes)
-            match self._solver.solve([ending], conflicts=self._conflicts):
+        while self._bound is not None and self._bound <= self._encoding.limit:
+            self._encoding.extend(self._bound)
+            assumed = self._encoding.assumptions(self._bound, distinct=self._distinct)
+            self._hand_over()
+            match self._solver.solve(assumed, conflicts=self._conflicts):
                 case Holds(witness=model):
-                    path = self._unrolling.decode(model.true, self._changes)
-                    self._exclude(path, ending)
-                    self._paths += 1
-                    return Holds(CellPath(path))
-                case Fails():
-                    self._changes += 1
+                    words = self._encoding.decode(model.true)
+                    self._encoding.exclude(words)
+                    self._plans += 1
+                    return Holds(
+                        Plan(tuple(EffectorPath(w.effector, w.cells, w.entries) for w in words))
+                    )
+                case Fails(counterexample=core):
+                    self._advance(bounded=any(literal < 0 for literal in core.assumptions))
                 case Unknown() as unknown:
                     return unknown
         return Fails(
             Exhausted(
-                self._max_changes, self._unrolling.complete, self._paths, tuple(self._blocked)
+                self.problem.changes, self.complete, self._plans, self.blocked, self._reason()
             )
         )
 
-    def block_prefix(self, cells: Sequence[int], reason: str) -> None:
-        """Exclude every path that begins with these cells, the path itself included.
+    def block(self, counterexample: CounterExample) -> None:
+        """Exclude every plan in which that effector begins with the prefix.
+
+        One about an effector that is not planned excludes nothing, and is not kept.
 
         Raises:
             ValueError: no cell, or an index that is none.
         """
-        prefix = tuple(cells)
-        if not prefix or not all(0 <= cell < self._cells for cell in prefix):
+        prefix, count = counterexample.prefix, len(self.problem.neighbours)
+        if not prefix or not all(0 <= cell < count for cell in prefix):
             raise ValueError(f"no prefix of cells: {prefix}")
-        self._blocked.append(BlockedPrefix(prefix, reason))
-        if len(prefix) <= self._unrolling.positions:
-            self._exclude(prefix)
+        if all(p.effector != counterexample.effector for p in self.problem.effectors):
+            return
+        self._blocked.append(counterexample)
+        self._encoding.block(counterexample.effector, prefix)
+
+    def _hand_over(self) -> None:
+        for clauses in self._encoding.clauses.taken():
+            self._solver.add(clauses)
+
+    def _advance(self, *, bounded: bool) -> None:
+        """Go on to the next bound, unless the clauses say that none will do."""
+        if self._bound is None:
+            return
+        if bounded:
+            self._bound += 1
         else:
-            self._pending.append(prefix)
+            self._unbounded = True
+            self._bound = None
+        ended = self._bound is None or self._bound > self._encoding.limit
+        if ended and self._distinct and self._plans and self.problem.by_samples:
+            self._distinct = False
+            self._bound = self._encoding.least
 
-    def _lay_out(self, position: int) -> None:
-        while self._unrolling.positions <= position:
-            for clauses in self._unrolling.extend():
-                self._solver.add(clauses)
-            ready = self._unrolling.positions
-            for prefix in [p for p in self._pending if len(p) <= ready]:
-                self._exclude(prefix)
-            self._pending = [p for p in self._pending if len(p) > ready]
-
-    def _exclude(self, prefix: Sequence[int], ending: int | None = None) -> None:
-        """No path begins so; with ``ending``, only where it also ends there."""
-        clause = self._unrolling.excluding(prefix)
-        if clause is not None:
-            literals = clause if ending is None else [*clause, -ending]
-            self._solver.add(np.array([literals], dtype=np.int64))
-
-
-def path_planner(
-    abstraction: Abstraction, task: Task, start_cells: Sequence[int] | None = None
-) -> Planner:
-    """The planner of an effector in a task.
-
-    ``start_cells`` replaces the cells of the start region, where they depend on the robot; for a
-    start pose without them every cell is a start.
-    """
-    if start_cells is None and isinstance(task.start, StartAt):
-        start_cells = range(len(abstraction.cells))
-    problem = path_problem(abstraction, task, start_cells)
-    start = problem.start if start_cells is None else tuple(start_cells)
-    changes = min(task.steps, len(abstraction.cells))
-    return Planner(abstraction, start, problem.target, problem.forbidden, changes)
+    def _reason(self) -> Exhaustion:
+        shortest = self._encoding.shortest
+        known = [one for one in shortest if one is not None]
+        if len(known) < len(shortest):
+            return Exhaustion.APART
+        if sum(known) > self._encoding.limit or max(known) > self.problem.steps:
+            return Exhaustion.TOO_FAR
+        return Exhaustion.SPENT if self._plans or self._blocked else Exhaustion.FORMULA

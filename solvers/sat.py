@@ -55,6 +55,7 @@ class SatSolver:
         """
         if conflicts < 1:
             raise ValueError("a budget is at least one conflict")
+        self._variables = max([self._variables, *map(abs, assumptions)])
         self._solver.conf_budget(conflicts)
         answer = self._solver.solve_limited(assumptions=list(assumptions))
         if answer is None:

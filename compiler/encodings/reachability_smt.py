@@ -1,8 +1,9 @@
 r"""The kinematic refutation of a robot as nonlinear real arithmetic, an SMT-LIB 2 script.
 
 Statement: for some parameters in range and some effector there are a start pose and a target pose
-with the effector in the start region and in the target, both within the bounds.  ``unsat`` proves
-that the structure cannot do the task; every relaxation only enlarges the set of solutions.
+with the effector in the start region and in the target, both within the bounds.  A region that a
+formula makes an effector visit takes the place of the target in a question of its own.  ``unsat``
+proves that the structure cannot do the task; every relaxation only enlarges the set of solutions.
 
 Along the frames to an effector, rigid *segments* lie between revolute joints.  Segment j displaces
 by a vector of length :math:`r_j(\theta)` that its joint turns freely.  Vectors
@@ -31,6 +32,7 @@ from flint import arb
 
 from compiler.arithmetic.balls import working_precision
 from compiler.arithmetic.rational_enclosure import rational_bounds
+from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.real_terms import (
     FALSE,
     Formula,
@@ -50,7 +52,6 @@ from compiler.encodings.real_terms import (
 )
 from compiler.encodings.scalar_terms import ScalarTerms, absolute
 from compiler.encodings.segments import Chain, Segment, segments
-from compiler.geometry.polytope import polytope_of
 from compiler.robots.robot import Joint, Offset, RobotModel, Turn
 from grammar_lang import ir
 
@@ -62,66 +63,15 @@ Vector: TypeAlias = tuple[Quantity, Quantity, Quantity]
 
 HEADER = """\
 Is there a robot of this structure with a pose that brings an effector into the start region and a
-pose that brings it into the target, within the bounds?  unsat: there is none, so no robot of this
+pose that brings {who} into {target}, within the bounds?  unsat: there is none, so no robot of this
 structure does the task.  Limits of revolute joints, the dynamics and the obstacles are left out,
 and irrational numbers lie in rational intervals: all this can only add solutions.  SI units."""
 
 FIXED_START = """\
-Is there a robot of this structure with a pose that brings an effector into the target, within the
+Is there a robot of this structure with a pose that brings an effector into {target}, within the
 bounds?  unsat: there is none, so no robot of this structure does the task.  The start pose, limits
 of revolute joints, the dynamics and the obstacles are left out, and irrational numbers lie in
 rational intervals: all this can only add solutions.  SI units."""
-
-
-@dataclass(frozen=True, slots=True)
-class PoseQuestion:
-    """Exact half-spaces of the regions, and the effectors (from 0) that the clauses name.
-
-    ``start`` is None where the task gives the start pose by its coordinates.  A None
-    ``start_effector`` is the effector that reaches; a None ``reach_effector`` is any effector.
-    ``start_values`` counts the coordinates of a given start pose: a robot with another number of
-    degrees of freedom is no candidate.
-    """
-
-    start: tuple[ir.HalfSpace, ...] | None
-    target: tuple[ir.HalfSpace, ...]
-    bounds: tuple[ir.HalfSpace, ...]
-    start_effector: int | None = None
-    reach_effector: int | None = None
-    start_values: int | None = None
-
-
-def pose_question(workspace: ir.Workspace, task: ir.Task) -> PoseQuestion:
-    """What a task asks of the poses at its two ends."""
-
-    def rows(region: ir.Region) -> tuple[ir.HalfSpace, ...]:
-        return polytope_of(region.shape, workspace.dimension).rows
-
-    def index(effector: int | None) -> int | None:
-        return None if effector is None else effector - 1
-
-    start = task.start if isinstance(task.start, ir.StartIn) else None
-    return PoseQuestion(
-        None if start is None else rows(workspace.region(start.region)),
-        rows(workspace.region(task.goal.region)),
-        rows(workspace.bounds),
-        None if start is None else index(start.effector),
-        index(task.goal.effector),
-        len(task.start.values) if isinstance(task.start, ir.StartAt) else None,
-    )
-
-
-def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[int, int]]:
-    """The pairs (starting, reaching) of effectors that the task admits, from 0.
-
-    Where only the start names its effector, any effector may reach.
-    """
-    if question.start_values not in (None, len(model.dofs)):
-        return []
-    count, start, reach = len(model.effectors), question.start_effector, question.reach_effector
-    reaching = range(count) if reach is None else [reach]
-    pairs = [(e if start is None or question.start is None else start, e) for e in reaching]
-    return [pair for pair in pairs if max(pair) < count]
 
 
 def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
@@ -132,7 +82,8 @@ def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
         dict.fromkeys((chains[i], chains[j]) for i, j in effector_choices(model, question))
     )
     script = RealScript()
-    script.comment(HEADER if question.start is not None else FIXED_START)
+    header = HEADER if question.start is not None else FIXED_START
+    script.comment(header.format(who=question.who, target=question.goal))
     script.lines.append("(set-logic QF_NRA)")
     if pairs:
         with working_precision(PRECISION):

@@ -14,9 +14,8 @@ from grammar_lang.findings.diagnostics import Diagnostic, Severity
 from grammar_lang.source import Span
 
 
-def unsupported(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
-    """An error for every clause of a task, of its workspace, that is not compiled."""
-    found = [*_workspace(program, task), *_clauses(task)]
+def unsupported(task: ir.Task) -> tuple[Diagnostic, ...]:
+    """An error for every clause of a task that is not compiled."""
     return tuple(
         Diagnostic(
             Code.NOT_SUPPORTED,
@@ -26,7 +25,7 @@ def unsupported(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
             "remove it to find robots for the rest of the task; `srgc check` reads it already",
             () if span.file == task.span.file and _within(span, task.span) else _needed_by(task),
         )
-        for what, span in found
+        for what, span in _clauses(task)
     )
 
 
@@ -38,18 +37,11 @@ def _needed_by(task: ir.Task) -> tuple[tuple[Span, str], ...]:
     return ((task.span, f"task `{task.name}` needs it"),)
 
 
-def _workspace(program: ir.Program, task: ir.Task) -> Iterator[tuple[str, Span]]:
-    for obstacles in program.workspaces[task.workspace].maps:
-        yield f"`obstacles from` of workspace `{task.workspace}`", obstacles.span
-
-
 def _clauses(task: ir.Task) -> Iterator[tuple[str, Span]]:
     if task.avoid_self is not None:
         yield "`avoid self`", task.avoid_self.span
     if task.origin is not None:
         yield "`from`", task.origin.span
-    for clause in task.satisfy:
-        yield "`satisfy`", clause.span
     if task.robust is not None:
         for span in task.robust.spans:
             yield "`robust`", span

@@ -15,6 +15,7 @@ from compiler.encodings.formula_slots import Clause, Node, Slots, TooManySlotsEr
 from compiler.encodings.region_signatures import region_signatures
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.semantics.effector_counts import several_effectors
+from compiler.specifications.subformulas import subformulas
 from grammar_lang import ir
 from grammar_lang.source import Span
 
@@ -45,33 +46,21 @@ class Demands:
 
     clauses: tuple[Clause, ...]
     demands: tuple[Demand, ...]
+    _writer: _Writer
+
+    def denial(self, formula: ir.Formula) -> tuple[Demand, tuple[Clause, ...]]:
+        """The demand that a formula over the atoms of the task does not hold, and its clauses.
+
+        The clauses are those that no other call has returned.
+
+        Raises:
+            TooManySlotsError: there would be too many of them.
+        """
+        return self._writer.denial(formula)
 
 
-def parts(formula: ir.Formula) -> tuple[ir.Formula, ...]:
-    """The direct subformulas."""
-    match formula:
-        case ir.Atom():
-            return ()
-        case ir.Not(operand=part) | ir.Next(operand=part) | ir.Last(operand=part):
-            return (part,)
-        case ir.Always(operand=part) | ir.Eventually(operand=part):
-            return (part,)
-        case ir.And(operands=several) | ir.Or(operands=several):
-            return several
-        case ir.Implies(left=left, right=right) | ir.Until(left=left, right=right):
-            return (left, right)
-
-
-def subformulas(formula: ir.Formula) -> Iterator[ir.Formula]:
-    """The formula and all that it is made of, in the order written."""
-    stack = [formula]
-    while stack:
-        node = stack.pop()
-        yield node
-        stack.extend(reversed(parts(node)))
-
-
-def _conjuncts(formula: ir.Formula) -> Iterator[ir.Formula]:
+def conjuncts(formula: ir.Formula) -> Iterator[ir.Formula]:
+    """The parts of a conjunction, of conjunctions in it, too, as written; else the formula."""
     stack = [formula]
     while stack:
         node = stack.pop()
@@ -216,6 +205,12 @@ class _Writer:
         upper = last if window.upper is None else self.intervals(window.upper)
         return self.intervals(window.lower), upper
 
+    def denial(self, formula: ir.Formula) -> tuple[Demand, tuple[Clause, ...]]:
+        """The demand that a formula does not hold, and the clauses that it adds."""
+        before = len(self.slots.clauses)
+        self.demand([-self.slots.row(self.node(formula)).some[0]], formula.span, "")
+        return self.demands.pop(), tuple(self.slots.clauses[before:])
+
     def demand(
         self, literals: Iterable[int], span: Span, text: str, formula: int | None = None
     ) -> None:
@@ -227,7 +222,7 @@ class _Writer:
     def clauses(self, ends: _Ends, effectors: Iterable[int]) -> None:
         start, reach, slots = self.task.start, self.task.reach, self.slots
         for number, clause in enumerate(self.task.satisfy):
-            for part in _conjuncts(clause.formula):
+            for part in conjuncts(clause.formula):
                 literal = slots.row(self.node(part)).some[0]
                 self.demand([literal], part.span, "this formula holds", number)
         if isinstance(start, ir.StartIn) and ends.start is not None:
@@ -277,4 +272,4 @@ def _demands(task: ir.Task, step: Fraction, ends: _Ends, regions: _Regions) -> D
         writer.clauses(ends, numbers)
     except TooManySlotsError:
         return None
-    return Demands(tuple(slots.clauses), tuple(writer.demands))
+    return Demands(tuple(slots.clauses), tuple(writer.demands), writer)

@@ -14,7 +14,8 @@ import pytest
 from pysmt.environment import Environment
 from pysmt.smtlib.parser import SmtLibParser
 
-from compiler.encodings.reachability_smt import effector_choices, pose_question, refutation_script
+from compiler.encodings.pose_questions import effector_choices, pose_questions
+from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.normalise import normalise
 from grammar_lang import ir
 from solvers.smt import solve_script
@@ -391,12 +392,11 @@ def test_a_task_asks_about_its_regions():
         "T", "G", "Bench", ir.StartIn("S", 2, Fraction(0)), ir.Reach("T", None, at_rest=False),
         (), (), 81, Fraction(1, 8), Fraction(0), (), None, bounds_body=False,
     )  # fmt: skip
-    asked = pose_question(bench(), task)
-    assert asked == question(start_effector=1)
+    assert pose_questions(bench(), task) == (question(start_effector=1, effectors=2),)
     pose = ir.StartAt((ir.Num(Fraction(1)), ir.Pi()))
     fixed = replace(task, start=pose, reach=ir.Reach("T", 1, at_rest=False))
-    wanted = question(start=None, reach_effector=0, start_values=2)
-    assert pose_question(bench(), fixed) == wanted
+    wanted = question(start=None, reach_effector=0, start_values=2, effectors=1)
+    assert pose_questions(bench(), fixed) == (wanted,)
 
 
 def test_a_parameter_of_one_value_is_a_constant():

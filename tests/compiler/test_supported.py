@@ -1,11 +1,8 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from compiler.encodings.supported import unsupported
-from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Severity
 from tests.oracles.formulas import SHAPES, program, spec
@@ -17,7 +14,7 @@ def marked(clauses: str) -> list[tuple[str, str]]:
     """What is said not to be compiled, and the text of each place."""
     text = spec(CLAUSES + clauses, SHAPES["disjoint"])
     found = program(text)
-    errors = unsupported(found, found.tasks["P"])
+    errors = unsupported(found.tasks["P"])
     for error in errors:
         assert error.code is Code.NOT_SUPPORTED
         assert error.severity is Severity.ERROR
@@ -36,10 +33,7 @@ def marked(clauses: str) -> list[tuple[str, str]]:
         ("avoid self with body;", [("`avoid self`", "avoid self with body;")]),
         ("avoid self, C with body;", [("`avoid self`", "avoid self, C with body;")]),
         ("from B;", [("`from`", "from B;")]),
-        (
-            "satisfy always not C; satisfy eventually A;",
-            [("`satisfy`", "satisfy always not C;"), ("`satisfy`", "satisfy eventually A;")],
-        ),
+        ("satisfy always not C; satisfy eventually A;", []),
         (
             "robust start 1 mm; robust effort 5 %;",
             [("`robust`", "robust start 1 mm;"), ("`robust`", "robust effort 5 %;")],
@@ -48,13 +42,3 @@ def marked(clauses: str) -> list[tuple[str, str]]:
 )
 def test_clauses(clauses: str, found: list[tuple[str, str]]) -> None:
     assert marked(clauses) == found
-
-
-def test_obstacles_from_a_file() -> None:
-    found = program(spec(CLAUSES, SHAPES["disjoint"]))
-    place = ir.NOWHERE
-    maps = (ir.ObstacleMap("map.geojson", "geojson", "{}", place),)
-    workspace = replace(found.workspaces["W"], maps=maps)
-    [error] = unsupported(replace(found, workspaces={"W": workspace}), found.tasks["P"])
-    assert error.message.startswith("`obstacles from` of workspace `W`")
-    assert error.notes == ((found.tasks["P"].span, "task `P` needs it"),)

@@ -1,6 +1,7 @@
 import re
 
 from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.geometry.bisection import bisections
 from compiler.views.dot import to_dot
 from compiler.views.workspace_view import workspace_view
 from grammar_lang.ir import Workspace
@@ -39,3 +40,20 @@ def test_names_are_escaped():
 def test_space_is_drawn_obliquely():
     workspace = Workspace("W", 3, box("bounds", "bounds", (0, 1), (0, 1), (0, 1)), ())
     assert 'pos="4.5000,4.5000!"' in workspace_dot(abstract(workspace), workspace)
+
+
+def test_a_cell_in_several_regions_says_so_and_every_cell_its_size():
+    regions = (box("A", "region", (0, 2), (0, 1)), box("O", "obstacle", (1, 2), (0, 1)))
+    workspace = Workspace("W", 2, box("bounds", "bounds", (0, 3), (0, 1)), regions)
+    text = workspace_dot(abstract(workspace), workspace)
+    assert r'"O" [label="O\n{A, O}"' in text
+    assert '"A" [label="A", ' in text
+    assert 'tooltip="1 m^2: ' in text
+
+
+def test_a_picture_of_many_cells_is_larger():
+    workspace = bench()
+    abstraction = abstract(workspace)
+    finer = abstraction.cut(bisections(abstraction, 400))
+    places = re.findall(r'pos="([\d.]+),', workspace_dot(finer, workspace))
+    assert 20 < max(map(float, places)) < 22

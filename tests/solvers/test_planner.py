@@ -1,119 +1,227 @@
+"""The planner against trying everything."""
+
+from __future__ import annotations
+
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
 
 import networkx as nx
 import pytest
-from hypothesis import given, settings
+from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from compiler.encodings.specification import path_problem
+from compiler.encodings.specification import (
+    PlannedEffector,
+    PlanningProblem,
+    planning_problem,
+)
 from compiler.geometry.abstraction import abstract
-from solvers.planner import CellPath, Planner
+from compiler.specifications.sampled_formula import sampled
+from grammar_lang import ir
+from solvers.planner import CounterExample, Exhausted, Exhaustion, Plan, Planner
 from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.planes import bench, cuts_of_the_bench, workspaces
+from tests.oracles.plans import Case, Cells, brute_force, cases, changes, without_stays
 from tests.oracles.tasks import avoid, task
 
-SETTINGS = settings(max_examples=60, deadline=None)
+MOST = 150
+"""So many plans of a case are listed."""
+
+A, C = ir.Atom("A", 1), ir.Atom("C", 1)
+EVER = ir.Window(Fraction(0), None)
 
 
-@dataclass(frozen=True)
-class Graph:
-    neighbours: tuple[tuple[int, ...], ...]
+def drain(planner: Planner, most: int = 10**6) -> tuple[list[Plan], Exhausted | None]:
+    plans: list[Plan] = []
+    while len(plans) < most:
+        match planner.next_plan():
+            case Holds(witness=plan):
+                plans.append(plan)
+            case Fails(counterexample=end):
+                return plans, end
+            case Unknown():
+                pytest.fail("a small problem needs no budget")
+    return plans, None
 
 
-def brute_force(cells, start, target, forbidden, most):
-    graph = nx.Graph((i, j) for i, near in enumerate(cells.neighbours) for j in near)
-    graph.add_nodes_from(range(len(cells.neighbours)))
-    graph.remove_nodes_from(forbidden)
-    start, target = set(start) & set(graph), set(target) & set(graph)
-    paths = [(cell,) for cell in start & target]
+def word(case: Case, cells: Cells, entries: Cells | None) -> Cells:
+    """A path as a cell per sample, or per position."""
+    if entries is None:
+        return cells
+    ends = (*entries[1:], case.problem.steps + 1)
+    return tuple(
+        cell for cell, first, end in zip(cells, entries, ends, strict=True)
+        for _ in range(first, end)
+    )  # fmt: skip
+
+
+def words(case: Case, plan: Plan) -> tuple[Cells, ...]:
+    assert [p.effector for p in plan.paths] == [e.effector for e in case.problem.effectors]
+    for path in plan.paths:
+        assert all(a != b for a, b in zip(path.cells, path.cells[1:], strict=False))
+        assert (path.entries is not None) is case.problem.by_samples
+    return tuple(word(case, path.cells, path.entries) for path in plan.paths)
+
+
+def sequences(plan: Plan) -> tuple[Cells, ...]:
+    return tuple(path.cells for path in plan.paths)
+
+
+KINDS = st.sampled_from([(1, False), (1, True), (2, True)]).flatmap(
+    lambda kind: cases(effectors=kind[0], by_samples=kind[1])
+)
+
+
+@settings(max_examples=90, deadline=None)
+@given(KINDS)
+def test_all_plans_and_no_others_the_fewest_changes_first(case: Case) -> None:
+    everything = brute_force(case)
+    plans, end = drain(Planner(case.problem), MOST)
+    event(f"{case.problem.by_samples}, {case.formula is not None}: {bool(everything)}")
+    found = [words(case, plan) for plan in plans]
+    assert set(found) <= set(everything)
+    assert max(Counter(found).values(), default=1) == 1
+    assert [plan.changes for plan in plans] == [changes(each) for each in found]
+    # First every sequence of cells once, in order; then the same with other samples of entry.
+    different = {tuple(map(without_stays, each)) for each in everything}
+    first = plans[: len(different)]
+    assert len({sequences(plan) for plan in first}) == len(first) == min(len(different), MOST)
+    assert [plan.changes for plan in first] == sorted(plan.changes for plan in first)
+    if first:
+        assert first[0].changes == min(map(changes, everything))
+    rest = [plan.changes for plan in plans[len(different) :]]
+    assert rest == sorted(rest)
+    if end is None:
+        return
+    assert len(found) == len(everything)
+    assert (end.plans, end.changes, end.blocked) == (len(plans), case.problem.changes, ())
+    assert (end.why is Exhaustion.SPENT) is bool(plans)
+    if end.complete and not case.problem.by_samples:
+        wider = replace(case.problem, changes=case.problem.changes + 3)
+        assert len(brute_force(Case(wider, case.formula))) == len(everything)
+    if end.complete and case.problem.by_samples:
+        wider = replace(case.problem, changes=10**3)
+        assert len(brute_force(Case(wider, case.formula))) == len(everything)
+
+
+def begins_with(plan: Sequence[tuple[int, Cells]], blocked: Sequence[CounterExample]) -> bool:
+    return any(
+        effector == example.effector and cells[: len(example.prefix)] == example.prefix
+        for effector, cells in plan
+        for example in blocked
+    )
+
+
+@settings(max_examples=50, deadline=None)
+@given(KINDS, st.data())
+def test_blocked_prefixes_are_respected(case: Case, data: st.DataObject) -> None:
+    numbers = [one.effector for one in case.problem.effectors]
+    different = {tuple(map(without_stays, each)) for each in brute_force(case)}
+    everything = sorted(different)
+    planner = Planner(case.problem)
+    blocked: list[CounterExample] = []
+
+    def block(cells: Sequence[Cells], reason: str) -> None:
+        which = data.draw(st.sampled_from(numbers))
+        path = cells[numbers.index(which)]
+        prefix = path[: data.draw(st.integers(1, len(path)))]
+        blocked.append(CounterExample(which, prefix, reason, "robot"))
+        planner.block(blocked[-1])
+
+    # Before anything is laid out.
+    for cells in data.draw(st.lists(st.sampled_from(everything), max_size=2)) if everything else []:
+        block(cells, "early")
+    given_out: list[tuple[Cells, ...]] = []
+    while isinstance(verdict := planner.next_plan(), Holds) and len(given_out) < 30:
+        cells = sequences(verdict.witness)
+        if cells in given_out:
+            break
+        assert not begins_with(list(zip(numbers, cells, strict=True)), blocked)
+        given_out.append(cells)
+        if data.draw(st.booleans()):
+            block(cells, f"after {len(given_out)}")
+    if len(given_out) < 30:
+        missing = different - set(given_out)
+        assert all(begins_with(list(zip(numbers, m, strict=True)), blocked) for m in missing)
+    assert planner.blocked == tuple(blocked)
+    if isinstance(verdict, Fails):
+        assert verdict.counterexample.blocked == tuple(blocked)
+
+
+@settings(max_examples=40, deadline=None)
+@given(KINDS, st.data())
+def test_extended_is_as_made_anew(case: Case, data: st.DataObject) -> None:
+    """What remains has as few changes as with a planner that was never asked before."""
+    planner = Planner(case.problem)
+    for _ in range(6):
+        anew = Planner(case.problem)
+        for known in planner.blocked:
+            anew.block(known)
+        both = planner.next_plan(), anew.next_plan()
+        if isinstance(both[0], Fails):
+            assert isinstance(both[1], Fails)
+            return
+        assert isinstance(both[0], Holds)
+        assert isinstance(both[1], Holds)
+        assert both[0].witness.changes == both[1].witness.changes
+        # All that was given out is blocked, so that both know the same.
+        path = data.draw(st.sampled_from(both[0].witness.paths))
+        prefix = path.cells[: data.draw(st.integers(1, len(path.cells)))]
+        planner.block(CounterExample(path.effector, prefix, "tried"))
+
+
+# --- simple paths --------------------------------------------------------------------------------
+
+
+def simple(
+    neighbours: tuple[Cells, ...],
+    start: Sequence[int],
+    target: Sequence[int],
+    forbidden: Sequence[int],
+    most: int,
+) -> PlanningProblem:
+    none = (frozenset[str](),) * len(neighbours)
+    planned = PlannedEffector(0, tuple(start), tuple(forbidden), tuple(target))
+    return PlanningProblem(neighbours, none, (planned,), None, False, most, most)
+
+
+def paths_of(problem: PlanningProblem) -> tuple[list[Cells], Exhausted]:
+    plans, end = drain(Planner(problem))
+    assert end is not None
+    return [plan.paths[0].cells for plan in plans], end
+
+
+def by_networkx(problem: PlanningProblem) -> list[Cells]:
+    (one,) = problem.effectors
+    graph = nx.Graph((i, j) for i, near in enumerate(problem.neighbours) for j in near)
+    graph.add_nodes_from(range(len(problem.neighbours)))
+    graph.remove_nodes_from(one.forbidden)
+    start, target = set(one.start) & set(graph), set(one.end or ()) & set(graph)
+    paths: list[Cells] = [(cell,) for cell in start & target]
     for s in start:
         for t in target - {s}:
-            if most:
-                paths += map(tuple, nx.all_simple_paths(graph, s, t, cutoff=most))
+            if problem.changes:
+                paths += map(tuple, nx.all_simple_paths(graph, s, t, cutoff=problem.changes))
     return sorted(paths)
 
 
-def drain(planner):
-    paths = []
-    while True:
-        match planner.next_path():
-            case Holds(witness=path):
-                paths.append(path.cells)
-            case Fails(counterexample=end):
-                return paths, end
-            case Unknown():
-                pytest.fail("a small graph needs no budget")
-
-
-@st.composite
-def problems(draw):
-    count = draw(st.integers(1, 7))
-    cell = st.integers(0, count - 1)
-    edges = draw(st.sets(st.tuples(cell, cell).filter(lambda e: e[0] < e[1])))
-    near = [sorted({b for e in edges for a, b in (e, e[::-1]) if a == i}) for i in range(count)]
-    start, target = draw(st.sets(cell, max_size=2)), draw(st.sets(cell, max_size=3))
-    forbidden = draw(st.sets(cell, max_size=2))
-    return Graph(tuple(map(tuple, near))), start, target, forbidden, draw(st.integers(0, 7))
-
-
-@settings(max_examples=150, deadline=None)
-@given(problems())
-def test_all_simple_paths_the_shortest_first(problem):
-    paths, end = drain(Planner(*problem))
-    assert sorted(paths) == brute_force(*problem)
-    lengths = [len(path) for path in paths]
-    assert lengths == sorted(lengths)
-    assert end.paths == len(paths)
-    assert end.changes == problem[-1]
-    assert not end.blocked
-    if end.complete:
-        assert brute_force(*problem[:-1], most=len(problem[0].neighbours)) == sorted(paths)
-
-
-@SETTINGS
-@given(problems(), st.data())
-def test_blocked_prefixes_are_respected(problem, data):
-    planner, everything = Planner(*problem), brute_force(*problem)
-    given_out, blocked = [], []
-    early = data.draw(st.lists(st.sampled_from(everything), max_size=2)) if everything else []
-    for path in early:  # before any position is laid out
-        blocked.append(path[: data.draw(st.integers(1, len(path)))])
-        planner.block_prefix(blocked[-1], "early")
-    while isinstance(verdict := planner.next_path(), Holds):
-        path = verdict.witness.cells
-        assert not any(path[: len(prefix)] == prefix for prefix in blocked)
-        given_out.append(path)
-        if data.draw(st.booleans()):
-            blocked.append(path[: data.draw(st.integers(1, len(path)))])
-            planner.block_prefix(blocked[-1], f"after {len(given_out)}")
-    assert isinstance(verdict, Fails)
-    assert max(Counter(given_out).values(), default=1) == 1
-    missing = set(everything) - set(given_out)
-    assert set(given_out) <= set(everything)
-    assert all(any(p[: len(prefix)] == prefix for prefix in blocked) for p in missing)
-    assert [b.cells for b in verdict.counterexample.blocked] == blocked == [
-        b.cells for b in planner.blocked
-    ]  # fmt: skip
-    assert all(b.reason for b in planner.blocked)
-
-
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(workspaces(max_regions=3), st.data())
-def test_paths_through_random_workspaces(workspace, data):
-    abstraction = abstract(workspace)
-    cell = st.integers(0, len(abstraction.cells) - 1)
-    start, target = data.draw(st.sets(cell, max_size=2)), data.draw(st.sets(cell, max_size=2))
-    problem = (abstraction, start, target, data.draw(st.sets(cell, max_size=2)), 4)
-    assert sorted(drain(Planner(*problem))[0]) == brute_force(*problem)
+def test_paths_through_random_workspaces(workspace: ir.Workspace, data: st.DataObject) -> None:
+    neighbours = abstract(workspace).neighbours
+    cells = st.sets(st.integers(0, len(neighbours) - 1), max_size=2).map(sorted)
+    problem = simple(neighbours, data.draw(cells), data.draw(cells), data.draw(cells), 4)
+    assert sorted(paths_of(problem)[0]) == by_networkx(problem)
 
 
-def test_the_running_example_goes_round_both_ways():
+def test_the_running_example_goes_round_both_ways() -> None:
     abstraction = abstract(bench())
-    asked = path_problem(abstraction, task(avoid("O"), workspace="Bench"))
-    problem = (abstraction, asked.start, asked.target, asked.forbidden, 80)
-    paths, end = drain(Planner(*problem))
-    assert sorted(paths) == brute_force(*problem)
+    problem = planning_problem(abstraction, task(avoid("O"), workspace="Bench"), 0)
+    problem = replace(problem, changes=80)
+    paths, end = paths_of(problem)
+    assert sorted(paths) == by_networkx(problem)
     assert end.complete
     # some path crosses nothing below the obstacle, some path nothing above it
     for cut in cuts_of_the_bench():
@@ -121,57 +229,91 @@ def test_the_running_example_goes_round_both_ways():
         assert any(crossing.isdisjoint(path) for path in paths)
 
 
-def grid(side):
-    cells = [(x, y) for y in range(side) for x in range(side)]
-    return Graph(
+def grid(side: int) -> tuple[Cells, ...]:
+    steps = ((-1, 0), (0, -1), (0, 1), (1, 0))
+    return tuple(
         tuple(
-            tuple(sorted(cells.index(n) for n in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1))
-                         if n in cells))
-            for x, y in cells
+            (y + dy) * side + x + dx
+            for dy, dx in steps
+            if 0 <= y + dy < side and 0 <= x + dx < side
         )
-    )  # fmt: skip
+        for y in range(side)
+        for x in range(side)
+    )
 
 
-def test_a_conflict_limit_is_no_exhaustion():
-    planner = Planner(grid(4), [0], [15], [], 15, conflicts=1)
+def test_a_conflict_limit_is_no_exhaustion() -> None:
+    problem = simple(grid(4), [0], [15], [], 15)
+    planner = Planner(problem, conflicts=1)
     paths, unknowns = [], 0
-    while not isinstance(verdict := planner.next_path(), Fails):
+    while not isinstance(verdict := planner.next_plan(), Fails):
         match verdict:
-            case Holds(witness=path):
-                paths.append(path.cells)
+            case Holds(witness=plan):
+                paths.append(plan.paths[0].cells)
             case Unknown(reason=reason):
                 assert reason is Reason.CONFLICT_LIMIT
                 unknowns += 1
     assert unknowns > 0
-    assert sorted(paths) == brute_force(grid(4), [0], [15], [], 15)
+    assert sorted(paths) == by_networkx(problem)
     assert len(paths) == 184  # OEIS A007764
 
 
-def test_a_cut_off_target_is_proved():
+def test_why_there_is_none() -> None:
     wall = [4 * i + 1 for i in range(4)]
-    _, end = drain(Planner(grid(4), [0], [15], wall, 100))
-    assert (end.paths, end.complete, end.blocked) == (0, True, ())
-    _, end = drain(Planner(grid(4), [0], [15], [], 5))
-    assert (end.paths, end.complete) == (0, False)
+    _, end = paths_of(simple(grid(4), [0], [15], wall, 100))
+    assert (end.plans, end.complete, end.blocked, end.why) == (0, True, (), Exhaustion.APART)
+    _, end = paths_of(simple(grid(4), [0], [15], [], 5))
+    assert (end.plans, end.complete, end.why) == (0, False, Exhaustion.TOO_FAR)
+    # To be in A throughout, and to leave it.
+    problem = simple(grid(2), [0], [3], [], 9)
+    cells = tuple(map(frozenset, ("A", "A", "", "")))
+    formula = sampled(ir.Always(A, EVER), Fraction(1), 9)
+    _, end = paths_of(replace(problem, propositions=cells, formula=formula))
+    assert (end.plans, end.complete, end.why) == (0, True, Exhaustion.FORMULA)
 
 
-def test_the_same_paths_in_the_same_order():
-    runs = [drain(Planner(grid(4), [0, 3], [15], [5], 9))[0] for _ in range(2)]
-    assert runs[0] == runs[1]
+def test_the_same_paths_in_the_same_order() -> None:
+    problem = simple(grid(4), [0, 3], [15], [5], 9)
+    assert paths_of(problem)[0] == paths_of(problem)[0]
 
 
-def test_a_large_grid():
-    side = 40
-    verdict = Planner(grid(side), [0], [side * side - 1], [], 100).next_path()
+def test_a_large_grid() -> None:
+    side = 60
+    verdict = Planner(simple(grid(side), [0], [side * side - 1], [], 200)).next_plan()
     assert isinstance(verdict, Holds)
     assert verdict.witness.changes == 2 * side - 2
 
 
-def test_bad_arguments():
+def test_a_visit_on_the_way_and_back() -> None:
+    """A line of cells with A at its end: from the middle there and back again, by samples too."""
+    neighbours = tuple(tuple(j for j in (i - 1, i + 1) if 0 <= j < 5) for i in range(5))
+    cells = tuple(map(frozenset, ("A", "", "", "", "C")))
+    visit = sampled(ir.Eventually(A, EVER), Fraction(1), 12)
+    problem = replace(simple(neighbours, [2], [4], [], 12), propositions=cells, formula=visit)
+    verdict = Planner(problem).next_plan()
+    assert isinstance(verdict, Holds)
+    assert verdict.witness.paths[0].cells == (2, 1, 0, 1, 2, 3, 4)
+    late = sampled(ir.Eventually(A, ir.Window(Fraction(5), Fraction(6))), Fraction(1), 12)
+    verdict = Planner(replace(problem, formula=late, timed=True)).next_plan()
+    assert isinstance(verdict, Holds)
+    (path,) = verdict.witness.paths
+    assert path.cells == (2, 1, 0, 1, 2, 3, 4)
+    assert path.entries is not None
+    assert path.entries[2] <= 6
+    assert path.entries[3] > 5
+    # In A throughout [0 s, 9 s] would leave 3 samples for 4 changes.
+    tight = sampled(ir.Always(A, ir.Window(Fraction(3), Fraction(9))), Fraction(1), 12)
+    end = Planner(replace(problem, formula=tight, timed=True)).next_plan()
+    assert isinstance(end, Fails)
+    assert end.counterexample.why is Exhaustion.FORMULA
+
+
+def test_bad_arguments() -> None:
     with pytest.raises(ValueError, match="at least 0"):
-        Planner(grid(2), [0], [1], [], -1)
-    planner = Planner(grid(2), [0], [1], [], 3)
+        Planner(simple(grid(2), [0], [1], [], -1))
+    planner = Planner(simple(grid(2), [0], [1], [], 3))
     for cells in ((), (4,), (-1,)):
         with pytest.raises(ValueError, match="prefix"):
-            planner.block_prefix(cells, "no")
-    assert CellPath((3,)).changes == 0
+            planner.block(CounterExample(0, cells, "no"))
+    planner.block(CounterExample(1, (0,), "of an effector that is not planned"))
+    assert planner.blocked == ()

@@ -1,0 +1,96 @@
+"""Which poses a robot must be able to take if it is to do a task: questions for the solvers.
+
+Each is necessary: a robot for which one of them has no answer cannot do the task.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compiler.geometry.polytope import polytope_of
+from compiler.robots.robot import RobotModel
+from compiler.specifications.necessary import task_visits
+from compiler.specifications.task_formula import missing_effector
+from grammar_lang import ir
+
+
+@dataclass(frozen=True, slots=True)
+class PoseQuestion:
+    """Exact half-spaces of the regions, and the effectors (from 0) that the clauses name.
+
+    ``start`` is None where the task gives the start pose by its coordinates.  A None
+    ``start_effector`` is the effector that reaches, or any one with ``any_start``; a None
+    ``reach_effector`` is any effector.  ``start_values`` counts the coordinates of a given start
+    pose: a robot with another number of degrees of freedom is no candidate; nor is one with less
+    than ``effectors`` effectors.  ``goal`` says in words what the target is.
+    """
+
+    start: tuple[ir.HalfSpace, ...] | None
+    target: tuple[ir.HalfSpace, ...]
+    bounds: tuple[ir.HalfSpace, ...]
+    start_effector: int | None = None
+    reach_effector: int | None = None
+    start_values: int | None = None
+    any_start: bool = False
+    effectors: int = 0
+    goal: str = "the target"
+
+    @property
+    def who(self) -> str:
+        """The effector of the target pose, in words that follow the one of the start pose."""
+        same = self.start_effector == self.reach_effector and not self.any_start
+        return "it" if same or self.reach_effector is None else "another one"
+
+
+def pose_questions(workspace: ir.Workspace, task: ir.Task) -> tuple[PoseQuestion, ...]:
+    """What a task asks of the poses: each has an answer for every robot that does the task.
+
+    About the start and the target, and about the start and every region that the formulas make an
+    effector visit; about the start alone, where there is neither.
+    """
+    start = task.start if isinstance(task.start, ir.StartIn) else None
+    named = None if start is None else start.effector
+    if task.reach is not None:
+        named = named or task.reach.effector
+
+    def question(target: ir.Region, effector: int | None, goal: str) -> PoseQuestion:
+        return PoseQuestion(
+            None if start is None else _rows(workspace.region(start.region), workspace),
+            _rows(target, workspace),
+            _rows(workspace.bounds, workspace),
+            None if start is None or named is None else named - 1,
+            None if effector is None else effector - 1,
+            len(task.start.values) if isinstance(task.start, ir.StartAt) else None,
+            start is not None and named is None and effector is not None,
+            missing_effector(task, 0) or 0,
+            goal,
+        )
+
+    found: list[PoseQuestion] = []
+    if task.reach is not None:
+        target = workspace.region(task.reach.region)
+        found.append(question(target, task.reach.effector, "the target"))
+    for place in task_visits(task):
+        goal = f"{place.region}, which it has to visit"
+        found.append(question(workspace.region(place.region), place.effector, goal))
+    return tuple(found) or (question(workspace.bounds, None, "any place"),)
+
+
+def _rows(region: ir.Region, workspace: ir.Workspace) -> tuple[ir.HalfSpace, ...]:
+    return polytope_of(region.shape, workspace.dimension).rows
+
+
+def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[int, int]]:
+    """The pairs (starting, reaching) of effectors that the task admits, from 0.
+
+    Where only the start names its effector, any effector may reach.
+    """
+    count, start, reach = len(model.effectors), question.start_effector, question.reach_effector
+    if question.start_values not in (None, len(model.dofs)) or count < question.effectors:
+        return []
+    reaching = range(count) if reach is None else [reach]
+    if question.any_start:
+        pairs = [(s, e) for s in range(count) for e in reaching]
+    else:
+        pairs = [(e if start is None or question.start is None else start, e) for e in reaching]
+    return [pair for pair in pairs if max(pair) < count]
