@@ -10,14 +10,17 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from dataclasses import fields as dataclass_fields
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, TypeAlias
 
-FORMAT = 1
+from grammar_lang import ir
+
+FORMAT = 2
+"""2: cuts of cells, and tasks whose places are cut off from each other."""
 
 _NUMBER = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,1100}|/[0-9]{1,300})?")
 """Decimals below 1e300, and quotients; no exponents, whose expansion has no bound."""
@@ -36,12 +39,17 @@ class ParameterClaim:
     value: str
 
 
+CutClaim: TypeAlias = tuple[int, tuple[str, ...], str]
+"""A number of a cell, and the normal and the offset of the half-space that cuts it."""
+
+
 @dataclass(frozen=True, slots=True)
 class FoundClaim:
     """This robot, started so and driven so, does the task.
 
     ``start`` holds the coordinates, then the rates; ``inputs`` one row per step; ``path`` the cell
-    of every effector at every sample; ``effector`` (from 0) is the one that starts and reaches.
+    of every effector at every sample; ``effector`` (from 0) is the one that starts and reaches;
+    ``cuts`` are made in turn of the cells of the workspace to get those of ``path``.
     """
 
     task: str
@@ -58,6 +66,7 @@ class FoundClaim:
     path: tuple[tuple[str, ...], ...]
     effort_peak: str
     robustness: str
+    cuts: tuple[CutClaim, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,14 +80,33 @@ class StructureClaim:
 
 
 @dataclass(frozen=True, slots=True)
+class SeparationClaim:
+    """Two regions that one effector has to visit are cut off by regions that it never enters.
+
+    ``effector`` is its number from 1, None for the recorded one that the task does not name;
+    ``cells`` are those, not ``avoided``, that chains of touching cells from ``source`` lead to.
+    """
+
+    effector: int | None
+    source: str
+    target: str
+    avoided: tuple[str, ...]
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ImpossibleClaim:
-    """No structure with at most ``modules`` modules (None: none at all) can do the task."""
+    """No structure with at most ``modules`` modules (None: none at all) can do the task.
+
+    With a ``separation``, no robot whatever can, and no structures are listed.
+    """
 
     task: str
     spec: str
     spec_sha256: str
     modules: int | None
     structures: tuple[StructureClaim, ...]
+    separation: SeparationClaim | None = None
 
 
 Claim = FoundClaim | ImpossibleClaim
@@ -118,6 +146,23 @@ def exact(text: str) -> Fraction:
         return Fraction(text)
     except ZeroDivisionError:
         raise CertificateError(f"the certificate is malformed: {text!r} divides by zero") from None
+
+
+def cut_claim(cell: int, half_space: ir.HalfSpace) -> CutClaim:
+    """A cut as a certificate states it."""
+    return cell, tuple(str(a) for a in half_space.normal), str(half_space.offset)
+
+
+def exact_cuts(cuts: Sequence[CutClaim]) -> tuple[tuple[int, ir.HalfSpace], ...]:
+    """The cuts of a claim: numbers of cells, and exact half-spaces.
+
+    Raises:
+        CertificateError: a number is none.
+    """
+    return tuple(
+        (cell, ir.HalfSpace(tuple(exact(a) for a in normal), exact(offset)))
+        for cell, normal, offset in cuts
+    )
 
 
 def spec_digest(files: Mapping[str, bytes]) -> str:
@@ -270,7 +315,14 @@ def _found(fields: dict[str, Any]) -> FoundClaim:
         _text(fields[name])
     for name in ("effector", "steps"):
         _number(fields[name])
+    fields["cuts"] = _cuts(fields["cuts"])
     return FoundClaim(**fields)
+
+
+def _cuts(items: object) -> tuple[CutClaim, ...]:
+    if not isinstance(items, list) or not all(isinstance(i, list) and len(i) == 3 for i in items):
+        raise TypeError("a list of cuts is due, each a cell, a normal and an offset")
+    return tuple((_number(cell), _texts(normal), _text(offset)) for cell, normal, offset in items)
 
 
 def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
@@ -288,4 +340,18 @@ def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
         _text(fields[name])
     if fields["modules"] is not None:
         _number(fields["modules"])
+    fields["separation"] = _separation(fields["separation"])
     return ImpossibleClaim(**fields)
+
+
+def _separation(content: object) -> SeparationClaim | None:
+    if content is None:
+        return None
+    (fields,) = _objects([content], SeparationClaim)
+    return SeparationClaim(
+        None if fields["effector"] is None else _number(fields["effector"]),
+        _text(fields["source"]),
+        _text(fields["target"]),
+        _texts(fields["avoided"]),
+        _texts(fields["cells"]),
+    )

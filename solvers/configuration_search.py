@@ -15,6 +15,7 @@ from solvers.control import FULL, ControlOutcome, Effort
 from solvers.evaluation import Evaluator, evaluate
 from solvers.parameter_search import BayesianSearch, parameter_space
 from solvers.path_following import Follower
+from solvers.path_timing import Entries
 from solvers.progress import Conduct
 
 ROUNDS = 4
@@ -35,7 +36,7 @@ class Configuration:
     """The best outcome for a path: its entry steps, the evaluations made, and its cells."""
 
     outcome: ControlOutcome
-    entries: tuple[int, ...]
+    entries: Entries
     evaluations: int
     cells: tuple[int, ...]
 
@@ -66,10 +67,10 @@ def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Co
     ranked = sorted(best, key=lambda outcome: -outcome.robustness)
     top = ranked[0]
     for outcome in ranked[:1] if top.feasible else ranked:
-        freed = _freed(follower, outcome, conduct)
+        freed = _freed(follower, outcome, entries, conduct)
         if freed is not None:
             top, entries, cells = freed
-            follower = replace(follower, cells=cells)
+            follower = follower.along(cells, entries)
             break
     if top.feasible:
         top, entries = _timed(follower, top, entries, conduct)
@@ -109,7 +110,7 @@ def _tell(
 
 
 def _polished(
-    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...], conduct: Conduct
+    follower: Follower, outcome: ControlOutcome, entries: Entries, conduct: Conduct
 ) -> ControlOutcome:
     """The outcome with its parameters made unknowns of the convex programs."""
     box = parameter_space(follower.model).free_box(outcome.trajectory.theta)
@@ -120,44 +121,45 @@ def _polished(
 
 
 def _freed(
-    follower: Follower, outcome: ControlOutcome, conduct: Conduct
-) -> tuple[ControlOutcome, tuple[int, ...], tuple[int, ...]] | None:
+    follower: Follower, outcome: ControlOutcome, entries: Entries, conduct: Conduct
+) -> tuple[ControlOutcome, Entries, tuple[int, ...]] | None:
     """The outcome with free timing: release the cells, optimise, and read the path off.
 
     The half-planes keep the motion on its side of every obstacle, so it visits the path's cells or
     others next to them.  None where that is no path, or no better.
     """
     space = parameter_space(follower.model)
-    best: tuple[ControlOutcome, tuple[int, ...], tuple[int, ...]] | None = None
+    best: tuple[ControlOutcome, Entries, tuple[int, ...]] | None = None
     for radius in RELEASES:
         conduct.check_time()
-        start = outcome if best is None else best[0]
+        start, timing = (outcome, entries) if best is None else best[:2]
+        follower = follower if best is None else follower.along(best[2], best[1])
         box = None if space.is_point else space.free_box(start.trajectory.theta)
-        free = follower.released(start.trajectory, box, FULL, radius)
+        free = follower.released(start.trajectory, timing, box, FULL, radius)
         visited = follower.visited(free.trajectory) if free.feasible else None
         if visited is None or free.robustness <= start.robustness + GAIN:
             break
-        cells, entries = visited
-        other = replace(follower, cells=cells)
-        trial = other.solve(free.trajectory, entries, box, FULL, RETIMING_RADIUS)
+        cells, entered = visited
+        other = follower.along(cells, entered)
+        trial = other.solve(free.trajectory, entered, box, FULL, RETIMING_RADIUS)
         if not trial.feasible or trial.robustness <= start.robustness + GAIN:
             break
-        best = trial, entries, cells
+        best = trial, entered, cells
         conduct.reporter.robustness(trial.robustness)
     return best
 
 
 def _timed(
-    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...], conduct: Conduct
+    follower: Follower, outcome: ControlOutcome, entries: Entries, conduct: Conduct
 ) -> tuple[ControlOutcome, tuple[int, ...]]:
     """Move entry steps, one at a time and on in the same direction, while the robustness grows."""
     moves = [(cell, shift) for shift in SHIFTS for cell in range(1, len(entries))]
     for cell, shift in moves:
         for _ in range(LONGEST_RUN):
             conduct.check_time()
-            moved = _moved(entries, cell, shift, follower.task.steps)
-            trial = None if moved is None else _retimed(follower, outcome, moved)
-            if moved is None or trial is None or trial.robustness <= outcome.robustness + GAIN:
+            moved = _moved(entries, cell, shift)
+            trial = _retimed(follower, outcome, moved) if follower.allows(moved) else None
+            if trial is None or trial.robustness <= outcome.robustness + GAIN:
                 break
             outcome, entries = trial, moved
             conduct.reporter.robustness(outcome.robustness)
@@ -165,7 +167,7 @@ def _timed(
 
 
 def _retimed(
-    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]
+    follower: Follower, outcome: ControlOutcome, entries: Entries
 ) -> ControlOutcome | None:
     """The outcome with other entry steps, where that is feasible."""
     space = parameter_space(follower.model)
@@ -174,12 +176,9 @@ def _retimed(
     return trial if trial.feasible else None
 
 
-def _moved(entries: tuple[int, ...], cell: int, shift: int, steps: int) -> tuple[int, ...] | None:
-    """The entry steps with one of them shifted, or None where cells would get no sample."""
-    moved = list(entries)
-    moved[cell] += shift
-    after = moved[cell + 1] if cell + 1 < len(moved) else steps + 1
-    return tuple(moved) if moved[cell - 1] < moved[cell] < after else None
+def _moved(entries: Entries, cell: int, shift: int) -> Entries:
+    """The entry steps with one of them shifted."""
+    return (*entries[:cell], entries[cell] + shift, *entries[cell + 1 :])
 
 
 def within_limits(follower: Follower, found: Configuration) -> tuple[Follower, Configuration]:

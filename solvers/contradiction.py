@@ -1,59 +1,15 @@
-"""Tasks that no motion can fulfil, whatever the robot: which clauses exclude each other.
-
-The demands of a task (:mod:`compiler.encodings.task_demands`) go to the SAT solver under
-assumptions; of an unsatisfiable core as many are left out as can be (deletion-based extraction of a
-minimal core, Chinneck & Dravnieks 1991).  Nothing is said where the solver's budget runs out.
-"""
+"""Tasks that no motion can fulfil, whatever the robot: which clauses exclude each other."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
-
-import numpy as np
+from collections.abc import Iterator, Sequence
 
 from compiler.encodings.task_demands import Demand, task_demands
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.findings.diagnostics import Diagnostic, Severity
 from grammar_lang.source import Span
-from solvers.sat import SatSolver
-from solvers.verdict import Fails
-
-CONFLICTS = 20_000
-
-
-class _Conflicts:
-    """The demands of a task in a solver."""
-
-    def __init__(self, clauses: Iterable[tuple[int, ...]], demands: Sequence[Demand]) -> None:
-        self._solver = SatSolver()
-        for _, group in groupby(sorted(clauses, key=len), key=len):
-            self._solver.add(np.array(list(group), dtype=np.int64))
-        self._by_selector = {demand.selector: demand for demand in demands}
-
-    def core(self, demands: Iterable[Demand]) -> tuple[Demand, ...] | None:
-        """Demands that exclude each other and of which none can be spared; None if unknown."""
-        core = self._refuted([demand.selector for demand in demands])
-        if core is None:
-            return None
-        needed: list[int] = []
-        while core:
-            candidate = core.pop()
-            smaller = self._refuted([*core, *needed])
-            if smaller is None:
-                needed.append(candidate)
-            else:
-                core = [selector for selector in core if selector in smaller]
-        return tuple(self._by_selector[selector] for selector in sorted(needed))
-
-    def _refuted(self, selectors: Sequence[int]) -> list[int] | None:
-        """Those of the selectors that suffice for a contradiction; None if none is found."""
-        answer = self._solver.solve(selectors, conflicts=CONFLICTS)
-        return list(answer.counterexample.assumptions) if isinstance(answer, Fails) else None
-
-    def close(self) -> None:
-        self._solver.close()
+from solvers.demand_conflicts import DemandConflicts
 
 
 def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
@@ -61,14 +17,23 @@ def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]
     asked = task_demands(program, task)
     if asked is None:
         return ()
-    conflicts = _Conflicts(asked.clauses, asked.demands)
+    conflicts = DemandConflicts(asked)
     try:
-        return tuple(_found(task, asked.demands, conflicts))
+        return contradictions_among(task, asked.demands, conflicts)
     finally:
         conflicts.close()
 
 
-def _found(task: ir.Task, demands: Sequence[Demand], conflicts: _Conflicts) -> Iterator[Diagnostic]:
+def contradictions_among(
+    task: ir.Task, demands: Sequence[Demand], conflicts: DemandConflicts
+) -> tuple[Diagnostic, ...]:
+    """The same for demands that are in a solver."""
+    return tuple(_found(task, demands, conflicts))
+
+
+def _found(
+    task: ir.Task, demands: Sequence[Demand], conflicts: DemandConflicts
+) -> Iterator[Diagnostic]:
     left = list(demands)
     for number, clause in enumerate(task.satisfy):
         own = [demand for demand in demands if demand.formula == number]
@@ -118,10 +83,3 @@ def _together(task: ir.Task, core: Sequence[Demand]) -> Diagnostic:
 def _seconds(task: ir.Task) -> str:
     total = task.steps * task.step
     return f"{float(total):g} s"
-
-
-def contradiction_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report the tasks of a program that contradict themselves, of those with a ``satisfy``."""
-    for task in program.tasks.values():
-        if task.satisfy:
-            sink.found.extend(contradictions(program, task))

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from flint import arb, arb_mat, arb_series, ctx
 
@@ -40,14 +41,20 @@ class TubeSegment:
     """The solution on [start, start + length] as polynomials with ball coefficients.
 
     ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
-    states) in the time since ``start``; ``number`` counts the input in force.
+    states) in the time since ``start``.  ``steps`` holds the exact ends of the segment in units of
+    the step.
     """
 
     start: arb
     length: arb
-    number: int
+    steps: tuple[Fraction, Fraction]
     states: tuple[Coefficients, ...]
     end: tuple[arb, ...]
+
+    @property
+    def number(self) -> int:
+        """The number of the input in force, from 0."""
+        return int(self.steps[0])
 
     def at(self, tau: arb) -> list[arb]:
         """The state ``tau`` after the start; a ball of times gives an enclosure over it."""
@@ -237,7 +244,7 @@ class Accuracy:
 def _segment(
     field: VectorField,
     start: arb,
-    number: int,
+    steps: tuple[Fraction, Fraction],
     state: Sequence[arb],
     u: Sequence[arb],
     h: arb,
@@ -262,7 +269,7 @@ def _segment(
         if order <= 2:
             return None
         rough = Accuracy(2, accuracy.bits, max(accuracy.remainder, KINK_REMAINDER))
-        return _segment(field, start, number, state, u, h, rough)
+        return _segment(field, start, steps, state, u, h, rough)
     except (ZeroDivisionError, ValueError):
         # A denominator's ball contains zero: the box is too wide, not the robot at fault.
         return None
@@ -276,7 +283,7 @@ def _segment(
         for coefficients, row, error in zip(at_middle, slopes, rest, strict=True)
     )
     states = tuple([*k, coefficient] for k, coefficient in zip(known, last, strict=True))
-    return TubeSegment(start, h, number, states, end)
+    return TubeSegment(start, h, steps, states, end)
 
 
 def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
@@ -298,17 +305,18 @@ def tube(
     Raises:
         EnclosureFailure: a segment has no validated enclosure however short.
     """
-    start = arb(0)
+    start, first = arb(0), Fraction(0)
     level = 0
-    for number, u in enumerate(inputs):
+    for u in inputs:
         level = max(0, level - 1)
         pending = [(dt / 2**level, level)] * 2**level
         while pending:
             h, level = pending.pop()
-            segment = _segment(field, start, number, state, u, h, accuracy)
+            steps = first, first + Fraction(1, 2**level)
+            segment = _segment(field, start, steps, state, u, h, accuracy)
             if segment is not None:
                 yield segment
-                state, start = segment.end, start + h
+                state, start, first = segment.end, start + h, steps[1]
             elif level < (KINK_HALVINGS if field.has_kinks else MOST_HALVINGS):
                 pending += [(h / 2, level + 1)] * 2
             else:

@@ -2,19 +2,24 @@
 
 The structures are enumerated again and every script is made again from the spec, byte for byte;
 what is left to believe is the solver's ``unsat``, unless it is run again in a process of its own.
+Where places are cut off from each other, the cells are computed again, and no solver is believed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
-from compiler.encodings.reachability_smt import pose_question, refutation_script
+from compiler.encodings.pose_questions import pose_questions
+from compiler.encodings.reachability_smt import refutation_script
+from compiler.geometry.abstraction import abstract
 from compiler.languages.structures import InfiniteAmbiguityError, structures
 from compiler.robots.robot_key import robot_key
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
-from solvers.certificate import ImpossibleClaim, StructureClaim
+from solvers.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
+from solvers.disconnection import misstated_separation
 from solvers.smt_subprocess import run_z3_subprocess
 from solvers.verdict import Fails
 
@@ -26,7 +31,12 @@ class FalseClaim(Exception):
 def check_impossible(
     folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
 ) -> tuple[str | None, bool]:
-    """The reason why the claim is refused, or None; and whether no script is left to believe."""
+    """The reason why the claim is refused, or None; and whether no script is left to believe.
+
+    ``task`` is one of ``program``, both without maps.
+    """
+    if claim.separation is not None:
+        return _separation(claim, claim.separation, program, task), True
     family = family_of(program, task)
     try:
         bound = _bound(claim, family, task)
@@ -34,6 +44,16 @@ def check_impossible(
     except (FalseClaim, InfiniteAmbiguityError) as error:
         return str(error), False
     return None, trust == "z3" or not claim.structures
+
+
+def _separation(
+    claim: ImpossibleClaim, separation: SeparationClaim, program: ir.Program, task: ir.Task
+) -> str | None:
+    """Why a separation does not prove the claim, or None."""
+    if claim.structures or claim.modules is not None:
+        return "the claim has a separation, which is about all robots, and structures or a bound"
+    cells = abstract(program.workspaces[task.workspace])
+    return misstated_separation(program, task, cells, separation)
 
 
 def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
@@ -57,7 +77,7 @@ def _structures(
     bound: int,
     trust: str | None,
 ) -> None:
-    question = pose_question(family.program.workspaces[task.workspace], task)
+    questions = pose_questions(family.program.workspaces[task.workspace], task)
     keys: list[str] = []
     number = -1
     for number, derivation in enumerate(structures(family.language, bound)):
@@ -74,8 +94,8 @@ def _structures(
         if claimed.same_robot_as is not None:
             _same(number, claimed, keys)
             continue
-        script = refutation_script(model, question)
-        _script(folder, number, claimed, script, trust)
+        scripts = (refutation_script(model, question) for question in questions)
+        _evidence(folder, number, claimed, scripts, trust)
     if number + 1 != len(claim.structures):
         raise FalseClaim("the claim lists structures that the family does not have")
 
@@ -86,16 +106,18 @@ def _same(number: int, claimed: StructureClaim, keys: list[str]) -> None:
         raise FalseClaim(f"structure {number} is not the same robot as structure {first}")
 
 
-def _script(
-    folder: Path, number: int, claimed: StructureClaim, script: str, trust: str | None
+def _evidence(
+    folder: Path, number: int, claimed: StructureClaim, scripts: Iterable[str], trust: str | None
 ) -> None:
-    """The evidence is the script of this spec, and a solver process answers ``unsat`` if asked."""
+    """The evidence is a script of this spec, and a solver process answers ``unsat`` if asked."""
     if claimed.evidence is None:
         raise FalseClaim(f"structure {number} has no evidence")
     path = folder / claimed.evidence
     if not path.resolve().is_relative_to(folder.resolve()) or not path.is_file():
         raise FalseClaim(f"the evidence {claimed.evidence} is missing")
-    if path.read_bytes() != script.encode():
+    content = path.read_bytes()
+    script = next((script for script in scripts if script.encode() == content), None)
+    if script is None:
         raise FalseClaim(f"{claimed.evidence} is not the script of structure {number}")
     if trust == "z3" and not isinstance(run_z3_subprocess(script), Fails):
         raise FalseClaim(f"z3 does not refute structure {number}")

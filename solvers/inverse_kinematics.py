@@ -70,9 +70,8 @@ def branches(
     ``count`` bounds the number of branches; random starts are drawn with ``seed`` from the box,
     from one turn (or SLIDE metres about the target's distance) where it is wider or unlimited.
     """
-    turns = np.array([dof.kind == "revolute" for dof in reading.graph.model.dofs], dtype=bool)
-    width = np.where(turns, np.pi, SLIDE + float(np.linalg.norm(target)))
-    lower, upper = _sampled_box(box, width)
+    turns = _turns(reading)
+    lower, upper = sampled_box(reading, box, float(np.linalg.norm(target)))
     starts = np.random.default_rng(seed).uniform(lower, upper, size=(24, reading.n))
     q, distance = solve_positions(
         reading, starts, theta, point, np.tile(target, (len(starts), 1)), box
@@ -86,9 +85,21 @@ def branches(
     return np.array(chosen).reshape(-1, reading.n)
 
 
-def _sampled_box(box: tuple[Array, Array], width: Array) -> tuple[Array, Array]:
-    """The box (n,), (n,) cut to ``width`` on either side of its point nearest to zero."""
+def _turns(reading: FloatReading) -> NDArray[np.bool_]:
+    """Which coordinates are angles."""
+    return np.array([dof.kind == "revolute" for dof in reading.graph.model.dofs], dtype=bool)
+
+
+def sampled_box(
+    reading: FloatReading, box: tuple[Array, Array], distance: float
+) -> tuple[Array, Array]:
+    """A bounded part (n,), (n,) of the box of coordinates, to draw them from.
+
+    On either side of its point nearest to zero half a turn, or the ``distance`` in metres of what
+    is to be reached and SLIDE more.
+    """
     lower, upper = box
+    width = np.where(_turns(reading), np.pi, SLIDE + distance)
     centre = np.clip(0.0, lower, upper)
     # A range that begins or ends beyond zero keeps the whole width on its own side.
     low = np.where(centre == upper, centre - 2 * width, centre - width)

@@ -47,6 +47,15 @@ class ParameterSpace:
                 theta[index] = values[min(int(point[index] * len(values)), len(values) - 1)]
         return np.asarray(theta)
 
+    def samples(self, power: int, seed: int) -> list[Array]:
+        """A Sobol sequence of 2**power parameters; one where nothing is free."""
+        from scipy.stats.qmc import Sobol
+
+        if self.is_point:
+            return [self.lower]
+        cube = Sobol(len(self.lower), seed=seed).random_base2(power)
+        return [self.from_cube(point) for point in cube]
+
     def free_box(self, theta: Array) -> tuple[Array, Array]:
         """Bounds for polishing about theta: discrete parameters stay as they are."""
         fixed = np.array([values is not None for values in self.choices], dtype=bool)

@@ -3,33 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading, scalar_floats
+from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.robots.robot import Body, RobotModel, RodBody
+from compiler.robots.robot import RobotModel
+from compiler.specifications.obligations import Obligation, obligations
+from compiler.specifications.word_formula import SampledFormula, Word, holds
 from grammar_lang import ir
 from solvers.control import FULL, WORST, ControlOutcome, ControlProblem, Effort, synthesise_control
 from solvers.convex_step import Trajectory
 from solvers.inverse_kinematics import branches
+from solvers.motion_constraints import MotionConstraints
 from solvers.motion_limits import MotionLimits
-from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation
-from solvers.task_limits import (
-    input_groups,
-    motion_limits,
-    parameter_bounds,
-    resting_inputs,
-    state_limits,
-)
+from solvers.path_timing import Entries, in_order, polyline, smooth_timing, timing_of, word_of
+from solvers.position_rows import PositionPlan
+from solvers.task_limits import input_groups, motion_limits, resting_inputs, state_limits
+
+if TYPE_CHECKING:
+    from solvers.planner import EffectorPath
 
 SUBSTEPS = 2
 MOST_SUBSTEPS = 32
 INTEGRATION_SHARE = 0.2
 """The part of the margins that the error of the discretisation may use up."""
-FAR = Fraction(1000)
 LIMIT_MARGIN = 1e-3
 """Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
 LEAST_MARGIN = 2e-3
@@ -46,8 +45,11 @@ BEYOND = 1.25
 class Follower:
     """An effector of a robot that has to follow a path of cells, and what else binds the robot.
 
-    ``effector`` starts (unless the task names another) and reaches.  ``insets`` narrows the limits
-    of joints and rates further, shape (n, 2, 2): motions were seen to pass them within steps.
+    ``recorded`` is the effector that starts (unless the task names another) and reaches, None: the
+    one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
+    (n, 2, 2): motions were seen to pass them within steps.  A word of cells has to satisfy
+    ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
+    are entered, where smooth timing will not do.
     """
 
     reading: FloatReading
@@ -61,6 +63,10 @@ class Follower:
     branch_count: int = 4
     substeps: int = SUBSTEPS
     insets: Array | None = None
+    recorded: int | None = None
+    formula: SampledFormula | None = None
+    others: tuple[EffectorPath, ...] = ()
+    timing: Entries | None = None
 
     @property
     def model(self) -> RobotModel:
@@ -68,11 +74,13 @@ class Follower:
         return self.reading.graph.model
 
     @property
-    def start_effector(self) -> int:
-        """The effector that starts in the start region."""
-        start = self.task.start
-        named = start.effector if isinstance(start, ir.StartIn) else None
-        return self.effector if named is None else named - 1
+    def constraints(self) -> MotionConstraints:
+        """What binds positions."""
+        recorded = self.effector if self.recorded is None else self.recorded
+        return MotionConstraints(
+            self.reading, self.workspace, self.task, self.abstraction, self.effector, recorded,
+            self.cells,
+        )  # fmt: skip
 
     @property
     def limit_margin(self) -> float:
@@ -85,113 +93,60 @@ class Follower:
         insets = 0.0 if self.insets is None else self.insets
         return motion_limits(self.model, self.task, self.limit_margin + insets)
 
-    @property
-    def starts_in_its_cell(self) -> bool:
-        """Whether the task asks where the reaching effector starts."""
-        own = self.start_effector == self.effector
-        return own and isinstance(self.task.start, ir.StartIn)
+    # --- timing and formulas --------------------------------------------------------------------
 
-    # --- timing ---------------------------------------------------------------------------------
+    def waypoints(self) -> tuple[Array, Entries]:
+        """Positions (k + 1, d) along the path from rest to rest, and each cell's entry step."""
+        line, k = polyline(self.abstraction, self.cells), self.task.steps
+        if self.timing is None:
+            along, entries = smooth_timing(line, k)
+        else:
+            along, entries = timing_of(line, self.timing, k), self.timing
+        return line.at(along), entries
 
-    def polyline(self) -> Array:
-        """Centre of the first cell, centres of the facets passed, centre of the last cell."""
-        cells = self.abstraction.cells
-        points = [_centre(cells[self.cells[0]].polytope)]
-        for before, after in zip(self.cells, self.cells[1:], strict=False):
-            points.append(self.abstraction.facet_centre(before, after))
-        points.append(_centre(cells[self.cells[-1]].polytope))
-        return np.array(points)
+    def along(self, cells: tuple[int, ...], entries: Entries) -> Follower:
+        """The same task on another path, of which the entries are known."""
+        return replace(self, cells=cells, timing=None if self.formula is None else entries)
 
-    def waypoints(self) -> tuple[Array, tuple[int, ...]]:
-        """Positions (k + 1, d) along the polyline with smooth timing, and each cell's entry step.
+    def word(self, entries: Entries) -> Word:
+        """The propositions of the cells of every effector that has a path, by sample."""
+        own = [(self.effector, self.cells, entries)]
+        own += [(path.effector, path.cells, path.entries or (0,)) for path in self.others]
+        return word_of(self.abstraction, own, self.task.steps)
 
-        The timing is the minimum-jerk profile from rest to rest.
-        """
-        points = self.polyline()
-        k = self.task.steps
-        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        along = np.concatenate([[0.0], np.cumsum(lengths)])
-        t = np.linspace(0.0, 1.0, k + 1)
-        s = (10 * t**3 - 15 * t**4 + 6 * t**5) * along[-1]
-        place = np.stack(
-            [np.interp(s, along, points[:, axis]) for axis in range(points.shape[1])], axis=1
-        )
-        entries = np.searchsorted(s, along[1:-1] + 1e-12)
-        # Every cell holds one sample at least, in order.
-        steps = [0]
-        for number, entry in enumerate(entries):
-            rest = len(entries) - 1 - number
-            steps.append(int(min(max(entry, steps[-1] + 1), k - rest)))
-        return place, tuple(steps)
+    def allows(self, entries: Entries) -> bool:
+        """Whether the path may be entered so: every cell has samples, and the formula holds."""
+        if not in_order(entries, self.task.steps):
+            return False
+        return self.formula is None or holds(self.formula, self.word(entries))
+
+    def obligations(self, entries: Entries) -> tuple[Obligation, ...]:
+        """What the formula needs of the motion; none where it does not hold."""
+        if self.formula is None:
+            return ()
+        return obligations(self.formula, self.word(entries)) or ()
 
     # --- constraints ----------------------------------------------------------------------------
 
-    def plan(self, entries: tuple[int, ...] | None) -> PositionPlan:
-        """All half-planes for given entry steps; without, only the two ends bind to cells."""
-        k = self.task.steps
-        dwells = []
-        bounds = _convex(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
-        stays = [(self.cells[0], 0, 0)] if self.starts_in_its_cell else []
-        stays.append((self.cells[-1], k, k))
-        if entries is not None:
-            ends = [*(entry - 1 for entry in entries[1:]), k]
-            stays = list(zip(self.cells, entries, ends, strict=True))
-        for cell, first, last in stays:
-            region = _convex(self.abstraction.cells[cell].polytope)
-            dwells.append(Dwell(self.effector, first, last, region))
-        count = len(self.model.effectors)
-        inside = [e for e in range(count) if entries is None or e != self.effector]
-        dwells += [Dwell(point, 0, k, bounds) for point in inside]
-        if self.task.bounds_body:
-            for body, hull in zip(self.model.bodies, self.reading.graph.hulls, strict=True):
-                within = replace(bounds, offsets=bounds.offsets - self._thickness(body))
-                dwells += [Dwell(count + i, 0, k, within) for i in hull]
-        if isinstance(self.task.start, ir.StartIn) and self.start_effector != self.effector:
-            region = _convex(self._region(self.task.start.region))
-            dwells.append(Dwell(self.start_effector, 0, 0, region))
-        anchors = self.waypoints()[0]
+    def plan(self, entries: Entries, *, released: bool = False) -> PositionPlan:
+        """All half-planes for given entry steps; ``released``, only both ends bind to cells."""
+        place, needs = self.waypoints()[0], self.obligations(entries)
+        constraints = self.constraints
         return PositionPlan(
-            k,
-            tuple(dwells),
-            tuple(self._separations()),
+            self.task.steps,
+            constraints.dwells(None if released else entries, needs),
+            constraints.separations(needs),
             self.margin,
-            None if entries is None else self.effector,
-            anchors,
+            None if released else self.effector,
+            place,
         )
 
-    def _region(self, name: str) -> Polytope:
-        return polytope_of(self.workspace.region(name).shape, self.workspace.dimension)
-
-    def _separations(self) -> list[Separation]:
-        found = []
-        count = len(self.model.effectors)
-        for avoid in self.task.avoid:
-            for name in avoid.regions:
-                obstacle = _convex(self._region(name))
-                distance = float(avoid.margin)
-                if avoid.subject == "effector":
-                    found += [Separation((e,), obstacle, distance) for e in range(count)]
-                    continue
-                for body, hull in zip(self.model.bodies, self.reading.graph.hulls, strict=True):
-                    reach = distance + self._thickness(body)
-                    found.append(Separation(tuple(count + i for i in hull), obstacle, reach))
-        return found
-
-    def _thickness(self, body: Body) -> float:
-        """A bound on the radius of a body: search only, the proof reads each one exactly."""
-        if not isinstance(body, RodBody) or body.radius is None:
-            return 0.0
-        upper = np.array([bounds[1] for bounds in parameter_bounds(self.model)])
-        values = scalar_floats(self.model.scalars, upper)
-        radii = [b.radius for b in self.model.bodies if isinstance(b, RodBody)]
-        return max(abs(values[r]) for r in radii if r is not None)
-
-    def problem(self, entries: tuple[int, ...] | None) -> ControlProblem:
+    def problem(self, entries: Entries, *, released: bool = False) -> ControlProblem:
         """The control problem for given entry steps, or with all cells but the ends released."""
         task = self.task
         limits = self.limits
         groups = input_groups(self.model, task)
-        plan = self.plan(entries)
+        plan = self.plan(entries, released=released)
         return ControlProblem(
             self.reading, float(task.step), self.substeps, limits, groups, plan.rows
         )
@@ -223,7 +178,7 @@ class Follower:
     def solve(
         self,
         start: Trajectory,
-        entries: tuple[int, ...] | None = None,
+        entries: Entries | None = None,
         box: tuple[Array, Array] | None = None,
         effort: Effort = FULL,
         radius: float = 0.5,
@@ -234,10 +189,15 @@ class Follower:
         return self._solve(self.problem(entries), start, box, effort, radius)
 
     def released(
-        self, start: Trajectory, box: tuple[Array, Array] | None, effort: Effort, radius: float
+        self,
+        start: Trajectory,
+        entries: Entries,
+        box: tuple[Array, Array] | None,
+        effort: Effort,
+        radius: float,
     ) -> ControlOutcome:
-        """The same with the cells between the two ends released; obstacles bind as before."""
-        return self._solve(self.problem(None), start, box, effort, radius)
+        """The same with the cells between the two ends released; what else binds does as before."""
+        return self._solve(self.problem(entries, released=True), start, box, effort, radius)
 
     def _solve(
         self,
@@ -295,7 +255,7 @@ class Follower:
         before = 0.0 if self.insets is None else self.insets
         return replace(self, insets=before + np.maximum(0.0, BEYOND * beyond))
 
-    def visited(self, trajectory: Trajectory) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
+    def visited(self, trajectory: Trajectory) -> tuple[tuple[int, ...], Entries] | None:
         """The cells a trajectory visits and when it enters them, if that is a path of the task."""
         positions = self.reading.points(trajectory.x[:, : self.reading.n], trajectory.theta).value
         avoided = {
@@ -315,11 +275,13 @@ class Follower:
                     return None
                 cells.append(cell)
                 entries.append(sample)
-        starts = cells[0] == self.cells[0] or not self.starts_in_its_cell
-        ends = cells[-1] == self.cells[-1]
-        return (tuple(cells), tuple(entries)) if starts and ends else None
+        starts = cells[0] == self.cells[0] or not self.constraints.starts_in_its_cell
+        if not starts or cells[-1] != self.cells[-1]:
+            return None
+        found = tuple(cells), tuple(entries)
+        return found if self.along(*found).allows(found[1]) else None
 
-    def cell_names(self, trajectory: Trajectory, entries: tuple[int, ...]) -> list[list[str]]:
+    def cell_names(self, trajectory: Trajectory, entries: Entries) -> list[list[str]]:
         """The cell of every effector at every sample."""
         cells = self.abstraction.cells
         positions = self.reading.points(trajectory.x[:, : self.reading.n], trajectory.theta).value
@@ -341,21 +303,3 @@ class Follower:
 
 def _largest_gap(before: Array, after: Array) -> float:
     return float(np.max(np.abs(after - before), initial=0.0))
-
-
-def _centre(polytope: Polytope) -> Array:
-    return np.array([float(x) for x in polytope.centre])
-
-
-def _convex(polytope: Polytope) -> ConvexSet:
-    """A polytope in floats; an unbounded one is cut far away."""
-    if not polytope.is_bounded:
-        d = polytope.dimension
-        rows = [
-            ir.HalfSpace(tuple(Fraction(sign * (i == j)) for j in range(d)), FAR)
-            for i in range(d)
-            for sign in (-1, 1)
-        ]
-        polytope = polytope.intersection(Polytope(tuple(rows)))
-    vertices = np.array([[float(x) for x in vertex] for vertex in polytope.vertices])
-    return ConvexSet(polytope.A, polytope.b, vertices)

@@ -14,7 +14,7 @@ import numpy as np
 
 from compiler.arithmetic.balls import closed_ball
 from compiler.discretisation.float_reading import Array, FloatReading
-from compiler.encodings.reachability_smt import PoseQuestion, effector_choices
+from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from grammar_lang import ir
 
 RESTARTS = 12

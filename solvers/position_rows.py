@@ -19,6 +19,10 @@ from solvers.convex_step import Indices, PositionRows
 ON_FACET = 1e-9
 """Metres up to which a vertex lies on a facet."""
 PARALLEL = 1e-9
+MANY = 16
+"""With more separations than this, those far away at a step are left out there."""
+NEARBY = 0.3
+"""What is farther away than this part of the extent of the motion counts as far."""
 ASTRAY = 0.02
 """Distance in metres from which a reference counts as having left its cell."""
 
@@ -30,6 +34,11 @@ class ConvexSet:
     normals: Array
     offsets: Array
     vertices: Array
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """The least and the greatest coordinates of the vertices, (d,) each."""
+        return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     @cached_property
     def edge_directions(self) -> Array:
@@ -62,11 +71,22 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """The hull of some points stays at a distance from a convex set at every instant."""
+    """The hull of some points stays at a distance from a convex set, all the time between samples.
+
+    From sample ``first`` to sample ``last`` (None: to the end).
+    """
 
     points: tuple[int, ...]
     obstacle: ConvexSet
     distance: float
+    first: int = 0
+    last: int | None = None
+
+    def steps(self, count: int) -> Indices:
+        """The steps it binds, of ``count``; one that is next to it where it is a single sample."""
+        last = count if self.last is None else self.last
+        first = min(self.first, last - 1)
+        return np.arange(max(0, first), min(max(last, 1), count))
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +109,8 @@ class PositionPlan:
         """The half-planes about reference positions of shape (k + 1, m, d)."""
         parts = [self._dwell(dwell) for dwell in self.dwells]
         about = self._anchored(positions)
-        parts += [self._separate(separation, about) for separation in self.separations]
+        near = self._near(about)
+        parts += [self._separate(separation, about, steps) for separation, steps in near]
         d = positions.shape[2]
         none = np.zeros(0, dtype=np.int64)
         parts.append((none, none, np.zeros((0, d)), np.zeros(0)))
@@ -120,15 +141,38 @@ class PositionPlan:
         normal = np.tile(region.normals, (samples, 1))
         return sample, point, normal, np.tile(region.offsets - self.margin, samples)
 
+    def _near(self, positions: Array) -> list[tuple[Separation, Indices]]:
+        """The separations with the steps at which they bind.
+
+        Of a great many, those whose boxes are far from what moves in a step are left out there.
+        """
+        count = len(positions) - 1
+        wanted = [(separation, separation.steps(count)) for separation in self.separations]
+        if len(wanted) <= MANY:
+            return wanted
+        spread = np.ptp(positions.reshape(-1, positions.shape[2]), axis=0)
+        reach = NEARBY * float(np.linalg.norm(spread))
+        kept = []
+        for separation, steps in wanted:
+            moving = positions[:, list(separation.points)]
+            low, high = moving.min(axis=1), moving.max(axis=1)
+            low, high = np.minimum(low[:-1], low[1:])[steps], np.maximum(high[:-1], high[1:])[steps]
+            lower, upper = separation.obstacle.box
+            gap = np.max(np.maximum(lower - high, low - upper), axis=1)
+            close = steps[gap <= reach + separation.distance]
+            if len(close):
+                kept.append((separation, close))
+        return kept
+
     def _separate(
-        self, wanted: Separation, positions: Array
+        self, wanted: Separation, positions: Array, steps: Indices
     ) -> tuple[Indices, Indices, Array, Array]:
         group = np.array(wanted.points)
         moving = positions[:, group]
-        swept = np.concatenate([moving[:-1], moving[1:]], axis=1)
+        swept = np.concatenate([moving[steps], moving[steps + 1]], axis=1)
         normal, support = separating_planes(swept, wanted.obstacle)
         k, width, d = swept.shape
-        sample = np.arange(k)[:, None] + np.repeat([0, 1], len(group))[None, :]
+        sample = steps[:, None] + np.repeat([0, 1], len(group))[None, :]
         point = np.broadcast_to(np.tile(group, 2)[None, :], (k, width))
         normals = np.broadcast_to(-normal[:, None, :], (k, width, d)).reshape(-1, d)
         offset = -(support + wanted.distance + self.margin)

@@ -60,7 +60,8 @@ def motion_limits(model: RobotModel, task: ir.Task, slack: Array | float = 0.0) 
     if isinstance(start, ir.StartAt):
         values = np.array([to_float(value) for value in start.values])
     start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
-    final = RATE_MARGIN * 1e-3 if task.goal.at_rest else np.inf
+    rests = task.reach is not None and task.reach.at_rest
+    final = RATE_MARGIN * 1e-3 if rests else np.inf
     own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
     return MotionLimits(
         ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values,

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from textwrap import shorten
 
 from flint import arb
 
@@ -28,23 +29,32 @@ from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.parameter_values import ExactValue, value_ball
 from compiler.robots.robot import RobotModel, RodBody, amounts_of
 from compiler.robots.state_and_input import robot_states
+from compiler.specifications.formula_text import formula_text
+from compiler.specifications.monitor import key
+from compiler.specifications.subformulas import atoms
+from compiler.specifications.task_formula import missing_effector
 from grammar_lang import ir
+from solvers.cell_path import cell_path
 from solvers.defined_checks import Defined
 from solvers.enclosure import Accuracy, EnclosureFailure, VectorField, tube
+from solvers.finding import Finding, inside, least
+from solvers.formula_proof import FormulaProof
+from solvers.region_distance import region_distance
 from solvers.tube_checks import (
     Apart,
     Inside,
     PointReading,
-    Row,
     StateLimit,
     Status,
     check_segment,
-    row,
+    rows_of,
 )
 
 ACCURACIES = (Accuracy(10, 96, 1e-10), Accuracy(14, 128, 1e-15), Accuracy(20, 192, 1e-24))
 REST_RATE = Fraction(1, 1000)
 """``reach ... at rest``: all rates below this, in SI units."""
+LONGEST_TEXT = 72
+"""Characters of a formula in a report."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,18 +69,6 @@ class Motion:
     inputs: tuple[tuple[Fraction, ...], ...]
     effector: int
     path: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One proved, disproved or undecided condition, with its margin and where it is attained."""
-
-    name: str
-    status: Status
-    margin: float
-    unit: str
-    time: float | None = None
-    place: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +97,9 @@ def prove_motion(
 
     ``tick`` is called again and again; what it raises ends the proof.
     """
+    missing = missing_effector(scene.task, len(scene.model.effectors))
+    if missing is not None:
+        return (Finding(f"effector {missing} of the task", Status.FAILS, 0.0, ""),)
     findings: tuple[Finding, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
@@ -135,10 +136,12 @@ def _findings(
         return tuple(found)
     samples = [state]
     defined = Defined(tape(graph.conditions), graph.divisors, tail)
+    formulas = _formulas(scene, reading, tick)
     try:
         for segment in tube(field, state, inputs, ball(task.step), accuracy):
             tick()
             check_segment(reading, segment, inputs[segment.number], always, limits)
+            formulas.add(segment, inputs[segment.number])
             if defined.is_needed:
                 defined.check(segment, inputs[segment.number])
             if segment.number == len(samples):
@@ -158,18 +161,42 @@ def _findings(
         if limit.margin < float("inf") or limit.status is not Status.HOLDS
     ]
     positions = [reading.positions(sample) for sample in samples]
-    found.append(_path(scene, motion, positions))
-    end = float(task.step) * task.steps
-    target = scene.polytope(scene.workspace.region(task.goal.region))
-    tip = positions[-1][motion.effector]
-    found.append(_inside(f"target {task.goal.region}", target, tip, end))
-    if task.goal.at_rest:
-        found.append(_rest("rest at the end", graph, samples[-1], end))
+    # Whose path a formula is about, and that it holds, is proved without the path.
+    following = None if task.satisfy else motion.effector
+    found.append(cell_path(scene.abstraction, float(task.step), motion.path, following, positions))
+    if task.reach is not None:
+        found += _arrival(scene, task.reach, positions[-1][motion.effector], samples[-1])
+    found += [_satisfied(number, clause, formulas) for number, clause in enumerate(task.satisfy)]
     return tuple(found)
 
 
-def _rows(polytope: Polytope) -> tuple[Row, ...]:
-    return tuple(row(item.normal, item.offset) for item in polytope.rows if any(item.normal))
+def _formulas(scene: Scene, reading: PointReading, tick: Callable[[], None]) -> FormulaProof:
+    """The atoms of the task's formulas, with the sets they speak of."""
+    regions = {
+        key(atom): region_distance(scene.polytope(scene.workspace.region(atom.region)))
+        for atom in atoms(*(clause.formula for clause in scene.task.satisfy))
+    }
+    return FormulaProof(reading, regions, scene.task, tick)
+
+
+def _satisfied(number: int, clause: ir.Satisfy, formulas: FormulaProof) -> Finding:
+    """What is proved of a formula; its margin is a bound of its robustness."""
+    text = shorten(formula_text(clause.formula), LONGEST_TEXT, placeholder=" …")
+    verdict = formulas.verdict(clause.formula)
+    name = f"satisfy {number + 1}: {text}"
+    return Finding(name, verdict.status, verdict.robustness, "m", clause=number)
+
+
+def _arrival(
+    scene: Scene, reach: ir.Reach, tip: Sequence[arb], state: Sequence[arb]
+) -> list[Finding]:
+    """The effector is in the target at the last instant, at rest where it has to be."""
+    end = float(scene.task.step) * scene.task.steps
+    target = scene.polytope(scene.workspace.region(reach.region))
+    found = [inside(f"target {reach.region}", target, tip, end)]
+    if reach.at_rest:
+        found.append(_rest("rest at the end", scene.graph, state, end))
+    return found
 
 
 def _always(scene: Scene, tail: Sequence[arb]) -> list[Inside | Apart]:
@@ -177,7 +204,7 @@ def _always(scene: Scene, tail: Sequence[arb]) -> list[Inside | Apart]:
     task, workspace, graph = scene.task, scene.workspace, scene.graph
     effectors = tuple(range(len(graph.model.effectors)))
     bodies = [tuple(len(effectors) + i for i in hull) for hull in graph.hulls]
-    bounds = _rows(scene.polytope(workspace.bounds))
+    bounds = rows_of(scene.polytope(workspace.bounds))
     radii = [_radius(graph.model, i, tail) for i in range(len(bodies))]
     found: list[Inside | Apart] = [Inside("bounds", points=effectors, rows=bounds)]
     if task.bounds_body:
@@ -192,7 +219,7 @@ def _always(scene: Scene, tail: Sequence[arb]) -> list[Inside | Apart]:
             groups: list[tuple[tuple[int, ...], arb]] = [((e,), arb(0)) for e in effectors]
             if avoid.subject == "body":
                 groups = list(zip(bodies, radii, strict=True))
-            rows = _rows(polytope)
+            rows = rows_of(polytope)
             for points, radius in groups:
                 distance = ball(avoid.margin) + radius
                 label = f"clearance of {avoid.subject} to {name}"
@@ -259,27 +286,6 @@ def _unphysical(model: RobotModel, tail: Sequence[arb]) -> list[Finding]:
     ]
 
 
-def _inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> Finding:
-    """A point at one instant lies strictly inside a polytope."""
-    gaps = [
-        (r.offset - sum((a * x for a, x in zip(r.normal, point, strict=True)), arb(0))) / r.length
-        for r in _rows(polytope)
-    ]
-    return _least(name, gaps, "m", time, tuple(float(x.mid()) for x in point))
-
-
-def _least(
-    name: str, gaps: Sequence[arb], unit: str, time: float, place: tuple[float, ...] = ()
-) -> Finding:
-    """All gaps are positive; the margin is a lower bound of the least."""
-    if any(bool(gap < 0) for gap in gaps):
-        worst = min(float(gap.mid()) for gap in gaps)
-        return Finding(name, Status.FAILS, worst, unit, time, place)
-    status = Status.HOLDS if all(bool(gap > 0) for gap in gaps) else Status.UNDECIDED
-    margin = min((float(gap.lower()) for gap in gaps), default=float("inf"))
-    return Finding(name, status, margin, unit, time, place)
-
-
 def _weighed(weights: Sequence[int], values: Sequence[arb]) -> arb:
     return sum((w * x for w, x in zip(weights, values, strict=False) if w), arb(0))
 
@@ -287,7 +293,7 @@ def _weighed(weights: Sequence[int], values: Sequence[arb]) -> arb:
 def _rest(name: str, graph: RobotGraph, state: Sequence[arb], time: float) -> Finding:
     """All rates of the joints are below the bound of a rest."""
     rates = [_weighed(row, state[len(row) :]) for row in graph.coordinates.rows]
-    return _least(name, [ball(REST_RATE) - abs(rate) for rate in rates], "SI", time)
+    return least(name, [ball(REST_RATE) - abs(rate) for rate in rates], "SI", time)
 
 
 def _start(
@@ -303,7 +309,7 @@ def _start(
             near = [arb(-1)]
         rest = all(value == 0 for value in motion.state[n:])
         return [
-            _least("start pose", near, "SI", 0.0),
+            least("start pose", near, "SI", 0.0),
             Finding("start at rest", Status.HOLDS if rest else Status.FAILS, 0.0, "SI", 0.0),
         ]
     region = scene.polytope(scene.workspace.region(start.region))
@@ -312,41 +318,9 @@ def _start(
     within = all(abs(value) <= start.rates for value in motion.state[n:])
     rates = float(start.rates - max((abs(v) for v in motion.state[n:]), default=Fraction(0)))
     return [
-        _inside(f"start {start.region}", region, tip, 0.0),
+        inside(f"start {start.region}", region, tip, 0.0),
         Finding("start rates", Status.HOLDS if within else Status.FAILS, rates, "SI", 0.0),
     ]
-
-
-def _path(scene: Scene, motion: Motion, positions: Sequence[Sequence[Sequence[arb]]]) -> Finding:
-    """Every effector is in its cell at every sample; the reaching one moves between neighbours."""
-    cells, dt = scene.abstraction, float(scene.task.step)
-    adjacent = set(cells.adjacency)
-    margin, undecided = float("inf"), False
-    for effector, names in enumerate(motion.path):
-        for sample, name in enumerate(names):
-            where = f"cell path: effector {effector + 1} at sample {sample}"
-            try:
-                index = cells.index(name)
-            except KeyError:
-                return Finding(f"{where}: no cell `{name}`", Status.FAILS, 0.0, "m", sample * dt)
-            polytope = cells.cells[index].polytope
-            finding = _inside(where, polytope, positions[sample][effector], sample * dt)
-            if finding.status is Status.FAILS:
-                return Finding(
-                    f"{where} is not in `{name}`",
-                    Status.FAILS, finding.margin, "m", finding.time, finding.place,
-                )  # fmt: skip
-            undecided = undecided or finding.status is Status.UNDECIDED
-            margin = min(margin, finding.margin)
-            if effector == motion.effector and sample:
-                before = cells.index(names[sample - 1])
-                pair = (min(before, index), max(before, index))
-                if before != index and pair not in adjacent:
-                    return Finding(
-                        f"{where} enters `{name}`, no neighbour of `{names[sample - 1]}`",
-                        Status.FAILS, 0.0, "m", sample * dt,
-                    )  # fmt: skip
-    return Finding("cell path", Status.UNDECIDED if undecided else Status.HOLDS, margin, "m")
 
 
 def scene_of(program: ir.Program, task: ir.Task, model: RobotModel, cells: Abstraction) -> Scene:

@@ -20,6 +20,7 @@ from flint import arb, arb_series, ctx
 
 from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic, ball
 from compiler.dynamics.tape import Tape
+from compiler.geometry.polytope import Polytope
 from solvers.enclosure import TubeSegment, VectorField
 
 MOST_SPLITS = 12
@@ -79,6 +80,11 @@ def row(normal: Sequence[Fraction], offset: Fraction) -> Row:
     """A row of a polytope as balls."""
     square = sum((a * a for a in normal), Fraction(0))
     return Row(tuple(ball(a) for a in normal), ball(offset), ball(square).sqrt())
+
+
+def rows_of(polytope: Polytope) -> tuple[Row, ...]:
+    """The rows of a polytope as balls, in the working precision."""
+    return tuple(row(item.normal, item.offset) for item in polytope.rows if any(item.normal))
 
 
 @dataclass(slots=True)

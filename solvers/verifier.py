@@ -6,22 +6,26 @@ It shares the compiler and the validated integration with the searchers, and not
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from math import isqrt
 from pathlib import Path
 
-from compiler.encodings.specification import path_problem
 from compiler.encodings.supported import unsupported
 from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.geometry.refinement import Cut
 from compiler.grammars.derivation import BadDerivation, Derivation
+from compiler.maps.map_fault import MapFault
+from compiler.maps.obstacle_pieces import expanded
 from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kinds
 from compiler.robots.parameter_values import ExactValue, stated_value
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
+from compiler.specifications.task_formula import missing_effector, recorded_effector
 from grammar_lang import ir
 from solvers.certificate import (
     CertificateError,
@@ -29,13 +33,16 @@ from solvers.certificate import (
     FoundClaim,
     ImpossibleClaim,
     exact,
+    exact_cuts,
     exact_decimal,
     from_text,
 )
 from solvers.design_agreement import disagreement
+from solvers.finding import Finding
+from solvers.formula_agreement import misstated_formula
 from solvers.impossibility_check import check_impossible
 from solvers.spec_copy import difference_from, read_copy
-from solvers.trajectory_proof import Finding, Motion, prove_motion, scene_of
+from solvers.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.tube_checks import Status
 
 NOT_A_DECIMAL = Fraction(1, 10**9)
@@ -117,15 +124,22 @@ def _judged(folder: Path, claim: Claim, program: ir.Program, trust: str | None) 
     task = program.tasks.get(claim.task)
     if task is None:
         raise Refused(f"the spec has no task `{claim.task}`")
-    for clause in unsupported(program, task):
+    for clause in unsupported(task):
         raise Refused(f"not verified: {clause.message}", Outcome.UNDECIDED)
+    try:
+        program, task = expanded(program, task)
+    except MapFault as fault:
+        raise Refused(f"the spec has errors: {fault.message}") from None
     cells = abstract(program.workspaces[task.workspace])
     if isinstance(claim, FoundClaim):
+        cells = _cut(cells, claim)
         model, report = _found(claim, program, task, cells)
     else:
         model, report = None, _impossible(folder, claim, program, task, trust)
     if report.outcome is not Outcome.REFUTED:
         reason = disagreement(folder, claim, cells, model)
+        if reason is None and model is not None and report.outcome is Outcome.VALID:
+            reason = misstated_formula(folder, task, report.findings)
         if reason is not None:
             raise Refused(reason)
     return report
@@ -152,6 +166,17 @@ def _found(
     if all(finding.status is Status.HOLDS for finding in findings):
         findings += prove_motion(scene_of(program, task, model, cells), motion)
     return model, _conclusion(findings)
+
+
+def _cut(cells: Abstraction, claim: FoundClaim) -> Abstraction:
+    """The cells after the cuts of a claim, which are made in turn."""
+    cuts = [Cut(cell, half_space) for cell, half_space in exact_cuts(claim.cuts)]
+    if any(len(cut.half_space.normal) != cells.dimension for cut in cuts):
+        raise Refused(f"a cut of a cell is not given by {cells.dimension} coordinates")
+    try:
+        return cells.cut(cuts)
+    except ValueError as error:
+        raise Refused(f"the cells cannot be cut as claimed: {error}") from None
 
 
 def _conclusion(findings: list[Finding]) -> Report:
@@ -202,11 +227,12 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
         raise Refused(f"the start is not {n} coordinates and {n} rates")
     if not 0 <= claim.effector < len(model.effectors):
         raise Refused(f"the robot has no effector {claim.effector + 1}")
-    wanted = task.goal.effector
-    if wanted is not None and wanted != claim.effector + 1:
-        raise Refused(f"the task names effector {wanted}, the claim {claim.effector + 1}")
-    if isinstance(task.start, ir.StartIn) and (task.start.effector or 1) > len(model.effectors):
-        raise Refused(f"the robot has no effector {task.start.effector}")
+    wanted = recorded_effector(task)
+    if wanted is not None and wanted != claim.effector:
+        raise Refused(f"the task names effector {wanted + 1}, the claim {claim.effector + 1}")
+    missing = missing_effector(task, len(model.effectors))
+    if missing is not None:
+        raise Refused(f"the robot has no effector {missing}, which the task names")
     return Motion(
         _theta(claim, model),
         tuple(exact(text) for text in claim.start),
@@ -318,22 +344,31 @@ def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:
 def _path_avoids(claim: FoundClaim, task: ir.Task, cells: Abstraction) -> None:
     """The path starts and ends where the task says and keeps out of what effectors avoid."""
     known = {cell.name: index for index, cell in enumerate(cells.cells)}
-    first = claim.path[claim.effector][0]
-    problem = path_problem(cells, task, [known[first]] if first in known else [])
+    forbidden = cells.within(
+        name for avoid in task.avoid if avoid.subject == "effector" for name in avoid.regions
+    )
     for effector, names in enumerate(claim.path):
         for sample, name in enumerate(names):
             if name not in known:
                 raise Refused(f"the path names an unknown cell `{name}`")
-            if known[name] in problem.forbidden:
+            if known[name] in forbidden:
                 raise Refused(
                     f"the path of effector {effector + 1} goes through `{name}` "
                     f"at sample {sample}, which the task avoids"
                 )
-    named = task.start.effector if isinstance(task.start, ir.StartIn) else None
-    if named in (None, claim.effector + 1) and known[first] not in problem.start:
+    first, last = claim.path[claim.effector][0], claim.path[claim.effector][-1]
+    if known[first] not in _start_cells(task, cells, claim.effector):
         raise Refused(f"the path starts in `{first}`, not in the start region")
-    if known[claim.path[claim.effector][-1]] not in problem.target:
+    if task.reach is not None and known[last] not in cells.within([task.reach.region]):
         raise Refused("the path does not end in the target")
+
+
+def _start_cells(task: ir.Task, cells: Abstraction, effector: int) -> Sequence[int]:
+    """The cells in which an effector may start; all where its pose or another one is given."""
+    start = task.start
+    if isinstance(start, ir.StartIn) and start.effector in (None, effector + 1):
+        return cells.within([start.region])
+    return range(len(cells.cells))
 
 
 # --- impossible ----------------------------------------------------------------------------------
@@ -346,7 +381,8 @@ def _impossible(
     if reason is not None:
         return Report(Outcome.REFUTED, "impossible", None, reason)
     if proved:
-        return Report(Outcome.VALID, "impossible", "z3", None)
+        level = "z3" if claim.separation is None else "validated"
+        return Report(Outcome.VALID, "impossible", level, None)
     return Report(Outcome.ASSUMING_Z3, "impossible", "z3", "only z3 decided; see --trust z3")
 
 

@@ -70,9 +70,16 @@ def _symbols(word: Sequence[str]) -> tuple[str, ...]:
 
 
 def synthesise(
-    program: Program, task: str | None = None, *, seed: int = 0, jobs: int = 1
+    program: Program,
+    task: str | None = None,
+    *,
+    seed: int = 0,
+    jobs: int = 1,
+    cells: int | None = None,
 ) -> Synthesis:
     """Search a task of a program for a proved robot, or for a proof that there is none.
+
+    The search begins with at least ``cells`` cells, where that is given.
 
     Nothing is written; ``srgc synth`` writes a result folder that can be verified.
 
@@ -86,7 +93,8 @@ def synthesise(
 
     chosen_task = chosen(program.tasks, task, "task")
     refuse_unsupported(program, chosen_task)
-    return synthesis.synthesise(program, chosen_task, Conduct(seed=seed, jobs=jobs))
+    conduct = Conduct(seed=seed, jobs=jobs)
+    return synthesis.synthesise(program, chosen_task, conduct, cells)
 
 
 def verify(

@@ -24,6 +24,7 @@ from srgc.check_summary import summary
 from srgc.export_cli import export
 from srgc.language_cli import accepts, compare, language, words
 from srgc.model_cli import model
+from srgc.output_file import write_output
 from srgc.session import (
     Checked,
     SpecErrors,
@@ -148,6 +149,7 @@ for _command in (words, accepts, language, compare, model, export):
 )
 @click.option("--word", metavar='"SYM ..."', help="Of a robot: its word.")
 @click.option("--derivation", type=click.IntRange(1), help="Of a robot: which, in order.")
+@click.option("--cells", type=click.IntRange(1), help="Of a workspace: split it into so many.")
 @click.option(
     "-o",
     "output",
@@ -165,6 +167,7 @@ def graph(
     near: bool | None,  # noqa: FBT001
     word: str | None,
     derivation: int | None,
+    cells: int | None,
     output: Path | None,
 ) -> int:
     """Draw an automaton, the words, a robot or the cells as DOT.
@@ -181,7 +184,7 @@ def graph(
         grammar, workspace = grammar or named.grammar, workspace or named.workspace
     run_of = None if highlight is None else tuple(highlight.split())
     robot = None if word is None else tuple(word.split())
-    request = GraphRequest(what, grammar, workspace, depth, run_of, near, robot, derivation)
+    request = GraphRequest(what, grammar, workspace, depth, run_of, near, robot, derivation, cells)
     drawing = drawing_of(program, request)
     for remark in drawing.remarks:
         click.echo(f"note: {remark}", err=True)
@@ -197,16 +200,44 @@ def graph(
 @cli.command()
 @FILE
 @click.option("--task", help="The task, where the file has several.")
-def plan(file: Path, task: str | None) -> int:
-    """Print a cell path from start to target.  Exit 0 found, 3 none, 4 unknown."""
-    from srgc.plan_report import plan_text
+@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
+@click.option(
+    "--dump",
+    type=click.Choice(["dimacs", "smt2"]),
+    help="Print the problem, not a solution: satisfiable if and only if there is one.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Draw cells, adjacency and path here, as SVG; with --dump, write that here.",
+)
+def plan(
+    file: Path, task: str | None, cells: int | None, dump: str | None, output: Path | None
+) -> int:
+    """Print the cells that effectors go through, with the fewest changes.
 
+    Exit 0 found, 3 none, 4 unknown; 0 with `--dump`.
+    """
+    from srgc.plan_report import dump_text, plan_report
+
+    if output is not None and dump is None and output.suffix.lower() != ".svg":
+        raise UsageFault(f"{output}: a plan is drawn as SVG; let the name end in .svg")
     program = program_of(file)
     chosen_task = chosen(program.tasks, task, "task")
     refuse_unsupported(program, chosen_task)
-    status, text = plan_text(program, chosen_task)
-    click.echo(text)
-    return VERDICT_STATUS[status]
+    if dump is not None:
+        text = dump_text(program, chosen_task, dump, cells)
+        if output is None:
+            click.echo(text, nl=False)
+        else:
+            write_output(output, text)
+        return FOUND
+    report = plan_report(program, chosen_task, cells)
+    if output is not None:
+        write_output(output, report.picture(f"{file.name}, task {chosen_task.name}"))
+    click.echo(report.text)
+    return VERDICT_STATUS[report.verdict]
 
 
 @cli.command()
@@ -221,6 +252,7 @@ def plan(file: Path, task: str | None) -> int:
     callback=_finite,
     help="Seconds.",
 )
+@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
 @click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
 @click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
 def synth(
@@ -230,6 +262,7 @@ def synth(
     seed: int,
     jobs: int,
     time_limit: float | None,
+    cells: int | None,
     as_json: bool,  # noqa: FBT001
     force: bool,  # noqa: FBT001
 ) -> int:
@@ -245,7 +278,7 @@ def synth(
     from srgc.synthesis_run import SynthesisOptions, run_synthesis
 
     folder = output or Path("out") / chosen_task.name
-    options = SynthesisOptions(folder, seed, jobs, time_limit, force, as_json)
+    options = SynthesisOptions(folder, seed, jobs, time_limit, force, as_json, cells)
     result = run_synthesis(file, program, chosen_task, options)
     if as_json:
         click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)

@@ -16,13 +16,18 @@ from grammar_lang import ir
 from solvers.certificate import (
     FoundClaim,
     ImpossibleClaim,
+    SeparationClaim,
     StructureClaim,
+    cut_claim,
     decimal,
     exact_decimal,
     to_text,
 )
 from solvers.conclusion import StructureRecord
-from solvers.synthesis import Design, Synthesis
+from solvers.design import Design
+from solvers.formula_agreement import satisfied_formulas
+from solvers.synthesis import Synthesis
+from srgc.result_folder import Identity
 
 
 def proof_name(index: int) -> str:
@@ -51,9 +56,18 @@ def _efforts(design: Design, task: ir.Task) -> tuple[str, str]:
 
 
 def certificate_text(
-    result: Synthesis, task: ir.Task, spec: str, spec_sha256: str, modules: int | None
+    result: Synthesis,
+    task: ir.Task,
+    spec: str,
+    spec_sha256: str,
+    modules: int | None,
+    separation: SeparationClaim | None = None,
 ) -> str | None:
-    """The certificate of a verdict; None for unknown."""
+    """The certificate of a verdict; None for unknown.
+
+    ``modules`` is the bound within which all structures are refuted; with a ``separation`` there is
+    no bound, as there are no structures.
+    """
     design = result.design
     if design is not None:
         peak, rho = _efforts(design, task)
@@ -73,8 +87,11 @@ def certificate_text(
                 design.path,
                 peak,
                 rho,
+                tuple(cut_claim(cut.cell, cut.half_space) for cut in design.abstraction.cuts),
             )
         )
+    if separation is not None:
+        return to_text(ImpossibleClaim(task.name, spec, spec_sha256, None, (), separation))
     if result.verdict == "impossible":
         claims = tuple(
             StructureClaim(r.word, r.derivation, _evidence(result, i), r.same_robot_as)
@@ -102,9 +119,7 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
     }
 
 
-def design_text(
-    result: Synthesis, task: ir.Task, spec: str, spec_sha256: str, seed: int, version: str
-) -> str:
+def design_text(result: Synthesis, task: ir.Task, spec: str, identity: Identity) -> str:
     """``design.json`` of a verdict."""
     design = result.design
     content: dict[str, Any] = {
@@ -121,12 +136,14 @@ def design_text(
         "step": float(task.step),
         "horizon": task.steps,
         "path": [],
+        "satisfy": [],
         "cells": result.abstraction.describe(),
         "structures_tried": [_structure(result, i, r) for i, r in enumerate(result.records)],
         "iterations": result.counts,
-        "seed": seed,
-        "spec_sha256": spec_sha256,
-        "version": version,
+        "seed": identity.seed,
+        "least_cells": identity.least_cells,
+        "spec_sha256": identity.spec_sha256,
+        "version": identity.version,
     }
     if design is not None:
         peak, rho = _efforts(design, task)
@@ -150,6 +167,7 @@ def design_text(
             "robustness": float(Fraction(rho)),
             "effort_peak": float(Fraction(peak)),
             "path": [list(names) for names in design.path],
+            "satisfy": satisfied_formulas(task, design.findings),
         }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 

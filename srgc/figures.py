@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -18,29 +17,14 @@ from compiler.geometry.polytope import polytope_of
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.robot import WORLD
 from grammar_lang import ir
-from solvers.synthesis import Design, Synthesis
+from solvers.design import Design
+from solvers.synthesis import Synthesis
+from srgc.svg_figure import ARM, COLOURS, INK, PATH, SETTINGS, svg_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 GHOSTS = 12
-COLOURS = {"obstacle": "#d1495b", "target": "#4c956c", "region": "#8d99ae"}
-INK, PATH, ARM = "#1f2a44", "#2e6fba", "#6b7280"
-SETTINGS: Any = {
-    "svg.hashsalt": "srgc",
-    "svg.fonttype": "path",
-    "font.family": "DejaVu Sans",
-    "font.size": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-}
-
-
-def _svg(figure: Figure) -> str:
-    """The figure as SVG with the same bytes at every run."""
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": "srgc"})
-    return buffer.getvalue()
 
 
 def workspace_figure(
@@ -62,7 +46,7 @@ def workspace_figure(
         _draw_regions(axes, workspace)
         _draw_skeleton(axes, _skeletons(design, task))
         _draw_ghosts(axes, points, design, reading)
-        tips = points[:, design.effector]
+        tips = points[:, design.leader]
         axes.plot(*tips.T, color=INK, lw=2.0, label="effector", zorder=6)
         axes.plot(*tips[0], "o", color=INK, ms=5, zorder=7)
         axes.plot(*tips[-1], "*", color=INK, ms=11, zorder=7)
@@ -71,7 +55,7 @@ def workspace_figure(
         word = " ".join(design.derivation.word)
         axes.set_title(f"{task.name}: {word}\n{_caption(design)}{seen}", fontsize=9, loc="left")
         axes.legend(loc="upper left", fontsize=8, framealpha=0.85)
-        return _svg(figure)
+        return svg_text(figure)
 
 
 def _caption(design: Design) -> str:
@@ -119,7 +103,7 @@ def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]
 
 def _draw_cells(axes: Axes, result: Synthesis, design: Design) -> None:
     """The cells of the path, lightly, and the path through their shared facets."""
-    names = design.path[design.effector]
+    names = design.path[design.leader]
     visited = [names[0]]
     for name in names[1:]:
         if name != visited[-1]:
@@ -142,6 +126,8 @@ def _draw_cells(axes: Axes, result: Synthesis, design: Design) -> None:
 
 
 def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
+    """The regions with their names; the pieces of a map (`yard.1`, ...) have one name together."""
+    named: set[str] = set()
     for region in workspace.regions:
         polytope = polytope_of(region.shape, workspace.dimension)
         if not polytope.is_bounded:
@@ -149,9 +135,13 @@ def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
         corners = _outline(np.array([[float(x) for x in v] for v in polytope.vertices]))
         colour = COLOURS[region.kind]
         axes.fill(*corners.T, facecolor=colour, alpha=0.35, edgecolor=colour, lw=1.2, zorder=2)
+        name = region.name.partition(".")[0]
+        if name in named:
+            continue
+        named.add(name)
         top = max(corners.tolist(), key=lambda corner: (corner[1] - corner[0], corner[1]))
         axes.annotate(
-            region.name, top, (0, 3), textcoords="offset points", color=INK, weight="bold", zorder=8
+            name, top, (0, 3), textcoords="offset points", color=INK, weight="bold", zorder=8
         )
 
 
@@ -230,7 +220,7 @@ def input_figure(design: Design, task: ir.Task) -> str:
             panels[0].set_title("the robot has no inputs", fontsize=10, loc="left")
             panels[0].set_xlim(time[0], time[-1])
         panels[-1].set_xlabel("time (s)")
-        return _svg(figure)
+        return svg_text(figure)
 
 
 def _magnified(axes: Axes, time: Array, u: Array, bound: float, unit: str) -> None:

@@ -8,6 +8,7 @@ from compiler.automata.deterministic_pushdown import deterministic_pushdown
 from compiler.automata.lr_automaton import LrAutomaton, LrTooLarge
 from compiler.automata.pushdown_automaton import sra
 from compiler.geometry.abstraction import abstract
+from compiler.geometry.bisection import bisections
 from compiler.languages.language import Language, language
 from compiler.semantics.attributes import SemanticsError
 from compiler.views.dfa_view import family_dfa_view
@@ -41,7 +42,8 @@ class GraphRequest:
     """The view ``of`` something, and its choices; ``derivation`` counts from 1.
 
     Without a ``depth`` the words are unfolded to ``DEPTH`` modules, ``near`` a run to its end.
-    Of words only what is ``near`` a run is drawn unless ``near`` is False.
+    Of words only what is ``near`` a run is drawn unless ``near`` is False.  A workspace is split
+    into so many ``cells`` at least.
     """
 
     of: str
@@ -52,6 +54,7 @@ class GraphRequest:
     near: bool | None = None
     word: tuple[str, ...] | None = None
     derivation: int | None = None
+    cells: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +75,14 @@ def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
     try:
         if request.of == "workspace":
             place = chosen(program.workspaces, request.workspace, "workspace")
-            return Drawing(workspace_view(abstract(place), place))
+            if place.maps:
+                from compiler.maps.obstacle_pieces import expanded_workspace
+
+                place = expanded_workspace(place)
+            partition = abstract(place)
+            if request.cells is not None:
+                partition = partition.cut(bisections(partition, request.cells))
+            return Drawing(workspace_view(partition, place))
         grammar = chosen(program.grammars, request.grammar, "grammar")
         if request.of == "robot":
             return _robot(program, grammar, request)
@@ -96,6 +106,8 @@ def _refuse_misfits(request: GraphRequest) -> None:
         raise UsageFault(f"--highlight shows a run: it goes with --of {' '.join(WITH_RUNS)}")
     if request.near is not None and request.highlight is None:
         raise UsageFault("--near and --whole go with --highlight")
+    if request.cells is not None and request.of != "workspace":
+        raise UsageFault("--cells goes with --of workspace")
     if request.depth is not None and request.of != "words":
         raise UsageFault("--depth goes with --of words")
     if any(number is not None and number < 1 for number in (request.depth, request.derivation)):

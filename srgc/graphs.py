@@ -6,6 +6,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from srgc.output_file import write_output
 from srgc.session import UsageFault
 
 DRAWN = (".svg", ".png", ".pdf")
@@ -23,14 +24,11 @@ def write_graph(text: str, output: Path) -> str:
     suffix = output.suffix.lower()
     if suffix not in (*TEXT, *DRAWN):
         raise UsageFault(f"{output}: give a name that ends in {', '.join((*TEXT[:-1], *DRAWN))}")
-    try:
-        if suffix in TEXT:
-            output.write_text(text, encoding="utf-8")
-            return ""
-        picture, said = _drawn(text, suffix[1:])
-        output.write_bytes(picture)
-    except OSError as error:
-        raise UsageFault(f"{output}: {error.strerror}") from None
+    if suffix in TEXT:
+        write_output(output, text)
+        return ""
+    picture, said = _drawn(text, suffix[1:])
+    write_output(output, picture)
     return said
 
 

@@ -8,7 +8,8 @@ from typing import Literal
 import click
 
 from srgc.arguments import FILE, GRAMMAR
-from srgc.session import UsageFault, program_of
+from srgc.output_file import write_output
+from srgc.session import program_of
 
 
 @click.command()
@@ -56,8 +57,5 @@ def model(
     if output is None or output == Path("-"):
         click.echo(report.text, nl=False)
         return 0
-    try:
-        output.write_text(report.text, encoding="utf-8")
-    except OSError as error:
-        raise UsageFault(f"{output}: {error.strerror}") from None
+    write_output(output, report.text)
     return 0

@@ -1,27 +1,125 @@
-"""``srgc plan``: the first cell path of a task."""
+"""``srgc plan``: the first plan of a task, or the problem for another solver."""
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
 
-from compiler.geometry.abstraction import abstract
+from compiler.encodings.plan_script import dimacs, smt2
+from compiler.encodings.specification import PlanningProblem, planning_problem
+from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.geometry.bisection import bisections
+from compiler.maps.obstacle_pieces import expanded
+from compiler.specifications.task_formula import recorded_effector
+from compiler.specifications.word_formula import holds
 from grammar_lang import ir
-from solvers.planner import path_planner
+from solvers.path_timing import Entries, gentle_entries, polyline, word_of
+from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
 from solvers.verdict import Holds, Unknown
 
+Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]
+"""An effector, its cells, and the samples at which it enters them."""
 
-def plan_text(
-    program: ir.Program, task: ir.Task
-) -> tuple[Literal["found", "impossible", "unknown"], str]:
-    """The path with the fewest region changes, one cell a line; or why there is none."""
-    abstraction = abstract(program.workspaces[task.workspace])
-    planner = path_planner(abstraction, task)
-    match planner.next_path():
-        case Holds(witness=path):
-            return "found", "\n".join(abstraction.cells[cell].name for cell in path.cells)
+
+@dataclass(frozen=True, slots=True)
+class PlanReport:
+    """The answer to a planning problem in words, and its plan if there is one."""
+
+    verdict: Literal["found", "impossible", "unknown"]
+    text: str
+    workspace: ir.Workspace
+    cells: Abstraction
+    plan: Plan | None = None
+
+    def picture(self, title: str) -> str:
+        """The cells, their labels and adjacency, and the plan if there is one, as SVG."""
+        from srgc.workspace_picture import workspace_svg
+
+        paths = () if self.plan is None else tuple(path.cells for path in self.plan.paths)
+        return workspace_svg(self.cells, self.workspace, paths, title)
+
+
+def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = None) -> PlanReport:
+    """The plan with the fewest changes of cell, one cell a line; or why there is none.
+
+    Where it matters when cells are entered, lines say so; paths of several effectors have headings.
+    """
+    program, task = expanded(program, task)
+    workspace, cells = program.workspaces[task.workspace], _cells(program, task, least_cells)
+    problem = _problem(cells, task)
+    match Planner(problem).next_plan():
+        case Holds(witness=plan):
+            gentle = _gentle(plan, problem, cells)
+            text = "\n".join(_lines(gentle, cells, task))
+            return PlanReport("found", text, workspace, cells, gentle)
         case Unknown(reason=reason):
-            return "unknown", f"unknown: {reason.value}"
-        case _:
-            return "impossible", (
-                "no path: no sequence of neighbouring cells leads from the start to the target"
-            )
+            return PlanReport("unknown", f"unknown: {reason.value}", workspace, cells)
+        case ended:
+            text = f"no path: {_why(ended.counterexample, task)}"
+            return PlanReport("impossible", text, workspace, cells)
+
+
+def _gentle(plan: Plan, problem: PlanningProblem, cells: Abstraction) -> Plan:
+    """The plan with its samples moved to where there is little haste; the solver's are any."""
+    formula, paths = problem.formula, list(plan.paths)
+    if formula is None:
+        return plan
+    for number, path in enumerate(paths):
+        if path.entries is None:
+            continue
+        others = [(p.effector, p.cells, p.entries or (0,)) for p in paths if p is not path]
+
+        def allowed(
+            entries: Entries, path: EffectorPath = path, others: Sequence[Timed] = tuple(others)
+        ) -> bool:
+            timed = [*others, (path.effector, path.cells, entries)]
+            return holds(formula, word_of(cells, timed, problem.steps))
+
+        line = polyline(cells, path.cells)
+        entries = gentle_entries(line, path.entries, problem.steps, allowed)
+        paths[number] = replace(path, entries=entries)
+    return Plan(tuple(paths))
+
+
+def dump_text(program: ir.Program, task: ir.Task, form: str, least_cells: int | None = None) -> str:
+    """The whole problem as ``dimacs`` or ``smt2``, satisfiable iff there is a plan."""
+    program, task = expanded(program, task)
+    problem = _problem(_cells(program, task, least_cells), task)
+    lines = dimacs(problem) if form == "dimacs" else smt2(problem)
+    return "\n".join(lines) + "\n"
+
+
+def _cells(program: ir.Program, task: ir.Task, least: int | None) -> Abstraction:
+    cells = abstract(program.workspaces[task.workspace])
+    return cells if least is None else cells.cut(bisections(cells, least))
+
+
+def _problem(cells: Abstraction, task: ir.Task) -> PlanningProblem:
+    return planning_problem(cells, task, recorded_effector(task) or 0)
+
+
+def _lines(plan: Plan, cells: Abstraction, task: ir.Task) -> Iterator[str]:
+    for path in plan.paths:
+        if len(plan.paths) > 1:
+            yield f"effector {path.effector + 1}:"
+        yield from _path_lines(path, cells, task)
+
+
+def _path_lines(path: EffectorPath, cells: Abstraction, task: ir.Task) -> Iterator[str]:
+    names = [cells.cells[cell].name for cell in path.cells]
+    if path.entries is None:
+        yield from names
+        return
+    for name, sample in zip(names, path.entries, strict=True):
+        yield f"{name}\tat sample {sample} ({float(sample * task.step):g} s)"
+
+
+def _why(ended: Exhausted, task: ir.Task) -> str:
+    if ended.why is Exhaustion.TOO_FAR:
+        return f"every path has more changes of cell than the {task.steps + 1} samples allow"
+    if ended.why is Exhaustion.FORMULA and not ended.complete:
+        return f"no path with at most {ended.changes} changes of cell satisfies the formula"
+    if ended.why is Exhaustion.FORMULA:
+        return f"no path within the {task.steps + 1} samples satisfies the formula"
+    return str(ended.why.value)

@@ -10,7 +10,7 @@ import json
 import os
 import shutil
 from collections.abc import Container, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from srgc.session import UsageFault
@@ -22,12 +22,13 @@ OWN_FOLDERS = ("spec", "proofs", "figures")
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What a folder's results belong to."""
+    """What a folder's results belong to; ``least_cells`` is how many a search was to begin with."""
 
     spec_sha256: str
     task: str
     seed: int
     version: str
+    least_cells: int | None = None
 
 
 @dataclass(slots=True)
@@ -118,13 +119,8 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
 
 def _journal_text(identity: Identity, values: Mapping[str, float]) -> str:
     """A whole journal, so that a line cut by a kill is gone before the next one is appended."""
-    header = {
-        "spec_sha256": identity.spec_sha256,
-        "task": identity.task,
-        "seed": identity.seed,
-        "version": identity.version,
-    }
-    return "".join(f"{json.dumps(line)}\n" for line in (header, *values.items()))
+    lines = (asdict(identity), *values.items())
+    return "".join(f"{json.dumps(line)}\n" for line in lines)
 
 
 def _beside(name: str) -> str:
@@ -138,9 +134,10 @@ def _unfinished(name: str) -> bool:
 
 
 def _difference(a: Identity, b: Identity) -> str:
-    for name in ("spec_sha256", "task", "seed", "version"):
+    told = {"spec_sha256": "spec", "least_cells": "number of cells"}
+    for name in (item.name for item in fields(Identity)):
         if getattr(a, name) != getattr(b, name):
-            return "spec" if name == "spec_sha256" else name
+            return told.get(name, name)
     return "run"
 
 
@@ -155,6 +152,7 @@ def _owner(path: Path) -> Identity | None:
                 str(content["task"]),
                 int(content["seed"]),
                 str(content["version"]),
+                None if content.get("least_cells") is None else int(content["least_cells"]),
             )
         except (OSError, ValueError, KeyError, TypeError):
             continue

@@ -71,11 +71,13 @@ def check_loaded(loaded: Loaded) -> Checked:
         task_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
-        from solvers.contradiction import contradiction_diagnostics
+        from compiler.maps.obstacle_pieces import task_by_task
+        from solvers.formula_checks import formula_diagnostics
 
-        contradiction_diagnostics(loaded.sound, sink)
-    program = None if sink.has_errors else loaded.program
-    return Checked(program, sink.sorted(), loaded.sources)
+        for program in task_by_task(loaded.sound):
+            formula_diagnostics(program, sink)
+    checked = None if sink.has_errors else loaded.program
+    return Checked(checked, sink.sorted(), loaded.sources)
 
 
 def program_of(path: Path) -> ir.Program:
@@ -113,7 +115,7 @@ def refuse_unsupported(program: ir.Program, task: ir.Task) -> None:
     """
     from compiler.encodings.supported import unsupported
 
-    errors = unsupported(program, task)
+    errors = unsupported(task)
     if errors:
         sink = Sink(list(errors))
         raise SpecErrors(Checked(None, sink.sorted(), program.sources))

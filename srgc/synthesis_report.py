@@ -5,7 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from compiler.robots.state_and_input import robot_inputs
-from solvers.synthesis import Design, Synthesis
+from solvers.design import Design
+from solvers.synthesis import Synthesis
 
 
 def _declared_inputs(design: Design) -> list[str]:
@@ -38,6 +39,11 @@ def synthesis_text(result: Synthesis, folder: str) -> str:
             f"effort:  peak {outcome.effort_peak:.4f}, robustness {outcome.robustness:.4f}"
         )
         lines += _declared_inputs(design)
+        lines += [
+            f"formula: {finding.name}, robustness {finding.margin:.4g} m"
+            for finding in design.findings
+            if finding.clause is not None
+        ]
         if design.model.removed:
             gone = ", ".join(str(symbol) for symbol in design.model.removed)
             lines.append(f"removed: joints that move nothing (symbols {gone})")

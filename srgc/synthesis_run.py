@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
 from solvers.certificate import spec_digest
 from solvers.progress import Conduct
@@ -29,6 +30,7 @@ class SynthesisOptions:
     time_limit: float | None
     force: bool
     quiet: bool
+    cells: int | None = None
 
 
 def run_synthesis(
@@ -42,7 +44,7 @@ def run_synthesis(
     started = time.monotonic()
     files = _spec_files(program)
     digest = spec_digest(files)
-    identity = Identity(digest, task.name, options.seed, version("srgc"))
+    identity = Identity(digest, task.name, options.seed, version("srgc"), options.cells)
     folder = open_folder(options.output, identity, force=options.force)
     for name, content in files.items():
         folder.write(f"spec/{name}", content)
@@ -52,9 +54,10 @@ def run_synthesis(
         limit = options.time_limit
         return limit is not None and time.monotonic() - started > limit
 
+    program, task = expanded(program, task)
     with progress(quiet=options.quiet) as display:
         conduct = Conduct(options.seed, options.jobs, display, folder, out_of_time)
-        result = synthesise(program, task, conduct)
+        result = synthesise(program, task, conduct, options.cells)
     searched = time.monotonic() - started
     _write(folder, result, program, task, path.name, identity)
     total = time.monotonic() - started
@@ -107,10 +110,12 @@ def _write(
         workspace = program.workspaces[task.workspace]
         folder.write("figures/workspace.svg", workspace_figure(result, design, workspace, task))
         folder.write("figures/inputs.svg", input_figure(design, task))
-    certificate = certificate_text(result, task, spec, identity.spec_sha256, task.modules)
+    certificate = certificate_text(
+        result, task, spec, identity.spec_sha256, task.modules, result.separation
+    )
     if certificate is not None:
         folder.write("certificate.json", certificate)
     folder.write(
         "design.json",
-        design_text(result, task, spec, identity.spec_sha256, identity.seed, identity.version),
+        design_text(result, task, spec, identity),
     )

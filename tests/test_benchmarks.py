@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import random
 
+import networkx as nx
 import pytest
 
 from benchmarks.language_grammars import CHAIN_ITEMS, Subject, accepted, is_chain, refused, subjects
 from benchmarks.large_spec import FORMULA_EVERY, large_spec
 from benchmarks.linearisations import disagreement, expansion, ours, pinocchio_loop, samples
+from benchmarks.planning_worlds import grid, maze
 from compiler.languages.language import language
 from grammar_lang.load import load_text
 from srgc.session import check_loaded
@@ -122,3 +124,19 @@ def test_pinocchio_linearises_the_same_arm() -> None:
     pin = pytest.importorskip("pinocchio")
     model, at = rod_chain(3), samples(3, 4)
     assert disagreement(ours(model, at).call(), pinocchio_loop(pin, at).call()) < 1e-11
+
+
+def test_the_worlds_of_the_planning_benchmark_have_the_paths_they_say() -> None:
+    for world in (grid(12, 15, 20), maze(8)):
+        graph = nx.Graph((i, j) for i, near in enumerate(world.neighbours) for j in near)
+        graph.remove_nodes_from(world.blocked)
+        path = nx.shortest_path(graph, world.start, world.target)
+        assert len(path) - 1 <= world.steps
+        world.checked(path, len(path) - 1)
+        for wrong in (path[:-1], path[1:], [path[0], *path[2:]]):
+            with pytest.raises(SystemExit, match="no path"):
+                world.checked(wrong, world.steps)
+        with pytest.raises(SystemExit, match="no path"):
+            world.checked(path, len(path) - 2)
+    # A maze without cycles has one path.
+    assert len(list(nx.all_simple_paths(graph, world.start, world.target))) == 1

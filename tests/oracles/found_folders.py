@@ -27,7 +27,7 @@ def claim_found(folder: Path, text: str, word: str, values: list[str]) -> Path:
     model = family.robot(derivation)
     zeros = ["0"] * len(robot_inputs(model))
     content = {
-        "format": 1,
+        "format": 2,
         "kind": "found",
         "task": task.name,
         "spec": path.name,
@@ -46,6 +46,7 @@ def claim_found(folder: Path, text: str, word: str, values: list[str]) -> Path:
         "path": [["free"] * (task.steps + 1)] * len(model.effectors),
         "effort_peak": "0",
         "robustness": "0",
+        "cuts": [],
     }
     result_files.write(folder, {**content, "digest": result_files.digest(content)})
     return folder

@@ -6,7 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.encodings.reachability_smt import PoseQuestion, refutation_script
+from compiler.encodings.pose_questions import PoseQuestion
+from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.normalise import normalise
 from grammar_lang import ir
 from solvers.smt import solve_script

@@ -7,14 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from grammar_lang import ir
 from solvers.certificate import (
     CertificateError,
     FoundClaim,
     ImpossibleClaim,
     ParameterClaim,
+    SeparationClaim,
     StructureClaim,
+    cut_claim,
     decimal,
     exact,
+    exact_cuts,
     exact_decimal,
     from_text,
     spec_digest,
@@ -26,7 +30,7 @@ from tests.oracles import result_files
 FOUND = FoundClaim(
     "Do", "größe.srg", "ab" * 32, ("B", "eps", "L"), ("link", "base"),
     (ParameterClaim(2, "length", "1.5"),), 0, 2, "1/8", ("0.1", "0"), (("1.25",), ("-3",)),
-    (("S", "free.1", "T"),), "3", "7",
+    (("S", "free.1", "T"),), "3", "7", ((2, ("1/3", "-1"), "0.5"),),
 )  # fmt: skip
 IMPOSSIBLE = ImpossibleClaim(
     "Do", "a.srg", "cd" * 32, 4,
@@ -37,12 +41,18 @@ IMPOSSIBLE = ImpossibleClaim(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("claim", [FOUND, IMPOSSIBLE])
+CUT_OFF = ImpossibleClaim(
+    "Do", "a.srg", "cd" * 32, None, (),
+    SeparationClaim(2, "S", "T", ("Wall",), ("S", "free.1")),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("claim", [FOUND, IMPOSSIBLE, CUT_OFF])
 def test_written_and_read(claim):
     assert from_text(to_text(claim)) == claim
     content = json.loads(to_text(claim))
     assert content["digest"] == result_files.digest(content)
-    assert content["format"] == 1
+    assert content["format"] == 2
 
 
 def _read(text):
@@ -53,7 +63,7 @@ def _read(text):
         return None
 
 
-@pytest.mark.parametrize("claim", [FOUND, IMPOSSIBLE])
+@pytest.mark.parametrize("claim", [FOUND, IMPOSSIBLE, CUT_OFF])
 def test_any_field_altered_added_or_removed(claim):
     content = json.loads(to_text(claim))
     for key in content:
@@ -76,6 +86,43 @@ def test_any_field_altered_added_or_removed(claim):
     more["digest"] = result_files.digest(more)
     with pytest.raises(CertificateError, match="`extra` is unknown"):
         from_text(json.dumps(more))
+
+
+@pytest.mark.parametrize(
+    "cut",
+    [None, 3, [], [0, ["1"]], [0, ["1", "2"], "3", 4], ["0", ["1", "2"], "3"], [0, [1, 2], "3"],
+     [0, "12", "3"], [0, ["1", "2"], 3], [True, ["1", "2"], "3"]],
+)  # fmt: skip
+def test_a_cut_that_is_none(cut):
+    content = json.loads(to_text(FOUND)) | {"cuts": [cut]}
+    content["digest"] = result_files.digest(content)
+    with pytest.raises(CertificateError, match="malformed"):
+        from_text(json.dumps(content))
+
+
+def test_cuts_are_exact():
+    half_space = ir.HalfSpace((Fraction(1, 3), Fraction(-5, 4)), Fraction(2, 7))
+    claimed = cut_claim(4, half_space)
+    assert claimed == (4, ("1/3", "-5/4"), "2/7")
+    assert exact_cuts([claimed, (0, ("0.25", "1"), "-3")]) == (
+        (4, half_space),
+        (0, ir.HalfSpace((Fraction(1, 4), Fraction(1)), Fraction(-3))),
+    )
+    with pytest.raises(CertificateError, match="malformed"):
+        exact_cuts([(0, ("1e5", "1"), "1")])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"effector": "2"}, {"effector": True}, {"source": None}, {"avoided": "Wall"},
+     {"cells": [1]}, {"more": 1}],
+)  # fmt: skip
+def test_a_separation_that_is_none(change):
+    content = json.loads(to_text(CUT_OFF))
+    content["separation"] |= change
+    content["digest"] = result_files.digest(content)
+    with pytest.raises(CertificateError, match="malformed"):
+        from_text(json.dumps(content))
 
 
 def test_a_repeated_key_is_refused():

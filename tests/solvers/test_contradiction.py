@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from solvers.contradiction import contradiction_diagnostics, contradictions
+from solvers.contradiction import contradictions
+from solvers.formula_checks import formula_diagnostics
 from tests.oracles.formula_semantics import Meaning, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
 
@@ -32,14 +33,15 @@ def marked(clauses: str, **other: str) -> list[tuple[str, list[str]]]:
     text = spec(clauses, REGIONS, **other)
     found = program(text)
     sink = Sink()
-    contradiction_diagnostics(found, sink)
-    assert all(d.code is Code.CONTRADICTORY_TASK and d.hint for d in sink.found)
+    formula_diagnostics(found, sink)
+    assert all(d.hint for d in sink.found)
     return [
         (
             text[d.span.start : d.span.end],
             [text[span.start : span.end] for span, _ in d.notes],
         )
         for d in sink.found
+        if d.code is Code.CONTRADICTORY_TASK
     ]
 
 

@@ -80,6 +80,23 @@ def test_the_precise_flow_agrees_with_the_chain_formula_and_dop853() -> None:
     np.testing.assert_allclose(found.y[:, -1], [float(x) for x in precise], atol=1e-10)
 
 
+def test_segments_tile_the_horizon_exactly() -> None:
+    """The first step is smooth, the second is so hard a push that its segments are halved."""
+    with working_precision(ACCURATE.bits):
+        field = field_of(robot_graph(rod_chain(2), PULL), [arb(1), arb(2)])
+        inputs = [[arb(0), arb(0)], [arb(60), arb(-60)], [arb(0), arb(0)]]
+        segments = list(tube(field, [arb(1), arb(0), arb(0), arb(0)], inputs, ball(DT), ACCURATE))
+        assert len({last - first for first, last in (s.steps for s in segments)}) > 1
+        assert segments[0].steps[0] == 0
+        assert segments[-1].steps[1] == 3
+        assert all(s.steps[1] == t.steps[0] for s, t in pairwise(segments))
+        for segment in segments:
+            first, last = segment.steps
+            assert segment.number <= first < last <= segment.number + 1
+            assert segment.start.overlaps(ball(first * DT))
+            assert (segment.start + segment.length).overlaps(ball(last * DT))
+
+
 @pytest.mark.parametrize("links", [1, 2, 3])
 def test_the_tube_contains_the_motion_at_random_times(links: int) -> None:
     rng = np.random.default_rng(links)

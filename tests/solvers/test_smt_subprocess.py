@@ -83,7 +83,7 @@ def test_the_verifier_loads_no_solver():
 import sys
 from compiler.encodings.reachability_smt import refutation_script
 from solvers.smt_subprocess import run_z3_subprocess
-from compiler.encodings.reachability_smt import PoseQuestion
+from compiler.encodings.pose_questions import PoseQuestion
 from tests.oracles.arms import planar_arm
 from tests.oracles.planes import box_rows
 boxes = [box_rows((i, i + 1), (i, i + 1)).rows for i in (1, 3)]

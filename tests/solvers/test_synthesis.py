@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import solvers.conclusion
+import solvers.structure_search
 import solvers.synthesis
 from grammar_lang.load import load
 from solvers.progress import Conduct
@@ -63,7 +64,7 @@ def test_a_robot_without_mass_is_inadmissible_and_not_refuted(tmp_path):
 def test_too_weak_a_robot_is_given_up_at_a_limit_that_is_named(tmp_path, monkeypatch):
     """A quarter turn within 2 s needs 4 rad / s^2 of a rod of 1/3 kg m^2 at least."""
     monkeypatch.setattr(solvers.synthesis, "MOTION_SEARCHES", 1)
-    monkeypatch.setattr(solvers.synthesis, "PATHS_PER_STRUCTURE", 1)
+    monkeypatch.setattr(solvers.structure_search, "PLANS", (1,))
     result = run(tmp_path, edited(WEAK))
     assert result.verdict == "unknown"
     assert [r.verdict for r in result.records].count("unresolved") == 1

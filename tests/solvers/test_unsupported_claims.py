@@ -14,7 +14,6 @@ from tests.oracles.result_files import alter_spec
 @pytest.mark.parametrize(
     ("clause", "named"),
     [
-        ("satisfy always not O;", "`satisfy`"),
         ("avoid self with body;", "`avoid self`"),
         ("from B;", "`from`"),
         ("robust start 1 deg;", "`robust`"),

@@ -15,7 +15,8 @@ from tests.oracles.result_files import alter, alter_spec, read, write
 
 FIELDS = [
     "format", "kind", "task", "spec", "spec_sha256", "word", "derivation", "parameters",
-    "effector", "steps", "step", "start", "inputs", "path", "effort_peak", "robustness", "digest",
+    "effector", "steps", "step", "start", "inputs", "path", "effort_peak", "robustness", "cuts",
+    "digest",
 ]  # fmt: skip
 
 
@@ -44,7 +45,7 @@ def both(*changes):
 
 
 ALTERED = {
-    "format": put("format", 2),
+    "format": put("format", 1),
     "kind": put("kind", "impossible"),
     "task": put("task", "Other"),
     "spec": put("spec", "other.srg"),
@@ -57,6 +58,7 @@ ALTERED = {
     "a parameter's name": put("parameters", 0, "name", "width"),
     "a parameter's symbol": put("parameters", 0, "symbol", 2),
     "effector": put("effector", 1),
+    "cuts": put("cuts", [[0, ["1", "0"], "1"]]),
     "steps": put("steps", 9),
     "step": put("step", "0.2"),
     "start": put("start", 0, last_digit),
@@ -88,8 +90,8 @@ def test_every_field_is_covered(made):
 
 
 FALSE = {
-    "of another format": (put("format", 2), "not of format 1"),
-    "a format that only equals": (put("format", True), "not of format 1"),
+    "of another format": (put("format", 1), "not of format 2"),
+    "a format that only equals": (put("format", True), "not of format 2"),
     "a kind without its fields": (put("kind", "impossible"), "`modules` is missing"),
     "no kind": (put("kind", "sure"), "unknown kind"),
     "no such task": (put("task", "Other"), "no task `Other`"),

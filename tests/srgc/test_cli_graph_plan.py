@@ -263,7 +263,7 @@ def test_a_planner_without_an_answer(srgc, arm_file, monkeypatch):
     from solvers.planner import Planner
     from solvers.verdict import Reason, Unknown
 
-    monkeypatch.setattr(Planner, "next_path", lambda _self: Unknown(Reason.RESOURCE_LIMIT))
+    monkeypatch.setattr(Planner, "next_plan", lambda _self: Unknown(Reason.RESOURCE_LIMIT))
     ran = srgc("plan", arm_file)
     assert ran.status == 4
     assert ran.out.startswith("unknown: ")

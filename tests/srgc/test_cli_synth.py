@@ -12,8 +12,8 @@ from tests.oracles.small_specs import SLIDER, replaced
 
 DESIGN_FIELDS = [
     "verdict", "reason", "task", "spec", "word", "derivation", "dofs", "parameters", "robustness",
-    "effort_peak", "step", "horizon", "path", "cells", "structures_tried", "iterations", "seed",
-    "spec_sha256", "version",
+    "effort_peak", "step", "horizon", "path", "satisfy", "cells", "structures_tried", "iterations",
+    "seed", "least_cells", "spec_sha256", "version",
 ]  # fmt: skip
 
 

@@ -1,0 +1,53 @@
+"""A proved robot with its motion: what certificates, tables and pictures are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from compiler.geometry.abstraction import Abstraction
+from compiler.grammars.derivation import Derivation
+from compiler.robots.parameter_values import stated_value
+from compiler.robots.robot import RobotModel
+from solvers.certificate import ParameterClaim
+from solvers.configuration_search import Configuration
+from solvers.finding import Finding
+from solvers.trajectory_proof import Motion
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """A robot: exact decimals, with the trajectory in floats for tables and pictures.
+
+    ``effector`` starts and reaches, ``leader`` is the one that followed a cell path; ``path`` names
+    cells of ``abstraction``.  ``findings`` are what the proof has shown.
+    """
+
+    derivation: Derivation
+    model: RobotModel
+    parameters: tuple[ParameterClaim, ...]
+    effector: int
+    leader: int
+    start: tuple[str, ...]
+    inputs: tuple[tuple[str, ...], ...]
+    path: tuple[tuple[str, ...], ...]
+    configuration: Configuration
+    abstraction: Abstraction
+    findings: tuple[Finding, ...] = ()
+
+
+def motion_of(design: Design) -> Motion | None:
+    """The exact numbers of a design; None if a parameter is in no range."""
+    theta = []
+    for parameter, claim in zip(design.model.parameters, design.parameters, strict=True):
+        value = stated_value(parameter.domain, Fraction(claim.value))
+        if value is None:
+            return None
+        theta.append(value)
+    return Motion(
+        tuple(theta),
+        tuple(Fraction(value) for value in design.start),
+        tuple(tuple(Fraction(value) for value in row) for row in design.inputs),
+        design.effector,
+        design.path,
+    )

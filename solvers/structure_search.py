@@ -1,0 +1,306 @@
+"""P.Planning and P.Synthesis for one structure: plans, motions along them, counterexamples, cuts.
+
+Plans come from the SAT solver, fewest changes of cell first.  A plan whose beginning cannot be
+followed is excluded with all that begin so; where that leaves none, a cell at which it happened is
+cut in two and the planning goes on, with the counterexamples that say nothing of that cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from compiler.discretisation.float_reading import FloatReading
+from compiler.encodings.specification import PlanningProblem, planning_problem
+from compiler.geometry.abstraction import Abstraction
+from compiler.geometry.bisection import halving
+from compiler.grammars.derivation import Derivation
+from compiler.specifications.word_formula import SampledFormula
+from grammar_lang import ir
+from solvers.certificate import ParameterClaim, decimal
+from solvers.configuration_search import (
+    Configuration,
+    resolved,
+    search_configuration,
+    within_limits,
+)
+from solvers.control import NOT_FINITE
+from solvers.counterexample import infeasible_prefix
+from solvers.design import Design, motion_of
+from solvers.fine_check import seems_to_satisfy
+from solvers.fine_motion import fine_motion
+from solvers.parameter_search import exact_text
+from solvers.path_following import LEAST_MARGIN, SUBSTEPS, Follower
+from solvers.path_timing import gentle_entries, polyline, smooth_timing
+from solvers.planner import CounterExample, Exhausted, Plan, Planner
+from solvers.progress import Conduct
+from solvers.reachable_cells import reachable_cells
+from solvers.standing_robot import standing_configurations
+from solvers.stiffness import stable_parts
+from solvers.task_limits import motion_limits, parameter_bounds
+from solvers.trajectory_proof import prove_motion, scene_of
+from solvers.tube_checks import Status
+from solvers.verdict import Holds, Unknown
+
+PLANS = (6, 3)
+"""How many plans are tried, and how many after each cut of a cell."""
+MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2, 0.1)
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """What became of a plan: a proved design, or the best robustness and what to exclude."""
+
+    design: Design | None
+    robustness: float
+    excluded: CounterExample | None = None
+
+
+@dataclass(slots=True)
+class StructureSearch:
+    """The search of one structure; ``number`` is its place among all, ``robot`` its key."""
+
+    program: ir.Program
+    task: ir.Task
+    conduct: Conduct
+    cells: Abstraction
+    formula: SampledFormula | None
+    counts: dict[str, int]
+    derivation: Derivation
+    reading: FloatReading
+    number: int
+    robot: str
+    obstacle: str = ""
+    """What stood in the way of the last motion that was tried."""
+    best: float = -np.inf
+    known: list[CounterExample] = field(default_factory=list[CounterExample])
+    """The counterexamples found, of cells as they are now."""
+
+    def design(self, recorded: int) -> tuple[Design | None, str]:
+        """A proved design in which that effector starts and reaches; else why there is none."""
+        if not self.reading.graph.model.dofs:
+            return self.standing(recorded)
+        self.best, self.known = -np.inf, []
+        cells, reason = self.cells, ""
+        for budget in PLANS:
+            design, reason = self.plans(cells, recorded, budget)
+            finer = None if design is not None else self.cut(cells)
+            if finer is None:
+                return design, reason
+            cells = finer
+        return None, reason
+
+    def standing(self, recorded: int) -> tuple[Design | None, str]:
+        """A robot that cannot move does the task where it stands, or not at all."""
+        workspace = self.program.workspaces[self.task.workspace]
+        found = standing_configurations(
+            self.reading, workspace, self.task, self.cells, recorded, self.conduct.seed
+        )
+        for cell, configuration in found:
+            follower = self.follower(self.cells, recorded, recorded, (cell,))
+            design = self.certified(follower, configuration)
+            if design is not None:
+                return design, "proved"
+        return None, "the robot cannot move, and no place to stand was found for it"
+
+    # --- plans ----------------------------------------------------------------------------------
+
+    def plans(self, cells: Abstraction, recorded: int, budget: int) -> tuple[Design | None, str]:
+        """Try plans until one leads to a design, none is left or the budget is used up."""
+        planner = self.planner(cells, recorded)
+        for _ in range(budget):
+            match planner.next_plan():
+                case Holds(witness=plan):
+                    pass
+                case Unknown(reason=reason):
+                    return None, f"planning: {reason.value}"
+                case ended:
+                    return None, self.exhausted(ended.counterexample)
+            self.conduct.check_time()
+            self.counts["paths"] += 1
+            attempt = self.attempt(cells, plan, recorded)
+            if attempt.design is not None:
+                return attempt.design, "proved"
+            self.best = max(self.best, attempt.robustness)
+            if attempt.excluded is not None:
+                self.known.append(attempt.excluded)
+                planner.block(attempt.excluded)
+        return None, f"{self.counts['paths']} paths tried, best robustness {self.best:.4g}"
+
+    def planner(self, cells: Abstraction, recorded: int) -> Planner:
+        """The plans of the task in these cells, without those excluded before."""
+        starts = start_cells(cells, self.task, self.reading)
+        problem = planning_problem(cells, self.task, recorded, starts)
+        planner = Planner(self.within_reach(problem, cells))
+        for counterexample in self.known:
+            planner.block(counterexample)
+        return planner
+
+    def within_reach(self, problem: PlanningProblem, cells: Abstraction) -> PlanningProblem:
+        """The problem without the cells for which no pose of the effector is found."""
+        planned = []
+        for one in problem.effectors:
+            found = reachable_cells(self.reading, cells, one.effector, self.conduct.seed)
+            outside = np.flatnonzero(~found).tolist()
+            planned.append(replace(one, forbidden=tuple(sorted({*one.forbidden, *outside}))))
+        return replace(problem, effectors=tuple(planned))
+
+    def exhausted(self, ended: Exhausted) -> str:
+        """Why there is no plan, in words."""
+        if ended.blocked:
+            return (
+                f"no path is left after {len(ended.blocked)} counterexamples; "
+                f"best robustness {self.best:.4g}"
+            )
+        if ended.plans:
+            return f"no path is left; best robustness {self.best:.4g}"
+        return f"planning: {ended.why.value}; the task has {self.task.steps + 1} samples"
+
+    def cut(self, cells: Abstraction) -> Abstraction | None:
+        """The cells with that one cut at which the shortest excluded plan fails; None without one.
+
+        Counterexamples with that cell are forgotten: they need not hold of its halves.
+        """
+        if not self.known:
+            return None
+        failed = min(self.known, key=lambda item: len(item.prefix))
+        direction = None
+        if len(failed.prefix) > 1:
+            line = polyline(cells, failed.prefix).points
+            direction = (line[-1] - line[-2]).tolist()
+        finer, children = cells.refined([halving(cells, failed.prefix[-1], direction)])
+        whole = {cell: parts[0] for cell, parts in enumerate(children) if len(parts) == 1}
+        self.known = [
+            replace(item, prefix=tuple(whole[cell] for cell in item.prefix))
+            for item in self.known
+            if all(cell in whole for cell in item.prefix)
+        ]
+        self.conduct.reporter.note(
+            f"no plan is left: `{cells.cells[failed.prefix[-1]].name}` is cut"
+        )
+        return finer
+
+    # --- motions along a plan -------------------------------------------------------------------
+
+    def attempt(self, cells: Abstraction, plan: Plan, recorded: int) -> Attempt:
+        """A proved design for a plan; else the best robustness and the prefix to exclude."""
+        leader = max(plan.paths, key=lambda path: (len(path.cells), path.effector == recorded))
+        self.conduct.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
+        others = tuple(path for path in plan.paths if path is not leader)
+        follower = self.follower(cells, recorded, leader.effector, leader.cells)
+        follower = timed(replace(follower, others=others), leader.entries)
+        label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
+        found = search_configuration(follower, label, self.conduct)
+        self.counts["evaluations"] += found.evaluations
+        if found.outcome.status == NOT_FINITE:
+            self.obstacle = "; the equations of motion have no finite value where the search begins"
+        if not found.outcome.feasible:
+            prefix = infeasible_prefix(follower, found.outcome, found.entries)
+            robustness = found.outcome.robustness
+            excluded = CounterExample(
+                leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
+            )
+            return Attempt(None, robustness, excluded)
+        return self.widened(follower.along(found.cells, found.entries), found)
+
+    def widened(self, follower: Follower, found: Configuration) -> Attempt:
+        """A proved design from a feasible configuration, with margins as wide as that takes."""
+        for margin in MARGINS:
+            wider = follower.with_margin(margin).refined(found.outcome.trajectory)
+            if (wider.margin, wider.substeps) != (follower.margin, follower.substeps):
+                follower = wider
+                found = resolved(follower, found)
+            follower, found = within_limits(follower, found)
+            if not found.outcome.feasible:
+                break
+            if margin < MARGINS[-1] and not seems_to_satisfy(follower, found.outcome.trajectory):
+                self.obstacle = "; a formula fails between the samples"
+                continue
+            design = self.certified(follower, found)
+            if design is not None:
+                return Attempt(design, found.outcome.robustness)
+            self.conduct.reporter.note("the proof did not go through; trying a wider margin")
+        return Attempt(None, found.outcome.robustness)
+
+    def follower(
+        self, cells: Abstraction, recorded: int, effector: int, path: tuple[int, ...]
+    ) -> Follower:
+        """The follower of a path at the first margin."""
+        return Follower(
+            self.reading,
+            self.program.workspaces[self.task.workspace],
+            self.task,
+            cells,
+            effector,
+            path,
+            MARGINS[0],
+            self.conduct.seed,
+            substeps=stable_parts(self.reading, float(self.task.step), SUBSTEPS),
+            recorded=recorded,
+            formula=self.formula,
+        )
+
+    def certified(self, follower: Follower, found: Configuration) -> Design | None:
+        """The design, if the continuous-time nonlinear robot is proved to do the task."""
+        trajectory, model = found.outcome.trajectory, follower.model
+        design = Design(
+            self.derivation,
+            model,
+            tuple(
+                ParameterClaim(p.symbol, p.name, exact_text(p.domain, value))
+                for p, value in zip(model.parameters, trajectory.theta, strict=True)
+            ),
+            follower.constraints.recorded,
+            follower.effector,
+            tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
+            tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
+            tuple(tuple(names) for names in follower.cell_names(trajectory, found.entries)),
+            found,
+            follower.abstraction,
+        )
+        scene = scene_of(self.program, self.task, model, follower.abstraction)
+        motion = motion_of(design)
+        if motion is None:
+            return None
+        findings = prove_motion(scene, motion, self.conduct.check_time)
+        unproved = [f for f in findings if f.status is not Status.HOLDS]
+        if unproved:
+            self.obstacle = f"; last proof tried: {unproved[0].name}: {unproved[0].status.value}"
+            return None
+        fine = fine_motion(follower.reading, trajectory, float(self.task.step))
+        outcome = replace(found.outcome, trajectory=fine)
+        configuration = replace(found, outcome=outcome)
+        return replace(design, configuration=configuration, findings=findings)
+
+
+def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:
+    """The follower with entries that its formula allows, as gentle as can be."""
+    if follower.formula is None:
+        return follower
+    line, steps = polyline(follower.abstraction, follower.cells), follower.task.steps
+    if planned is None:
+        return replace(follower, timing=smooth_timing(line, steps)[1])
+    return replace(follower, timing=gentle_entries(line, planned, steps, follower.allows))
+
+
+def start_cells(
+    abstraction: Abstraction, task: ir.Task, reading: FloatReading
+) -> dict[int, tuple[int, ...]] | None:
+    """By effector the cells it may start in, where a start pose is given; else None.
+
+    They depend on the parameters, which are sampled.
+    """
+    if isinstance(task.start, ir.StartIn):
+        return None
+    values = motion_limits(reading.graph.model, task).start_values
+    bounds = np.array(parameter_bounds(reading.graph.model)).reshape(-1, 2)
+    found: dict[int, set[int]] = {e: set() for e in range(len(reading.graph.model.effectors))}
+    for theta in np.random.default_rng(0).uniform(bounds[:, 0], bounds[:, 1], (64, len(bounds))):
+        if values is not None:
+            points = reading.points(values[None, :], theta).value[0]
+            for effector, cells in found.items():
+                cell = abstraction.locate(points[effector])
+                if cell is not None:
+                    cells.add(cell)
+    return {effector: tuple(sorted(cells)) for effector, cells in found.items()}

@@ -1,0 +1,19 @@
+"""A file that a user has asked a command to write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from srgc.session import UsageFault
+
+
+def write_output(path: Path, content: str | bytes) -> None:
+    """Write a file, text as UTF-8.
+
+    Raises:
+        UsageFault: it cannot be written.
+    """
+    try:
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+    except OSError as error:
+        raise UsageFault(f"{path}: {error.strerror}") from None

@@ -1,0 +1,124 @@
+"""``srgc plan``: formulas, several effectors, dumps, and why there is no path."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from pysmt.shortcuts import Solver
+from pysmt.smtlib.parser import SmtLibParser
+
+from tests.oracles.formulas import TWO_ARMS
+from tests.oracles.formulas import spec as written
+from tests.srgc.conftest import ROOT, Ran
+
+Srgc = Callable[..., Ran]
+Spec = Callable[[str], Path]
+
+REGIONS = """region S box [-1, 0] x [-1, 0] m; region A box [1, 2] x [0, 1] m;
+region C box [3, 4] x [3, 4] m;"""
+WALL = "obstacle O box [2, 2.5] x [-1, 4] m;"
+LINE = re.compile(r"([\w.]+)\tat sample (\d+) \(([\d.]+) s\)")
+
+
+def lines(text: str) -> list[tuple[str, int, float]]:
+    found = [LINE.fullmatch(line) for line in text.splitlines()]
+    return [(m[1], int(m[2]), float(m[3])) for m in found if m is not None]
+
+
+def test_samples_where_the_task_cares_when(srgc: Srgc) -> None:
+    """Patrol: A within 3 s, then B, never C, in B throughout the last second of 8; 8 samples/s."""
+    ran = srgc("plan", ROOT / "specs" / "patrol.srg")
+    assert (ran.status, ran.err) == (0, "")
+    path = lines(ran.out)
+    assert len(path) == len(ran.out.splitlines())
+    names = [name for name, _, _ in path]
+    assert (names[0], path[0][1]) == ("Home", 0)
+    assert all(sample / 8 == seconds for _, sample, seconds in path)
+    assert [sample for _, sample, _ in path] == sorted({sample for _, sample, _ in path})
+    assert min(seconds for name, _, seconds in path if name == "A") <= 3
+    assert names[-1] == "B"
+    assert path[-1][2] <= 7
+    assert names.index("A") < names.index("B")
+    assert not any(name.startswith("C") for name in names)
+
+
+def test_without_times_a_cell_may_come_back(srgc: Srgc, spec: Spec) -> None:
+    """From a dead end, to the far region and back into it."""
+    text = written(
+        "start in S; satisfy eventually A; satisfy last[0 s] S;", REGIONS, horizon="20 steps of 1 s"
+    )
+    ran = srgc("plan", spec(text))
+    names = ran.out.split()
+    assert ran.status == 0
+    assert (names[0], names[-1]) == ("S", "S")
+    assert "A" in names
+
+
+def test_a_heading_per_effector(srgc: Srgc, spec: Spec) -> None:
+    text = written(
+        "start in S by effector 1; satisfy eventually C by effector 2; "
+        "satisfy eventually A by effector 1;",
+        REGIONS,
+        horizon="12 steps of 0.5 s",
+        arms=TWO_ARMS,
+    )
+    ran = srgc("plan", spec(text))
+    assert ran.status == 0
+    first, second = re.fullmatch(
+        r"effector 1:\n(.*)\neffector 2:\n(.*)\n", ran.out, re.DOTALL
+    ).groups()  # type: ignore[union-attr]
+    assert lines(first)[0][:2] == ("S", 0)
+    assert "A" in [name for name, _, _ in lines(first)]
+    assert "C" in [name for name, _, _ in lines(second)]
+
+
+@pytest.mark.parametrize(
+    ("clauses", "regions", "why"),
+    [
+        ("start in S; reach C; avoid O with effector;", REGIONS + WALL, "neighbouring cells"),
+        ("start in S; reach C; satisfy always not O;", REGIONS + WALL, "formula"),
+        ("start in S; reach C;", REGIONS, "than the 2 samples allow"),
+        ("start in S; satisfy eventually C;", REGIONS, "formula"),
+    ],
+)
+def test_why_there_is_no_path(srgc: Srgc, spec: Spec, clauses: str, regions: str, why: str) -> None:
+    steps = "1 steps of 1 s" if regions != REGIONS + WALL else "40 steps of 1 s"
+    path = spec(written(clauses, regions, horizon=steps))
+    ran = srgc("plan", path)
+    assert ran.status == 3
+    assert ran.out.startswith("no path: ")
+    assert why in ran.out
+    assert not satisfiable(srgc("plan", path, "--dump", "smt2").out)
+
+
+def satisfiable(script: str) -> bool:
+    parsed = SmtLibParser().get_script(io.StringIO(script))
+    with Solver(name="z3", logic="QF_UF") as solver:
+        (answer,) = [value for name, value in parsed.evaluate(solver) if name == "check-sat"]
+    return bool(answer)
+
+
+def test_the_problem_for_other_solvers(srgc: Srgc, arm_file: Path) -> None:
+    script = srgc("plan", arm_file, "--dump", "smt2")
+    assert (script.status, script.err) == (0, "")
+    assert satisfiable(script.out)
+    cnf = srgc("plan", arm_file, "--dump", "dimacs")
+    assert cnf.status == 0
+    assert re.search(r"^c \d+ effector 1 in S at position 0$", cnf.out, re.MULTILINE)
+    (count,) = re.findall(r"^p cnf \d+ (\d+)$", cnf.out, re.MULTILINE)
+    rows = [line for line in cnf.out.splitlines() if not line.startswith(("c", "p"))]
+    assert len(rows) == int(count)
+    assert all(row.endswith(" 0") for row in rows)
+    assert srgc("plan", arm_file, "--dump", "text").status == 2
+
+
+def test_more_cells(srgc: Srgc, arm_file: Path) -> None:
+    few, many = (srgc("plan", arm_file, *more).out.split() for more in ((), ("--cells", 60)))
+    assert (few[0], few[-1]) == ("S", "T")
+    assert many[0].startswith("S")
+    assert many[-1].startswith("T")
+    assert len(many) > len(few)

@@ -1,0 +1,135 @@
+"""Tasks with formulas, from file to certificate; what is found is judged by exact arithmetic."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from tests.oracles import result_files
+from tests.oracles.small_specs import SLIDER, TURNER, replaced
+from tests.srgc.conftest import Ran
+
+Run = Callable[..., Ran]
+STEP = Fraction(1, 5)
+FINE = 50
+"""A step is looked at so many times."""
+
+
+def with_formulas(text: str, *clauses: str) -> str:
+    text = text.replace("effort <= 10 N;", "effort <= 40 N;")
+    return replaced(text, "  reach T;\n", "".join(f"  satisfy {clause};\n" for clause in clauses))
+
+
+def found(srgc: Run, folder: Path, text: str) -> Path:
+    """The result folder of a spec that is found and valid."""
+    spec = folder / "spec.srg"
+    spec.write_text(text, encoding="utf-8")
+    out = folder / "out"
+    ran = srgc("synth", spec, "-o", out)
+    assert ran.status == 0, ran.out + ran.err
+    verified = srgc("verify", out)
+    assert verified.status == 0, verified.out
+    assert "satisfy" in verified.out
+    return out
+
+
+def slides(out: Path) -> Iterator[tuple[Fraction, Fraction]]:
+    """Exact times and places of the mass on the rail: x'' = u / (1 kg), u held over each step."""
+    claim = result_files.read(out)
+    q, v = (Fraction(text) for text in claim["start"])
+    for number, row in enumerate(claim["inputs"]):
+        u = Fraction(row[0])
+        for part in range(FINE):
+            t = STEP * part / FINE
+            yield STEP * number + t, q + v * t + u * t * t / 2
+        q, v = q + v * STEP + u * STEP * STEP / 2, v + u * STEP
+    yield STEP * len(claim["inputs"]), q
+
+
+S, T = (Fraction(1, 10), Fraction(1, 2)), (Fraction(2), Fraction(5, 2))
+
+
+def inside(place: Fraction, region: tuple[Fraction, Fraction]) -> bool:
+    return region[0] <= place <= region[1]
+
+
+def test_there_in_time_and_back_for_a_while(srgc: Run, tmp_path: Path) -> None:
+    formula = "eventually[0 s, 1 s] T and last[0.5 s] S"
+    out = found(srgc, tmp_path, with_formulas(SLIDER, formula))
+    motion = list(slides(out))
+    assert any(inside(place, T) for time, place in motion if time <= 1)
+    assert all(inside(place, S) for time, place in motion if time >= Fraction(3, 2))
+    (stated,) = json.loads((out / "design.json").read_text())["satisfy"]
+    # The sampled robustness is no less than what is certified, and not much more.
+    there = max(min(p - T[0], T[1] - p) for time, p in motion if time <= 1)
+    back = min(min(p - S[0], S[1] - p) for time, p in motion if time >= Fraction(3, 2))
+    dense = float(min(there, back, Fraction(1, 5)))
+    assert 0 < stated["robustness"] <= dense + 1e-9
+    assert stated["robustness"] >= 0.8 * dense - 1e-3
+
+
+def test_never_there_until_it_was_somewhere_else(srgc: Run, tmp_path: Path) -> None:
+    text = replaced(SLIDER, "  target T", "  region W box [2.8, 3.2] x [-0.2, 0.2] m;\n  target T")
+    text = text.replace("in [0, 3] m", "in [0, 3.5] m").replace("10 steps", "16 steps")
+    text = with_formulas(text, "eventually W", "not S until W or eventually[2 s, 3.2 s] S")
+    motion = list(slides(found(srgc, tmp_path, text)))
+    away = (Fraction(14, 5), Fraction(16, 5))
+    assert any(inside(place, away) for _, place in motion)
+    first = next(time for time, place in motion if inside(place, away))
+    returns = any(inside(place, S) for time, place in motion if time >= 2)
+    assert returns or all(not inside(place, S) for time, place in motion if time < first)
+
+
+def test_a_window_between_samples_is_kept_at_every_instant(srgc: Run, tmp_path: Path) -> None:
+    """Its ends, 0.73 s and 0.91 s, are no samples."""
+    text = with_formulas(SLIDER, "always[0.73 s, 0.91 s] T", "not T until not S", "last[0 s] S")
+    motion = list(slides(found(srgc, tmp_path, text)))
+    window = [p for t, p in motion if Fraction(73, 100) <= t <= Fraction(91, 100)]
+    assert window
+    assert all(inside(place, T) for place in window)
+    assert inside(motion[-1][1], S)
+
+
+def test_a_turn_there_and_back(srgc: Run, tmp_path: Path) -> None:
+    formula = "eventually[0 s, 2 s] (T by effector 1 and eventually S by effector 1)"
+    text = with_formulas(TURNER, formula)
+    out = found(srgc, tmp_path, text.replace("10 steps", "16 steps"))
+    rows = (out / "trajectory.csv").read_text().splitlines()
+    names = rows[0].split(",")
+    x, y = names.index("e1_x"), names.index("e1_y")
+    tips = [tuple(map(float, (row.split(",")[x], row.split(",")[y]))) for row in rows[1:]]
+    there = [i for i, (a, b) in enumerate(tips) if abs(a) <= 0.3 and 1.2 <= b <= 1.9]
+    back = [i for i, (a, b) in enumerate(tips) if abs(b) <= 0.3 and 1.2 <= a <= 1.9]
+    assert min(there) <= 10
+    assert max(back) > min(there)
+
+
+def test_a_formula_beside_reach_and_avoid(srgc: Run, tmp_path: Path) -> None:
+    """The way round the other side: W lies beyond the obstacle's shadow."""
+    region = "  region W box [-0.9, -0.3] x [-0.9, 0.9] m;\n  target T"
+    text = replaced(TURNER, "  target T", region)
+    text = text.replace("  reach T;", "  reach T;\n  satisfy eventually W by effector 1;")
+    text = text.replace("10 steps", "20 steps").replace("box [-1, 3]", "box [-2.5, 3]", 1)
+    out = found(srgc, tmp_path, text.replace("[-1, 3] m", "[-2.5, 3] m"))
+    design = json.loads((out / "design.json").read_text())
+    assert any(name.split(".")[0] == "W" for name in design["path"][0])
+    assert design["path"][0][-1].split(".")[0] == "T"
+
+
+@pytest.mark.parametrize(
+    ("clauses", "status"),
+    [
+        (("eventually[1 s, 9 s] T and always not T",), 5),
+        (("eventually[0 s, 0.02 s] T",), 4),  # too soon for any motion, which no proof shows
+    ],
+)
+def test_what_is_not_found(
+    srgc: Run, tmp_path: Path, clauses: tuple[str, ...], status: int
+) -> None:
+    spec = tmp_path / "spec.srg"
+    spec.write_text(with_formulas(SLIDER, *clauses), encoding="utf-8")
+    assert srgc("synth", spec, "-o", tmp_path / "out").status == status
