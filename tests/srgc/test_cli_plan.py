@@ -6,6 +6,7 @@ import io
 import re
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from pysmt.shortcuts import Solver
@@ -122,3 +123,42 @@ def test_more_cells(srgc: Srgc, arm_file: Path) -> None:
     assert many[0].startswith("S")
     assert many[-1].startswith("T")
     assert len(many) > len(few)
+
+
+# --- pictures -----------------------------------------------------------------------------------
+
+
+def test_a_plan_is_drawn(srgc: Srgc, spec: Spec, tmp_path: Path) -> None:
+    path = spec(written("start in S; satisfy eventually A;", REGIONS))
+    picture = tmp_path / "plan.svg"
+    plain = srgc("plan", path)
+    ran = srgc("plan", path, "-o", picture)
+    assert (ran.status, ran.out, ran.err) == (0, plain.out, "")
+    assert ElementTree.parse(picture).getroot().tag.endswith("svg")
+    again = tmp_path / "again.svg"
+    srgc("plan", path, "-o", again)
+    assert again.read_bytes() == picture.read_bytes()
+
+
+def test_cells_are_drawn_where_there_is_no_plan(srgc: Srgc, spec: Spec, tmp_path: Path) -> None:
+    text = written("start in S; satisfy eventually C; avoid O with effector;", REGIONS + WALL)
+    ran = srgc("plan", spec(text), "-o", tmp_path / "plan.svg")
+    assert ran.status == 3
+    assert (tmp_path / "plan.svg").exists()
+
+
+def test_a_dump_goes_to_a_file(srgc: Srgc, spec: Spec, tmp_path: Path) -> None:
+    path = spec(written("start in S; satisfy eventually A;", REGIONS))
+    printed = srgc("plan", path, "--dump", "smt2").out
+    ran = srgc("plan", path, "--dump", "smt2", "-o", tmp_path / "plan.smt2")
+    assert (ran.status, ran.out) == (0, "")
+    assert (tmp_path / "plan.smt2").read_text(encoding="utf-8") == printed
+
+
+@pytest.mark.parametrize("name", ["plan.png", "missing/plan.svg"])
+def test_what_cannot_be_drawn_or_written(srgc: Srgc, spec: Spec, tmp_path: Path, name: str) -> None:
+    path = spec(written("start in S; satisfy eventually A;", REGIONS))
+    ran = srgc("plan", path, "-o", tmp_path / name)
+    assert ran.status == 2
+    assert ran.err.startswith("error: ")
+    assert not (tmp_path / name).exists()
