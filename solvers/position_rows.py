@@ -82,11 +82,16 @@ class Separation:
     first: int = 0
     last: int | None = None
 
-    def steps(self, count: int) -> Indices:
-        """The steps it binds, of ``count``; one that is next to it where it is a single sample."""
+    def spans(self, count: int) -> tuple[Indices, Indices]:
+        """The first and the last sample of every step it binds, of ``count`` steps.
+
+        A single sample is bound alone: both are that sample.
+        """
         last = count if self.last is None else self.last
-        first = min(self.first, last - 1)
-        return np.arange(max(0, first), min(max(last, 1), count))
+        if self.first == last:
+            return np.array([last]), np.array([last])
+        first = np.arange(self.first, last)
+        return first, first + 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +115,7 @@ class PositionPlan:
         parts = [self._dwell(dwell) for dwell in self.dwells]
         about = self._anchored(positions)
         near = self._near(about)
-        parts += [self._separate(separation, about, steps) for separation, steps in near]
+        parts += [self._separate(separation, about, *spans) for separation, spans in near]
         d = positions.shape[2]
         none = np.zeros(0, dtype=np.int64)
         parts.append((none, none, np.zeros((0, d)), np.zeros(0)))
@@ -141,38 +146,38 @@ class PositionPlan:
         normal = np.tile(region.normals, (samples, 1))
         return sample, point, normal, np.tile(region.offsets - self.margin, samples)
 
-    def _near(self, positions: Array) -> list[tuple[Separation, Indices]]:
-        """The separations with the steps at which they bind.
+    def _near(self, positions: Array) -> list[tuple[Separation, tuple[Indices, Indices]]]:
+        """The separations with the spans of samples that they bind.
 
         Of a great many, those whose boxes are far from what moves in a step are left out there.
         """
         count = len(positions) - 1
-        wanted = [(separation, separation.steps(count)) for separation in self.separations]
+        wanted = [(separation, separation.spans(count)) for separation in self.separations]
         if len(wanted) <= MANY:
             return wanted
         spread = np.ptp(positions.reshape(-1, positions.shape[2]), axis=0)
         reach = NEARBY * float(np.linalg.norm(spread))
         kept = []
-        for separation, steps in wanted:
+        for separation, (first, last) in wanted:
             moving = positions[:, list(separation.points)]
             low, high = moving.min(axis=1), moving.max(axis=1)
-            low, high = np.minimum(low[:-1], low[1:])[steps], np.maximum(high[:-1], high[1:])[steps]
+            low, high = np.minimum(low[first], low[last]), np.maximum(high[first], high[last])
             lower, upper = separation.obstacle.box
             gap = np.max(np.maximum(lower - high, low - upper), axis=1)
-            close = steps[gap <= reach + separation.distance]
-            if len(close):
-                kept.append((separation, close))
+            close = gap <= reach + separation.distance
+            if close.any():
+                kept.append((separation, (first[close], last[close])))
         return kept
 
     def _separate(
-        self, wanted: Separation, positions: Array, steps: Indices
+        self, wanted: Separation, positions: Array, first: Indices, last: Indices
     ) -> tuple[Indices, Indices, Array, Array]:
         group = np.array(wanted.points)
         moving = positions[:, group]
-        swept = np.concatenate([moving[steps], moving[steps + 1]], axis=1)
+        swept = np.concatenate([moving[first], moving[last]], axis=1)
         normal, support = separating_planes(swept, wanted.obstacle)
         k, width, d = swept.shape
-        sample = steps[:, None] + np.repeat([0, 1], len(group))[None, :]
+        sample = np.repeat(np.stack([first, last], axis=1), len(group), axis=1)
         point = np.broadcast_to(np.tile(group, 2)[None, :], (k, width))
         normals = np.broadcast_to(-normal[:, None, :], (k, width, d)).reshape(-1, d)
         offset = -(support + wanted.distance + self.margin)

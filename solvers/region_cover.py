@@ -16,6 +16,9 @@ from compiler.geometry.polytope import Polytope
 from grammar_lang import ir
 from solvers.tube_checks import Slice
 
+THICKNESS = Fraction(1, 2**60)
+"""Metres by which a box is widened along an axis along which a point does not move at all."""
+
 
 def box_around(time: Slice, point: int) -> Polytope | None:
     """An exact box, with interior, around the positions in a slice; None if not bounded."""
@@ -26,10 +29,12 @@ def box_around(time: Slice, point: int) -> Polytope | None:
         value = time.form([arb(int(entry)) for entry in normal], point)[0]
         if not value.is_finite():
             return None
-        rows.append(ir.HalfSpace(tuple(normal), _exact(value.upper())))
-        rows.append(ir.HalfSpace(tuple(-entry for entry in normal), -_exact(value.lower())))
-    box = Polytope(tuple(rows))
-    return box if box.has_interior else None
+        low, high = _exact(value.lower()), _exact(value.upper())
+        if low == high:
+            low, high = low - THICKNESS, high + THICKNESS
+        rows.append(ir.HalfSpace(tuple(normal), high))
+        rows.append(ir.HalfSpace(tuple(-entry for entry in normal), -low))
+    return Polytope(tuple(rows))
 
 
 def may_be(box: Polytope, within: Sequence[Polytope], without: Sequence[Polytope]) -> bool:

@@ -107,35 +107,44 @@ class StructureSearch:
     # --- plans ----------------------------------------------------------------------------------
 
     def plans(self, cells: Abstraction, recorded: int, budget: int) -> tuple[Design | None, str]:
-        """Try plans until one leads to a design, none is left or the budget is used up."""
-        planner = self.planner(cells, recorded)
-        for _ in range(budget):
+        """Try plans until one leads to a design, none is left or the budget is used up.
+
+        Where no plan goes through cells alone for which poses are found, others are tried, too.
+        """
+        starts = start_cells(cells, self.task, self.reading)
+        problem = planning_problem(cells, self.task, recorded, starts)
+        reachable = self.within_reach(problem, cells)
+        design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
+        if not tried and reachable != problem:
+            design, reason, _ = self.plans_of(problem, cells, recorded, budget)
+        return design, reason
+
+    def plans_of(
+        self, problem: PlanningProblem, cells: Abstraction, recorded: int, budget: int
+    ) -> tuple[Design | None, str, int]:
+        """The same for one problem, with the number of plans that were tried."""
+        planner = Planner(problem)
+        for counterexample in self.known:
+            planner.block(counterexample)
+        for number in range(budget):
             match planner.next_plan():
                 case Holds(witness=plan):
                     pass
-                case Unknown(reason=reason):
-                    return None, f"planning: {reason.value}"
+                case Unknown(reason=limit):
+                    return None, f"planning: {limit.value}", number
                 case ended:
-                    return None, self.exhausted(ended.counterexample)
+                    return None, self.exhausted(ended.counterexample), number
             self.conduct.check_time()
             self.counts["paths"] += 1
             attempt = self.attempt(cells, plan, recorded)
             if attempt.design is not None:
-                return attempt.design, "proved"
+                return attempt.design, "proved", number + 1
             self.best = max(self.best, attempt.robustness)
             if attempt.excluded is not None:
                 self.known.append(attempt.excluded)
                 planner.block(attempt.excluded)
-        return None, f"{self.counts['paths']} paths tried, best robustness {self.best:.4g}"
-
-    def planner(self, cells: Abstraction, recorded: int) -> Planner:
-        """The plans of the task in these cells, without those excluded before."""
-        starts = start_cells(cells, self.task, self.reading)
-        problem = planning_problem(cells, self.task, recorded, starts)
-        planner = Planner(self.within_reach(problem, cells))
-        for counterexample in self.known:
-            planner.block(counterexample)
-        return planner
+        reason = f"{self.counts['paths']} paths tried, best robustness {self.best:.4g}"
+        return None, reason, budget
 
     def within_reach(self, problem: PlanningProblem, cells: Abstraction) -> PlanningProblem:
         """The problem without the cells for which no pose of the effector is found."""
@@ -155,7 +164,10 @@ class StructureSearch:
             )
         if ended.plans:
             return f"no path is left; best robustness {self.best:.4g}"
-        return f"planning: {ended.why.value}; the task has {self.task.steps + 1} samples"
+        return (
+            f"planning: {ended.why.value}; the task has {self.task.steps + 1} samples, "
+            "and a step has one change of cell at most"
+        )
 
     def cut(self, cells: Abstraction) -> Abstraction | None:
         """The cells with that one cut at which the shortest excluded plan fails; None without one.

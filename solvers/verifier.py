@@ -130,7 +130,7 @@ def _judged(folder: Path, claim: Claim, program: ir.Program, trust: str | None) 
         program, task = expanded(program, task)
     except MapFault as fault:
         raise Refused(f"the spec has errors: {fault.message}") from None
-    cells = abstract(program.workspaces[task.workspace])
+    cells = _cells(program.workspaces[task.workspace])
     if isinstance(claim, FoundClaim):
         cells = _cut(cells, claim)
         model, report = _found(claim, program, task, cells)
@@ -166,6 +166,14 @@ def _found(
     if all(finding.status is Status.HOLDS for finding in findings):
         findings += prove_motion(scene_of(program, task, model, cells), motion)
     return model, _conclusion(findings)
+
+
+def _cells(workspace: ir.Workspace) -> Abstraction:
+    """The cells of the spec's workspace, which has errors where it has none."""
+    try:
+        return abstract(workspace)
+    except ValueError as error:
+        raise Refused(f"the spec has errors: {error}") from None
 
 
 def _cut(cells: Abstraction, claim: FoundClaim) -> Abstraction:

@@ -37,6 +37,7 @@ LARGEST, SMALLEST = 9.0, 3.5
 LETTER, LINE = 0.68, 1.35
 """Width of a letter and height of a line, in multiples of the size of the font."""
 MOST_NAMES = 60
+PLATE = {"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.75, "edgecolor": "none"}
 WALL, LINK = "#8d94a3", "#b4bac6"
 WAYS = (PATH, "#e08e1b", "#7b4ea3", "#128a8a", "#8c564b", "#c23b8f")
 
@@ -74,7 +75,7 @@ def workspace_svg(
             _draw_space(axes, abstraction)
             _draw_bounds(axes, polytope_of(workspace.bounds.shape, 3).irredundant())
         for number, path in enumerate(paths):
-            _draw_path(axes, abstraction, path, number, alone=len(paths) == 1)
+            _draw_path(axes, abstraction, path, number, len(paths))
         _frame(axes, low, high, workspace.dimension)
         axes.set_title(workspace.name if title is None else title, fontsize=10, loc="left")
         _legend(axes, abstraction)
@@ -177,7 +178,7 @@ def _draw_space(axes: Axes, abstraction: Abstraction) -> None:
     if len(named) <= MOST_NAMES:
         for cell in named:
             axes.annotate(cell.name, drawn(cell.polytope.centre), ha="center", va="center",
-                          fontsize=7, color=INK, zorder=4)  # fmt: skip
+                          fontsize=7, color=INK, zorder=7, bbox=PLATE)  # fmt: skip
 
 
 def _draw_bounds(axes: Axes, bounds: Polytope) -> None:
@@ -203,9 +204,12 @@ def _rim(polytope: Polytope, row: int) -> Array:
 
 
 def _draw_path(
-    axes: Axes, abstraction: Abstraction, path: Sequence[int], number: int, *, alone: bool
+    axes: Axes, abstraction: Abstraction, path: Sequence[int], number: int, count: int
 ) -> None:
-    """From the middle of the first cell through the facets to that of the last."""
+    """From the middle of the first cell through the facets to that of the last.
+
+    Of several the earlier are broader, so that one that goes the same way does not hide them.
+    """
     way = [cell for k, cell in enumerate(path) if k == 0 or cell != path[k - 1]]
     if not way:
         return
@@ -218,10 +222,11 @@ def _draw_path(
     stops.append(abstraction.cells[way[-1]].polytope.centre)
     line = _projected(stops)
     colour = WAYS[number % len(WAYS)]
-    axes.plot(*line.T, color=colour, lw=2.4, solid_joinstyle="round", zorder=5,
-              label="path" if alone else f"path {number + 1}")  # fmt: skip
-    axes.plot(*line[0], "o", color=colour, ms=8, mec="white", zorder=6)
-    axes.plot(*line[-1], "*", color=colour, ms=15, mec="white", zorder=6)
+    below = count - 1 - number
+    axes.plot(*line.T, color=colour, lw=2.4 + 2.8 * below, solid_joinstyle="round", zorder=5,
+              label="path" if count == 1 else f"path {number + 1}")  # fmt: skip
+    axes.plot(*line[0], "o", color=colour, ms=8 + 5 * below, mec="white", zorder=6)
+    axes.plot(*line[-1], "*", color=colour, ms=15 + 8 * below, mec="white", zorder=6)
 
 
 def _frame(axes: Axes, low: Array, high: Array, dimension: int) -> None:

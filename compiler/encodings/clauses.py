@@ -19,7 +19,7 @@ class Clauses:
     def __init__(self) -> None:
         self.variables = TRUE
         self._arrays: list[Ints] = [np.array([[TRUE]], dtype=np.int64)]
-        self._names: list[tuple[int, Callable[[int], str]]] = [(TRUE, lambda _: "true")]
+        self._names: list[tuple[int, Callable[[int], str]]] = [(TRUE, lambda _: "always true")]
 
     def fresh(self, count: int, name: Callable[[int], str]) -> Ints:
         """New variables, shape (count,); ``name(i)`` says what the i-th of them is."""

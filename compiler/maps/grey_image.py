@@ -108,6 +108,9 @@ def _plain(body: bytes, count: int) -> Values:
     return values[:count]
 
 
+SCALED = {2: 85, 4: 17}
+"""Bits of a sample of a PNG, and by what Pillow multiplies samples of so many bits."""
+
 # --- PNG ---------------------------------------------------------------------------------------
 
 
@@ -143,6 +146,8 @@ def _opened(data: bytes) -> GreyImage:
                 return GreyImage(wide, 2**16 - 1, _keyed(image, wide))
             clear = "transparency" in image.info or image.mode in {"LA", "RGBA", "PA"}
             grey = image.mode in {"1", "L", "LA"}
+            if grey and clear and data[25] == 0 and data[24] in SCALED:
+                return _scaled(np.asarray(image.convert("L")), image.info["transparency"], data[24])
             kind = ("LA" if clear else "L") if grey else ("RGBA" if clear else "RGB")
             pixels = np.asarray(image.convert(kind))
     opaque = pixels[..., -1] == 255 if clear else None
@@ -151,6 +156,12 @@ def _opened(data: bytes) -> GreyImage:
     if kind == "LA":
         return GreyImage(pixels[..., 0], 255, opaque)
     return GreyImage(pixels[..., :3].sum(axis=2, dtype=np.uint16), 3 * 255, opaque)
+
+
+def _scaled(values: Values, key: int, bits: int) -> GreyImage:
+    """An image of few bits: Pillow scales its samples to 255, but not the transparent value."""
+    sample = key % 2**bits
+    return GreyImage(values, 255, values != sample * SCALED[bits])
 
 
 def _keyed(image: Any, values: Values) -> NDArray[np.bool_] | None:

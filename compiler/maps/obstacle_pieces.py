@@ -14,7 +14,7 @@ from typing import assert_never
 
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.maps.map_fault import MapFault
-from compiler.maps.pieces import Pieces, Polygon, apart
+from compiler.maps.pieces import Pieces, Polygon, apart, disjoint
 from compiler.specifications.subformulas import atoms
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
@@ -41,14 +41,16 @@ def pieces_of(found: ir.ObstacleMap) -> Pieces:
 
 @lru_cache(maxsize=8)
 def pieces_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polygon, ...]:
-    """The pieces of a map that meet the interior of the bounds, whole.
+    """The pieces of a map that meet the bounds, whole, those that only touch them included.
+
+    An effector may be in a region at the very edge of the bounds, as formulas can say.
 
     Raises:
         MapFault: the map cannot be used, or there are more than ``PIECE_LIMIT``.
     """
     area = polytope_of(bounds.shape, 2)
     every = pieces_of(found).polygons
-    inside = tuple(piece for piece in every if not _apart(area, piece))
+    inside = tuple(piece for piece in every if not _outside(area, piece, touching=False))
     if len(inside) > PIECE_LIMIT:
         message = f"obstacle `{found.name}` is {len(inside):,} convex pieces within the bounds"
         hint = f"at most {PIECE_LIMIT:,} can be used: take a coarser map, or narrower bounds"
@@ -63,20 +65,27 @@ def polytopes_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polytope
     Raises:
         MapFault: as for :func:`pieces_within`.
     """
-    return tuple(polytope_of(ir.Hull(piece), 2) for piece in pieces_within(found, bounds))
+    area = polytope_of(bounds.shape, 2)
+    return tuple(
+        polytope_of(ir.Hull(piece), 2)
+        for piece in pieces_within(found, bounds)
+        if not _outside(area, piece, touching=True)
+    )
 
 
-def _apart(area: Polytope, piece: Polygon) -> bool:
-    """Whether a piece has no interior within the bounds, which may be unbounded or flat."""
+def _outside(area: Polytope, piece: Polygon, *, touching: bool) -> bool:
+    """Whether a piece lies outside the bounds, which may be unbounded or flat; or touches them."""
     beyond = [
         [row.normal[0] * x + row.normal[1] * y - row.offset for row in area.rows] for x, y in piece
     ]
     if any(max(heights) < 0 for heights in beyond):
         return False
-    if any(min(heights) >= 0 for heights in zip(*beyond, strict=True)):
+    nearest = [min(heights) for heights in zip(*beyond, strict=True)]
+    if any(height > 0 or (touching and height == 0) for height in nearest):
         return True
     corners = area.vertices if area.is_bounded and area.has_interior else ()
-    return bool(corners) and apart(tuple((x, y) for x, y in corners), piece)
+    separated = apart if touching else disjoint
+    return bool(corners) and separated(tuple((x, y) for x, y in corners), piece)
 
 
 # --- regions -----------------------------------------------------------------------------------

@@ -57,5 +57,14 @@ def apart(first: Polygon, second: Polygon) -> bool:
     return _separates(first, second) or _separates(second, first)
 
 
+def disjoint(first: Polygon, second: Polygon) -> bool:
+    """Whether two closed convex polygons have no common point; separated as above, strictly."""
+    return _parts(first, second) or _parts(second, first)
+
+
 def _separates(first: Polygon, second: Polygon) -> bool:
     return any(all(cross(a, b, corner) <= 0 for corner in second) for a, b in sides(first))
+
+
+def _parts(first: Polygon, second: Polygon) -> bool:
+    return any(all(cross(a, b, corner) < 0 for corner in second) for a, b in sides(first))

@@ -82,7 +82,7 @@ def _check_contacts(made: Rings) -> None:
     for ring in made.rings:
         following[start + len(ring) - 1] = start
         start += len(ring)
-    for i, j in _near(edges):
+    for i, j in _near(edges, made.scale):
         first, second = edges[i], edges[j]
         kind = _contact(first, second)
         same = owner[i] == owner[j]
@@ -95,11 +95,15 @@ def _check_contacts(made: Rings) -> None:
         raise BadRing(message, owner[j], (x / made.scale, y / made.scale))
 
 
-def _near(edges: Sequence[Edge]) -> Iterator[tuple[int, int]]:
-    """The pairs i < j of edges whose bounding boxes, rounded, have a common point."""
+def _near(edges: Sequence[Edge], scale: int) -> Iterator[tuple[int, int]]:
+    """The pairs i < j of edges whose bounding boxes, rounded, have a common point.
+
+    Rounding keeps the order, so that boxes which meet do so after it; the quotients are no larger
+    than the coordinates of the file, of which doubles hold all that may be written.
+    """
     import numpy as np
 
-    ends = np.array([[[float(x) for x in place] for place in edge] for edge in edges])
+    ends = np.array([[[x / scale for x in place] for place in edge] for edge in edges])
     low, high = ends.min(axis=1), ends.max(axis=1)
     for i in range(len(edges) - 1):
         rest = slice(i + 1, None)

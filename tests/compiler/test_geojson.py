@@ -180,3 +180,11 @@ def test_places_in_json() -> None:
         start, end = place_of(text, path)
         assert text[start:end] == expected
     assert text[place_of(text, ('a"}', 1, "b"))[0] :].startswith("[[], 2]")
+
+
+def test_very_large_beside_very_small_coordinates() -> None:
+    """Their common denominator makes integers that no double holds."""
+    ring = "[[0,0],[1e200,0],[1e200,1e-200],[1,2],[0,0]]"
+    (piece, *more) = geojson_pieces(f'{{"type": "Polygon", "coordinates": [{ring}]}}').polygons
+    corners = {corner for part in (piece, *more) for corner in part}
+    assert (Fraction(10) ** 200, Fraction(1, 10**200)) in corners

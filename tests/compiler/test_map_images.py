@@ -139,6 +139,26 @@ def png(
     return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
 
 
+@pytest.mark.parametrize(
+    ("bits", "row", "key", "clear"),
+    [
+        (1, [0b10100000], 1, [True, False, True, False]),
+        (2, [0b11011100], 3, [True, False, True, False]),
+        (2, [0b11011100], 1, [False, True, False, False]),
+        (2, [0b11011100], 0b111, [True, False, True, False]),  # bits beyond the two do not count
+        (4, [0xF1, 0x3F], 15, [True, False, False, True]),
+        (4, [0xF1, 0x3F], 3, [False, False, True, False]),
+        (8, [255, 0, 255, 7], 255, [True, False, True, False]),
+    ],
+)
+def test_the_transparent_value_of_grey_images(
+    bits: int, row: list[int], key: int, clear: list[bool]
+) -> None:
+    found = grey_image(png(4, 1, bits, 0, b"\0" + bytes(row), trns=struct.pack(">H", key)))
+    assert found.opaque is not None
+    assert found.opaque.tolist() == [[not one for one in clear]]
+
+
 def test_transparency_of_16_bits_is_refused() -> None:
     with pytest.raises(MapFault, match="16 bits"):
         grey_image(png(1, 1, 16, 4, b"\0\xff\xff\xff\xff"))

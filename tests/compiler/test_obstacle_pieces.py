@@ -20,6 +20,7 @@ from compiler.maps.obstacle_pieces import (
     expanded_workspace,
     pieces_of,
     pieces_within,
+    polytopes_within,
     task_by_task,
 )
 from grammar_lang import ir
@@ -147,7 +148,7 @@ def test_a_map_of_one_piece_is_an_atom() -> None:
     assert clause.formula == ir.Atom("box.1", 1)
 
 
-@pytest.mark.parametrize("empty", [polygons("none"), polygons("none", square(10, 3))])
+@pytest.mark.parametrize("empty", [polygons("none"), polygons("none", square(10.5, 3))])
 def test_a_map_without_obstacles_within_the_bounds(empty: ir.ObstacleMap) -> None:
     """It leaves nothing to avoid, and is false in formulas."""
     made = program([workspace(empty, YARD)], [task(avoid("none"), avoid("none", "T"))])
@@ -164,7 +165,7 @@ def test_a_map_without_obstacles_within_the_bounds(empty: ir.ObstacleMap) -> Non
 
 def test_pieces_outside_the_bounds_are_left_out() -> None:
     far = polygons(
-        "far", square(-5, 3), square(9.5, 3), square(3, -1), square(10, 10), square(2, 2)
+        "far", square(-5, 3), square(9.5, 3), square(3, -1.5), square(10.5, 10), square(2, 2)
     )
     found = pieces_within(far, BOUNDS)
     assert sorted(min(piece) for piece in found) == [(2, 2), (Fraction(19, 2), 3)]
@@ -173,9 +174,18 @@ def test_pieces_outside_the_bounds_are_left_out() -> None:
     cut = ir.Region("bounds", "bounds", ir.Hull(tuple(
         (Fraction(x), Fraction(y)) for x, y in ((0, 0), (10, 0), (10, 6), (6, 10), (0, 10))
     )))  # fmt: skip
-    assert pieces_within(polygons("c", square(8, 8, 2), square(7.5, 7.5)), cut) == pieces_within(
-        polygons("d", square(7.5, 7.5)), cut
-    )
+    some, fewer = polygons("c", square(8.5, 8.5, 2), square(7.5, 7.5)), square(7.5, 7.5)
+    assert pieces_within(some, cut) == pieces_within(polygons("d", fewer), cut)
+
+
+def test_pieces_that_touch_the_bounds_are_places_to_be_in() -> None:
+    """Both are closed sets: an effector at the edge of the bounds is in such a piece, too."""
+    edge, corner = polygons("edge", square(3, -1)), polygons("corner", square(10, 10))
+    for found, place in ((edge, (3, 0)), (corner, (10, 10))):
+        (piece,) = pieces_within(found, BOUNDS)
+        assert polytope_of(ir.Hull(piece), 2).contains_point([Fraction(x) for x in place])
+        # It hides nothing of the workspace, so the checks of starts and targets leave it out.
+        assert polytopes_within(found, BOUNDS) == ()
 
 
 def test_a_map_of_too_many_pieces(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -244,3 +244,41 @@ def test_an_empty_plan_has_no_rows() -> None:
     rows = PositionPlan(3, (), (), 0.0).rows(np.zeros((4, 1, 3)))
     assert len(rows.offset) == 0
     assert rows.normal.shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "samples"),
+    [
+        (0, None, [(0, 1), (1, 2), (2, 3)]),
+        (1, 3, [(1, 2), (2, 3)]),
+        (1, 1, [(1, 1)]),
+        (3, 3, [(3, 3)]),
+        (0, 0, [(0, 0)]),
+    ],
+)
+def test_a_separation_binds_the_steps_between_its_samples(
+    first: int, last: int | None, samples: list[tuple[int, int]]
+) -> None:
+    """A single sample is bound alone: at the samples beside it the point may be in the set."""
+    separation = Separation((0,), OBSTACLE, 0.1, first, last)
+    rows = PositionPlan(3, (), (separation,), 0.0).rows(np.full((4, 1, 2), 9.0))
+    assert rows.sample.reshape(-1, 2).tolist() == [list(pair) for pair in samples]
+
+
+def test_far_separations_are_left_out_where_there_are_many() -> None:
+    """Of twenty boxes in a row, those that are near a point that moves along half of them."""
+    boxes = [
+        convex_set(np.array([(2 * i + x, y) for x in (0.0, 1.0) for y in (1.0, 2.0)]))
+        for i in range(20)
+    ]
+    x = np.linspace(0, 20, 11)
+    positions = np.stack([x, np.zeros(11)], axis=1)[:, None, :]
+    plan = PositionPlan(10, (), tuple(Separation((0,), b, 0.0) for b in boxes), 0.0)
+    rows = plan.rows(positions)
+    every = PositionPlan(10, (), plan.separations[:8], 0.0).rows(positions)
+    assert len(every.offset) == 8 * 10 * 2
+    kept = {int(step) for step in rows.sample}
+    assert kept == set(range(11))
+    assert len(rows.offset) < 20 * 10 * 2 * 0.6
+    # Nothing nearer than what counts as near is lost: the half-plane of the nearest box is there.
+    assert rows.excess(Points(positions, np.zeros(0), np.zeros(0))).max() == pytest.approx(-1.0)

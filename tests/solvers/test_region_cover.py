@@ -94,3 +94,16 @@ def test_the_box_of_a_moving_point() -> None:
     np.testing.assert_allclose(high, (1.5, 2.75), rtol=1e-6)
     for s in (F(-1, 2), F(0), F(1, 2)):
         assert box.contains_point((1 + s, 2 - s + s * s))
+
+
+def test_a_point_that_stays_on_a_line_is_in_a_box_with_interior() -> None:
+    with working_precision(128):
+        x = (ball(F(1)), ball(F(1)), ball(F(0)))
+        y = (ball(F(0)), ball(F(0)), ball(F(0)))
+        box = box_around(Slice(ball(F(0)), ball(F(1, 2)), ((x, y),)), 0)
+    assert box is not None
+    assert box.has_interior
+    assert box.contains_point((F(1, 2), F(0)))
+    left, right = hull((0, -1), (1, -1), (1, 1), (0, 1)), hull((1, -1), (2, -1), (2, 1), (1, 1))
+    assert not may_be(box, [], [left, right])
+    assert may_be(box, [], [left])

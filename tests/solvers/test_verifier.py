@@ -390,3 +390,12 @@ def test_the_margins_are_those_of_an_independent_calculation(made):
         assert value * 0.97 - 1e-9 <= margins[name] <= value + 1e-9, name
     # Facets separate points only up to the square root of two of the distance to a corner.
     assert 0 < margins["clearance of effector to O"] <= gap + 1e-9
+
+
+@pytest.mark.parametrize("bounds", ["polytope { x <= 4 }", "polytope { x <= 3; -x <= -3 }"])
+def test_a_spec_whose_bounds_are_unbounded_or_flat_is_refused(result, bounds):
+    folder = result("turner")
+    alter_spec(folder, "bounds box [-1, 3] x [-1, 3] m", f"bounds {bounds} m", sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert report.reason.startswith("the spec has errors")

@@ -133,3 +133,43 @@ def test_what_is_not_found(
     spec = tmp_path / "spec.srg"
     spec.write_text(with_formulas(SLIDER, *clauses), encoding="utf-8")
     assert srgc("synth", spec, "-o", tmp_path / "out").status == status
+
+
+RAIL = """\
+module C { role base; }
+module P { role joint; dof d: prismatic x in [-2, 6] m; const mass = 1 kg; }
+module EN { role effector; }
+grammar G { start N; w: N -> C P EN; }
+semantics G {
+  w { this.f = move(x, P.d); point(frame: this.f, mass: P.mass); effector(frame: this.f); }
+}
+workspace W {
+  plane xy; bounds box [-2, 6] x [-1, 1] m;
+  region A box [-0.5, 0.5] x [-1, 1] m; region B box [0.5, 2] x [-1, 1] m;
+}
+task T {
+  robot G; workspace W; start in A; effort <= 50 N;
+  horizon 2 steps of 0.25 s; satisfy always (A or B);
+  satisfy next not A;
+}
+"""
+"""From one region to another that touches it, within one step."""
+
+
+@pytest.mark.parametrize("formula", ["next not A", "last[0 s] not A", "A and next next not A"])
+def test_from_inside_to_outside_between_two_samples(
+    srgc: Run, tmp_path: Path, formula: str
+) -> None:
+    out = found(srgc, tmp_path, RAIL.replace("next not A", formula))
+    (whole, _) = json.loads((out / "design.json").read_text())["satisfy"]
+    # On the common side the tip is on the boundary of both regions.
+    assert whole == {"formula": "always (A or B)", "robustness": 0.0}
+
+
+def test_where_poses_reach_cells_only_at_their_boundary(srgc: Run, tmp_path: Path) -> None:
+    """So many cells that one of their sides is on the rail: plans are tried all the same."""
+    spec = tmp_path / "spec.srg"
+    spec.write_text(RAIL, encoding="utf-8")
+    ran = srgc("synth", spec, "-o", tmp_path / "out", "--cells", "40")
+    assert ran.status == 4
+    assert "robustness" in ran.out
