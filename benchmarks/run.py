@@ -50,15 +50,15 @@ def measure_convex_step(runs: int) -> list[Line]:
 
     from compiler.discretisation.float_reading import FloatReading
     from compiler.dynamics.equations_of_motion import robot_graph
-    from compiler.encodings.specification import planning_problem
     from compiler.geometry.abstraction import abstract
     from compiler.languages.structures import derivations_of
+    from compiler.planning.specification import planning_problem
     from compiler.semantics.family import family_of
-    from solvers.control import linearised
-    from solvers.convex_step import StepResult, Weights, convex_step
-    from solvers.path_following import Follower
+    from solvers.backends.verdict import Holds
+    from solvers.motions.control import linearised
+    from solvers.motions.convex_step import StepResult, Weights, convex_step
+    from solvers.motions.path_following import Follower
     from solvers.planner import Planner
-    from solvers.verdict import Holds
     from srgc.session import program_of
     from tests.oracles.convex_step_cvxpy import solve_reference
 
@@ -92,10 +92,10 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
     from compiler.arithmetic.balls import working_precision
     from compiler.geometry.abstraction import abstract
     from compiler.semantics.family import family_of
-    from solvers.certificate import FoundClaim, from_text
-    from solvers.enclosure import TubeSegment, tube
-    from solvers.trajectory_proof import Motion, prove_motion, scene_of
-    from solvers.tube_checks import Status
+    from solvers.claims.certificate import FoundClaim, from_text
+    from solvers.proofs.enclosure import TubeSegment, tube
+    from solvers.proofs.trajectory_proof import Motion, prove_motion, scene_of
+    from solvers.proofs.tube_checks import Status
     from srgc.session import program_of
 
     claim = from_text((folder / "certificate.json").read_text(encoding="utf-8"))
@@ -120,7 +120,7 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
         asked.append(arguments)
         return tube(*arguments)
 
-    with mock.patch("solvers.trajectory_proof.tube", recorded):
+    with mock.patch("solvers.proofs.trajectory_proof.tube", recorded):
         findings = prove_motion(scene, motion)
     if not findings or any(finding.status is not Status.HOLDS for finding in findings):
         raise SystemExit(f"{folder}: the motion is not proved")

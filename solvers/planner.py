@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
-from compiler.encodings.plan_encoding import plan_encoding
-from compiler.encodings.specification import PlanningProblem
-from solvers.sat import SatSolver
-from solvers.verdict import Fails, Holds, Unknown
+from compiler.planning.plan_encoding import plan_encoding
+from compiler.planning.specification import PlanningProblem
+from solvers.backends.sat import SatSolver
+from solvers.backends.verdict import Fails, Holds, Unknown
 
 CONFLICTS = 200_000
 

@@ -12,36 +12,36 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from compiler.discretisation.float_reading import FloatReading
-from compiler.encodings.specification import PlanningProblem, planning_problem
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.bisection import halving
 from compiler.grammars.derivation import Derivation
+from compiler.planning.specification import PlanningProblem, planning_problem
 from compiler.specifications.word_formula import SampledFormula
 from grammar_lang import ir
-from solvers.certificate import ParameterClaim, decimal
-from solvers.configuration_search import (
+from solvers.backends.verdict import Holds, Unknown
+from solvers.claims.certificate import ParameterClaim, decimal
+from solvers.design import Design, motion_of
+from solvers.motions.control import NOT_FINITE
+from solvers.motions.counterexample import infeasible_prefix
+from solvers.motions.fine_check import seems_to_satisfy
+from solvers.motions.fine_motion import fine_motion
+from solvers.motions.path_following import LEAST_MARGIN, SUBSTEPS, Follower
+from solvers.motions.path_timing import gentle_entries, polyline, smooth_timing
+from solvers.motions.stiffness import stable_parts
+from solvers.motions.task_limits import motion_limits, parameter_bounds
+from solvers.parameters.configuration_search import (
     Configuration,
     resolved,
     search_configuration,
     within_limits,
 )
-from solvers.control import NOT_FINITE
-from solvers.counterexample import infeasible_prefix
-from solvers.design import Design, motion_of
-from solvers.fine_check import seems_to_satisfy
-from solvers.fine_motion import fine_motion
-from solvers.parameter_search import exact_text
-from solvers.path_following import LEAST_MARGIN, SUBSTEPS, Follower
-from solvers.path_timing import gentle_entries, polyline, smooth_timing
+from solvers.parameters.parameter_search import exact_text
+from solvers.parameters.reachable_cells import reachable_cells
+from solvers.parameters.standing_robot import standing_configurations
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.progress import Conduct
-from solvers.reachable_cells import reachable_cells
-from solvers.standing_robot import standing_configurations
-from solvers.stiffness import stable_parts
-from solvers.task_limits import motion_limits, parameter_bounds
-from solvers.trajectory_proof import prove_motion, scene_of
-from solvers.tube_checks import Status
-from solvers.verdict import Holds, Unknown
+from solvers.proofs.trajectory_proof import prove_motion, scene_of
+from solvers.proofs.tube_checks import Status
 
 PLANS = (6, 3)
 """How many plans are tried, and how many after each cut of a cell."""

@@ -26,8 +26,8 @@ from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.task_formula import recorded_effector
 from compiler.specifications.word_formula import SampledFormula, every
 from grammar_lang import ir
-from solvers.admissibility import inadmissible
-from solvers.certificate import SeparationClaim
+from solvers.claims.certificate import SeparationClaim
+from solvers.claims.disconnection import disconnected, separation_text
 from solvers.conclusion import (
     MOTION_SEARCHES,
     StructureRecord,
@@ -37,9 +37,9 @@ from solvers.conclusion import (
     robot_limit,
 )
 from solvers.design import Design
-from solvers.disconnection import disconnected, separation_text
 from solvers.progress import Conduct, OutOfTimeError
-from solvers.structure_refutation import Refutation, refute_structure
+from solvers.refutation.admissibility import inadmissible
+from solvers.refutation.structure_refutation import Refutation, refute_structure
 from solvers.structure_search import StructureSearch
 
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]

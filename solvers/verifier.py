@@ -13,7 +13,7 @@ from fractions import Fraction
 from math import isqrt
 from pathlib import Path
 
-from compiler.encodings.supported import unsupported
+from compiler.checks.supported import unsupported
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.refinement import Cut
 from compiler.grammars.derivation import BadDerivation, Derivation
@@ -27,7 +27,7 @@ from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from compiler.specifications.task_formula import missing_effector, recorded_effector
 from grammar_lang import ir
-from solvers.certificate import (
+from solvers.claims.certificate import (
     CertificateError,
     Claim,
     FoundClaim,
@@ -37,13 +37,13 @@ from solvers.certificate import (
     exact_decimal,
     from_text,
 )
-from solvers.design_agreement import disagreement
-from solvers.finding import Finding
-from solvers.formula_agreement import misstated_formula
-from solvers.impossibility_check import check_impossible
-from solvers.spec_copy import difference_from, read_copy
-from solvers.trajectory_proof import Motion, prove_motion, scene_of
-from solvers.tube_checks import Status
+from solvers.claims.design_agreement import disagreement
+from solvers.claims.formula_agreement import misstated_formula
+from solvers.claims.impossibility_check import check_impossible
+from solvers.claims.spec_copy import difference_from, read_copy
+from solvers.proofs.finding import Finding
+from solvers.proofs.trajectory_proof import Motion, prove_motion, scene_of
+from solvers.proofs.tube_checks import Status
 
 NOT_A_DECIMAL = Fraction(1, 10**9)
 """How closely a claim must state a value that no finite decimal states."""

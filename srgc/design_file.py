@@ -13,7 +13,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
-from solvers.certificate import (
+from solvers.claims.certificate import (
     FoundClaim,
     ImpossibleClaim,
     SeparationClaim,
@@ -23,9 +23,9 @@ from solvers.certificate import (
     exact_decimal,
     to_text,
 )
+from solvers.claims.formula_agreement import satisfied_formulas
 from solvers.conclusion import StructureRecord
 from solvers.design import Design
-from solvers.formula_agreement import satisfied_formulas
 from solvers.synthesis import Synthesis
 from srgc.result_folder import Identity
 

@@ -6,17 +6,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
-from compiler.encodings.plan_script import dimacs, smt2
-from compiler.encodings.specification import PlanningProblem, planning_problem
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.bisection import bisections
 from compiler.maps.obstacle_pieces import expanded
+from compiler.planning.plan_script import dimacs, smt2
+from compiler.planning.specification import PlanningProblem, planning_problem
 from compiler.specifications.task_formula import recorded_effector
 from compiler.specifications.word_formula import holds
 from grammar_lang import ir
-from solvers.path_timing import Entries, gentle_entries, polyline, word_of
+from solvers.backends.verdict import Holds, Unknown
+from solvers.motions.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
-from solvers.verdict import Holds, Unknown
 
 Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]
 """An effector, its cells, and the samples at which it enters them."""

@@ -72,7 +72,7 @@ def check_loaded(loaded: Loaded) -> Checked:
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
         from compiler.maps.obstacle_pieces import task_by_task
-        from solvers.formula_checks import formula_diagnostics
+        from solvers.conflicts.formula_checks import formula_diagnostics
 
         for program in task_by_task(loaded.sound):
             formula_diagnostics(program, sink)
@@ -113,7 +113,7 @@ def refuse_unsupported(program: ir.Program, task: ir.Task) -> None:
     Raises:
         SpecErrors: the task, or a module or workspace of it, has one.
     """
-    from compiler.encodings.supported import unsupported
+    from compiler.checks.supported import unsupported
 
     errors = unsupported(task)
     if errors:

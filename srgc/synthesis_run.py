@@ -10,9 +10,9 @@ from pathlib import Path
 
 from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
-from solvers.certificate import spec_digest
+from solvers.claims.certificate import spec_digest
+from solvers.claims.spec_copy import files_of
 from solvers.progress import Conduct
-from solvers.spec_copy import files_of
 from solvers.synthesis import Synthesis, synthesise
 from srgc.design_file import certificate_text, design_text, proof_name, trajectory_csv
 from srgc.progress_display import progress

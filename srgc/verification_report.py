@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import isfinite
 
-from solvers.finding import Finding
+from solvers.proofs.finding import Finding
 from solvers.verifier import Outcome, Report
 
 LEAST_WIDTH = 34

@@ -8,8 +8,8 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from compiler.encodings.cell_graph import UNREACHABLE
-from compiler.encodings.formula_distances import formula_distances
+from compiler.planning.cell_graph import UNREACHABLE
+from compiler.planning.formula_distances import formula_distances
 from compiler.specifications.sampled_formula import Literal, sampled
 from grammar_lang import ir
 

@@ -8,8 +8,8 @@ from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.normalise import normalise
 from compiler.robots.robot import RobotModel
-from solvers.smt import solve_script
-from solvers.verdict import Fails
+from solvers.backends.smt import solve_script
+from solvers.backends.verdict import Fails
 from tests.oracles.arms import ArmBuilder
 from tests.oracles.formulas import TWO_ARMS, program, spec
 

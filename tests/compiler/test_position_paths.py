@@ -7,12 +7,12 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.encodings.cell_graph import distances, edges
-from compiler.encodings.clauses import Clauses
-from compiler.encodings.entry_samples import EntrySamples
-from compiler.encodings.ladders import Ladders
-from compiler.encodings.position_paths import PositionPaths
-from compiler.encodings.total_changes import TotalChanges
+from compiler.planning.cell_graph import distances, edges
+from compiler.planning.clauses import Clauses
+from compiler.planning.entry_samples import EntrySamples
+from compiler.planning.ladders import Ladders
+from compiler.planning.position_paths import PositionPaths
+from compiler.planning.total_changes import TotalChanges
 
 
 def line(count: int) -> tuple[tuple[int, ...], ...]:

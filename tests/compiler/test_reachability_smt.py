@@ -18,7 +18,7 @@ from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.normalise import normalise
 from grammar_lang import ir
-from solvers.smt import solve_script
+from solvers.backends.smt import solve_script
 from tests.oracles.arms import ArmBuilder, number, planar_arm
 from tests.oracles.planes import bench
 from tests.oracles.questions import (

@@ -12,7 +12,7 @@ import pytest
 from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.normalise import normalise
 from grammar_lang import ir
-from solvers.smt import solve_script
+from solvers.backends.smt import solve_script
 from tests.oracles.arms import ArmBuilder, effector_positions, interval, planar_arm
 from tests.oracles.questions import (
     EVERYWHERE,

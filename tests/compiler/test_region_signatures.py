@@ -6,7 +6,7 @@ from itertools import product
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.encodings.region_signatures import region_signatures
+from compiler.demands.region_signatures import region_signatures
 from compiler.geometry.polytope import Polytope
 from grammar_lang.ir import HalfSpace
 

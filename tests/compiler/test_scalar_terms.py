@@ -10,8 +10,8 @@ from compiler.arithmetic.balls import working_precision
 from compiler.encodings.real_terms import RealScript, between
 from compiler.encodings.scalar_terms import ScalarTerms
 from grammar_lang import ir
-from solvers.smt import solve_script
-from solvers.verdict import Fails, Holds
+from solvers.backends.smt import solve_script
+from solvers.backends.verdict import Fails, Holds
 from tests.oracles.arms import ArmBuilder, number
 
 

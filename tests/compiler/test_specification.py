@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from compiler.encodings.specification import planning_problem
 from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.planning.specification import planning_problem
 from compiler.specifications.sampled_formula import sampled
 from grammar_lang import ir
 from grammar_lang.ir import Num, Satisfy, StartAt, StartIn, Workspace

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from compiler.encodings.supported import unsupported
+from compiler.checks.supported import unsupported
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Severity
 from tests.oracles.formulas import SHAPES, program, spec

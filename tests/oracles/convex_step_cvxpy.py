@@ -37,8 +37,8 @@ import cvxpy as cp
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.convex_step import Model, PositionRows, Weights
-from solvers.motion_limits import InputGroup, MotionLimits
+from solvers.motions.convex_step import Model, PositionRows, Weights
+from solvers.motions.motion_limits import InputGroup, MotionLimits
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from hypothesis import strategies as st
 
-from compiler.encodings.specification import PlannedEffector, PlanningProblem
+from compiler.planning.specification import PlannedEffector, PlanningProblem
 from compiler.specifications.sampled_formula import is_timed, sampled
 from grammar_lang import ir
 from tests.oracles.formulas import formulas

@@ -14,9 +14,9 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
 from grammar_lang.load import load
-from solvers.control import FULL
-from solvers.evaluation import evaluate
-from solvers.path_following import Follower
+from solvers.motions.control import FULL
+from solvers.motions.path_following import Follower
+from solvers.parameters.evaluation import evaluate
 from solvers.verifier import Outcome, verify_directory
 from tests.oracles.result_files import alter, read
 from tests.oracles.two_rods import FINE, simulated

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grammar_lang import ir
-from solvers.certificate import (
+from solvers.claims.certificate import (
     CertificateError,
     FoundClaim,
     ImpossibleClaim,

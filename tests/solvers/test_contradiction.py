@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from solvers.contradiction import contradictions
-from solvers.formula_checks import formula_diagnostics
+from solvers.conflicts.contradiction import contradictions
+from solvers.conflicts.formula_checks import formula_diagnostics
 from tests.oracles.formula_semantics import Meaning, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
 

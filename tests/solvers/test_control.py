@@ -11,15 +11,15 @@ from scipy.optimize import linprog
 
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.control import (
+from solvers.motions.control import (
     ControlOutcome,
     ControlProblem,
     effort_peak,
     input_margin,
     synthesise_control,
 )
-from solvers.convex_step import PositionRows, Trajectory
-from solvers.motion_limits import InputGroup, MotionLimits
+from solvers.motions.convex_step import PositionRows, Trajectory
+from solvers.motions.motion_limits import InputGroup, MotionLimits
 from tests.oracles.robots import rod_chain
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.conic import NotSolved
-from solvers.convex_step import (
+from solvers.backends.conic import NotSolved
+from solvers.motions.convex_step import (
     Model,
     PositionRows,
     StepResult,
@@ -20,7 +20,7 @@ from solvers.convex_step import (
     convex_step,
     fictitious_inputs,
 )
-from solvers.motion_limits import InputGroup, MotionLimits
+from solvers.motions.motion_limits import InputGroup, MotionLimits
 from tests.oracles.convex_step_cvxpy import solve_reference
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.counterexample import zero_prefix
+from solvers.motions.counterexample import zero_prefix
 
 SLACKS = st.lists(st.sampled_from([0.0, 1e-4, 0.5, 2.0]), max_size=12)
 

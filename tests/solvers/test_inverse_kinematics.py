@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
-from solvers.inverse_kinematics import branches, solve_positions
+from solvers.motions.inverse_kinematics import branches, solve_positions
 from tests.oracles.robots import Builder, rod_chain
 
 Array = NDArray[np.float64]

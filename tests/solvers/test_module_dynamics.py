@@ -21,7 +21,7 @@ from compiler.dynamics.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
-from solvers.convex_step import (
+from solvers.motions.convex_step import (
     Model,
     PositionRows,
     StepResult,
@@ -30,8 +30,8 @@ from solvers.convex_step import (
     convex_step,
     fictitious_inputs,
 )
-from solvers.enclosure import Accuracy, VectorField, tube
-from solvers.motion_limits import InputGroup, MotionLimits
+from solvers.motions.motion_limits import InputGroup, MotionLimits
+from solvers.proofs.enclosure import Accuracy, VectorField, tube
 from solvers.verifier import Outcome, verify_directory
 from tests.oracles.convex_step_cvxpy import solve_reference
 from tests.oracles.driven_robots import driven

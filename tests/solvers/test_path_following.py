@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import solvers.path_following
+import solvers.motions.path_following
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
 from grammar_lang.load import load
-from solvers.control import ControlOutcome
-from solvers.convex_step import Trajectory
-from solvers.path_following import LIMIT_MARGIN, Follower
-from solvers.task_limits import motion_limits
+from solvers.motions.control import ControlOutcome
+from solvers.motions.convex_step import Trajectory
+from solvers.motions.path_following import LIMIT_MARGIN, Follower
+from solvers.motions.task_limits import motion_limits
 from tests.oracles.small_specs import TURNER
 
 WORD = ("tool", "link", "joint", "base")
@@ -95,7 +95,9 @@ def test_an_outcome_that_is_no_number_counts_as_the_worst(tmp_path, monkeypatch)
     plain = follower(tmp_path)
     seed = Trajectory(np.zeros((11, 2)), np.zeros((10, 1)), np.array([1.5]))
     broken = ControlOutcome(seed, True, np.nan, 0.0, np.zeros(10), 0.0, 1, "diverged")
-    monkeypatch.setattr(solvers.path_following, "synthesise_control", lambda *_a, **_k: broken)
+    monkeypatch.setattr(
+        solvers.motions.path_following, "synthesise_control", lambda *_a, **_k: broken
+    )
     outcome = plain.solve(seed, (0,))
     assert not outcome.feasible
     assert outcome.robustness == -100.0  # ten times the effort bound

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from compiler.geometry.abstraction import abstract
 from grammar_lang import ir
-from solvers.path_timing import (
+from solvers.motions.path_timing import (
     Polyline,
     gentle_entries,
     in_order,

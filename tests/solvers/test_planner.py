@@ -12,16 +12,16 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from compiler.encodings.specification import (
+from compiler.geometry.abstraction import abstract
+from compiler.planning.specification import (
     PlannedEffector,
     PlanningProblem,
     planning_problem,
 )
-from compiler.geometry.abstraction import abstract
 from compiler.specifications.sampled_formula import sampled
 from grammar_lang import ir
+from solvers.backends.verdict import Fails, Holds, Reason, Unknown
 from solvers.planner import CounterExample, Exhausted, Exhaustion, Plan, Planner
-from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.planes import bench, cuts_of_the_bench, workspaces
 from tests.oracles.plans import Case, Cells, brute_force, cases, changes, without_stays
 from tests.oracles.tasks import avoid, task

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from compiler.discretisation.float_reading import Points
-from solvers.position_rows import ConvexSet, Dwell, PositionPlan, Separation, separating_planes
+from solvers.motions.position_rows import (
+    ConvexSet,
+    Dwell,
+    PositionPlan,
+    Separation,
+    separating_planes,
+)
 
 Array = NDArray[np.float64]
 

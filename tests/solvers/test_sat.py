@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solvers.sat import SatSolver
-from solvers.verdict import Fails, Holds, Reason, Unknown
+from solvers.backends.sat import SatSolver
+from solvers.backends.verdict import Fails, Holds, Reason, Unknown
 
 VARIABLES = 5
 literal = st.integers(1, VARIABLES).flatmap(lambda v: st.sampled_from([v, -v]))

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from compiler.encodings.reachability_smt import refutation_script
-from solvers import smt_subprocess
-from solvers.smt import solve_script
-from solvers.smt_subprocess import run_z3_subprocess, z3_command
-from solvers.verdict import Fails, Holds, Reason, Unknown
+from solvers.backends import smt_subprocess
+from solvers.backends.smt import solve_script
+from solvers.backends.smt_subprocess import run_z3_subprocess, z3_command
+from solvers.backends.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.arms import planar_arm
 from tests.oracles.questions import question, random_robot
 
@@ -82,7 +82,7 @@ def test_the_verifier_loads_no_solver():
     program = """
 import sys
 from compiler.encodings.reachability_smt import refutation_script
-from solvers.smt_subprocess import run_z3_subprocess
+from solvers.backends.smt_subprocess import run_z3_subprocess
 from compiler.encodings.pose_questions import PoseQuestion
 from tests.oracles.arms import planar_arm
 from tests.oracles.planes import box_rows

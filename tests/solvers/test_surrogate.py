@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.surrogate import posterior
+from solvers.parameters.surrogate import posterior
 
 
 def test_it_interpolates_in_standard_units() -> None:

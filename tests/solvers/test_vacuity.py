@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.encodings.task_demands import conjuncts, task_demands
+from compiler.demands.task_demands import conjuncts, task_demands
 from compiler.specifications.occurrences import occurrences, strengthened
 from grammar_lang import ir
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Severity, Sink
-from solvers.contradiction import contradictions_among
-from solvers.demand_conflicts import DemandConflicts
-from solvers.formula_checks import formula_diagnostics
-from solvers.vacuity import Entailment, always_holds, without_influence
+from solvers.conflicts.contradiction import contradictions_among
+from solvers.conflicts.demand_conflicts import DemandConflicts
+from solvers.conflicts.formula_checks import formula_diagnostics
+from solvers.conflicts.vacuity import Entailment, always_holds, without_influence
 from tests.oracles.formula_semantics import Meaning, Signal, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
 
@@ -131,7 +131,7 @@ def test_one_finding_for_a_formula() -> None:
 
 
 def test_nothing_is_said_beyond_the_budget(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("solvers.vacuity.EXTRA_CLAUSES", 0)
+    monkeypatch.setattr("solvers.conflicts.vacuity.EXTRA_CLAUSES", 0)
     assert told(f"{START} {AVOID} satisfy always (C implies eventually B);") == []
 
 

@@ -19,7 +19,7 @@ from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.refinement import Cut
 from grammar_lang import ir
 from grammar_lang.load import load
-from solvers.tube_checks import Status
+from solvers.proofs.tube_checks import Status
 from solvers.verifier import Outcome, Report, verify_directory
 from tests.oracles import result_files
 from tests.oracles.formulas import FAMILY, ONE_ARM

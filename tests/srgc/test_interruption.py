@@ -11,7 +11,7 @@ import time
 import pytest
 
 from grammar_lang.load import load
-from solvers.certificate import spec_digest
+from solvers.claims.certificate import spec_digest
 from solvers.verifier import Outcome, verify_directory
 from srgc import figures, result_folder, synthesis_run
 from srgc.result_folder import Identity, open_folder

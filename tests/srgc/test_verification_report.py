@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from solvers.finding import Finding
-from solvers.tube_checks import Status
+from solvers.proofs.finding import Finding
+from solvers.proofs.tube_checks import Status
 from solvers.verifier import Outcome, Report
 from srgc.verification_report import verification_text
 

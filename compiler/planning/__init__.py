@@ -1,0 +1,1 @@
+"""Planning problems as clauses: paths of cells that satisfy a formula."""

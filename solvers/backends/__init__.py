@@ -1,0 +1,1 @@
+"""Adapters to native solvers, and what their answers may mean."""

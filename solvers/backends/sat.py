@@ -1,0 +1,73 @@
+"""CaDiCaL 1.9.5 through python-sat: incremental, with a deterministic budget.
+
+Source: Biere, Fazekas, Fleury & Heisinger, *CaDiCaL, Kissat, Paracooba, Plingeling and Treengeling
+entering the SAT Competition 2020*.  The budget counts conflicts, never seconds, so that the same
+clauses give the same answer on every machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pysat.solvers import Cadical195
+
+from solvers.backends.verdict import Fails, Holds, Reason, Unknown, Verdict
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """A satisfying assignment: ``true[v]`` for the variables v = 1, 2, ...; entry 0 is unused."""
+
+    true: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """Unsatisfiable under assumptions; these of them suffice (none: the clauses alone do)."""
+
+    assumptions: tuple[int, ...]
+
+
+class SatSolver:
+    """One growing set of clauses over the variables 1, 2, ... (DIMACS literals)."""
+
+    def __init__(self) -> None:
+        self._solver = Cadical195()
+        self._variables = 0
+
+    def add(self, clauses: NDArray[np.int64]) -> None:
+        """Add clauses of equal length, shape (clauses, literals)."""
+        count, length = clauses.shape
+        if not count:
+            return
+        if not length or not clauses.all():
+            raise ValueError("a clause has at least one literal, and 0 is none")
+        self._variables = max(self._variables, int(np.abs(clauses).max()))
+        self._solver.append_formula(clauses.tolist())
+
+    def solve(self, assumptions: Sequence[int] = (), *, conflicts: int) -> Verdict[Model, Core]:
+        """Decide the clauses under assumptions within a number of conflicts.
+
+        ``Unknown`` means that the budget ran out; another call goes on with what was learnt.
+        """
+        if conflicts < 1:
+            raise ValueError("a budget is at least one conflict")
+        self._variables = max([self._variables, *map(abs, assumptions)])
+        self._solver.conf_budget(conflicts)
+        answer = self._solver.solve_limited(assumptions=list(assumptions))
+        if answer is None:
+            return Unknown(Reason.CONFLICT_LIMIT, f"after {conflicts} conflicts")
+        if not answer:
+            return Fails(Core(tuple(sorted(self._solver.get_core() or ()))))
+        true = np.zeros(self._variables + 1, dtype=bool)
+        literals = np.array(self._solver.get_model(), dtype=np.int64)
+        positive = literals[(literals > 0) & (literals <= self._variables)]
+        true[positive] = True
+        return Holds(Model(true))
+
+    def close(self) -> None:
+        """Free the memory now rather than with the object."""
+        self._solver.delete()

@@ -1,0 +1,1 @@
+"""What a verdict claims, as data, and the checks of it that integrate nothing."""

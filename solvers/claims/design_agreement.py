@@ -1,0 +1,102 @@
+"""Whether ``design.json``, which people read, says what the certificate, which is proved, says."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from compiler.geometry.abstraction import Abstraction
+from compiler.robots.robot import RobotModel
+from solvers.claims.certificate import Claim, FoundClaim, ImpossibleClaim, exact
+
+
+def disagreement(
+    folder: Path, claim: Claim, cells: Abstraction, model: RobotModel | None
+) -> str | None:
+    """Why the folder's ``design.json`` contradicts a claim, or None; its absence does not.
+
+    Args:
+        folder: the result folder.
+        claim: the claim of its certificate.
+        cells: the cells of the task's workspace.
+        model: the robot of a found claim.
+
+    Raises:
+        CertificateError: a number of the claim is none.
+    """
+    path = folder / "design.json"
+    if not path.is_file():
+        return None
+    try:
+        design = json.loads(path.read_bytes())
+    except (ValueError, RecursionError):
+        return "design.json is not JSON"
+    if not isinstance(design, dict):
+        return "design.json is no JSON object"
+    expected = _expected(claim, model) | {"cells": cells.describe()}
+    for key, value in expected.items():
+        if design.get(key) != value:
+            return f"design.json and certificate.json differ in `{key}`"
+    if isinstance(claim, ImpossibleClaim) and _tried(design) != _claimed(claim):
+        return "design.json and certificate.json differ in `structures_tried`"
+    return None
+
+
+def _expected(claim: Claim, model: RobotModel | None) -> dict[str, Any]:
+    """The fields of ``design.json`` that a claim determines."""
+    found = isinstance(claim, FoundClaim)
+    fields: dict[str, Any] = {
+        "verdict": "found" if found else "impossible",
+        "task": claim.task,
+        "spec": claim.spec,
+        "spec_sha256": claim.spec_sha256,
+    }
+    if not isinstance(claim, FoundClaim) or model is None:
+        return fields | {"word": None, "derivation": None, "parameters": [], "path": []}
+    return fields | {
+        "word": list(claim.word),
+        "derivation": list(claim.derivation),
+        "dofs": [
+            {"symbols": list(dof.symbols), "kind": dof.kind, "axis": dof.axis} for dof in model.dofs
+        ],
+        "parameters": _parameters(claim, model),
+        "path": [list(names) for names in claim.path],
+        "robustness": _float(claim.robustness),
+        "effort_peak": _float(claim.effort_peak),
+        "step": _float(claim.step),
+        "horizon": claim.steps,
+    }
+
+
+def _parameters(claim: FoundClaim, model: RobotModel) -> list[dict[str, Any]]:
+    return [
+        {
+            "symbol": claimed.symbol,
+            "module": parameter.module,
+            "name": claimed.name,
+            "value": _float(claimed.value),
+            "unit": parameter.unit,
+        }
+        for claimed, parameter in zip(claim.parameters, model.parameters, strict=True)
+    ]
+
+
+def _float(text: str) -> float:
+    return float(exact(text))
+
+
+def _claimed(claim: ImpossibleClaim) -> list[tuple[Any, ...]]:
+    return [
+        (list(s.word), list(s.derivation), "refuted", s.evidence, s.same_robot_as)
+        for s in claim.structures
+    ]
+
+
+def _tried(design: Mapping[str, Any]) -> list[tuple[Any, ...]]:
+    tried = design.get("structures_tried")
+    if not isinstance(tried, list):
+        return []
+    keys = ("word", "derivation", "verdict", "evidence", "same_robot_as")
+    return [tuple(s.get(key) for key in keys) if isinstance(s, dict) else () for s in tried]

@@ -1,0 +1,1 @@
+"""Tasks that no motion fulfils, and formulas that ask for nothing."""

@@ -1,0 +1,85 @@
+"""Tasks that no motion can fulfil, whatever the robot: which clauses exclude each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from compiler.demands.task_demands import Demand, task_demands
+from grammar_lang import ir
+from grammar_lang.findings.codes import Code
+from grammar_lang.findings.diagnostics import Diagnostic, Severity
+from grammar_lang.source import Span
+from solvers.conflicts.demand_conflicts import DemandConflicts
+
+
+def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
+    """Errors about the formulas of a task: each contradicts itself, or others and other clauses."""
+    asked = task_demands(program, task)
+    if asked is None:
+        return ()
+    conflicts = DemandConflicts(asked)
+    try:
+        return contradictions_among(task, asked.demands, conflicts)
+    finally:
+        conflicts.close()
+
+
+def contradictions_among(
+    task: ir.Task, demands: Sequence[Demand], conflicts: DemandConflicts
+) -> tuple[Diagnostic, ...]:
+    """The same for demands that are in a solver."""
+    return tuple(_found(task, demands, conflicts))
+
+
+def _found(
+    task: ir.Task, demands: Sequence[Demand], conflicts: DemandConflicts
+) -> Iterator[Diagnostic]:
+    left = list(demands)
+    for number, clause in enumerate(task.satisfy):
+        own = [demand for demand in demands if demand.formula == number]
+        core = conflicts.core(own)
+        if core is not None:
+            left = [demand for demand in left if demand.formula != number]
+            yield _alone(task, clause.formula.span, core)
+    while (core := conflicts.core(left)) is not None:
+        formulas = [demand for demand in core if demand.formula is not None]
+        if not formulas:
+            return  # a start or a target that is avoided: told by the checks of the workspace
+        yield _together(task, core)
+        left = [demand for demand in left if demand.formula != formulas[-1].formula]
+
+
+def _alone(task: ir.Task, span: Span, core: Sequence[Demand]) -> Diagnostic:
+    """A formula that no motion satisfies."""
+    other = "parts" if len(core) > 2 else "part"
+    notes = tuple((demand.span, f"this excludes the other {other}") for demand in core)
+    return Diagnostic(
+        Code.CONTRADICTORY_TASK,
+        Severity.ERROR,
+        "no motion satisfies this formula, whatever the robot",
+        span if len(core) > 1 else core[0].span,
+        f"check its regions, its windows and the horizon, which ends at {_seconds(task)}",
+        notes if len(core) > 1 else (),
+    )
+
+
+def _together(task: ir.Task, core: Sequence[Demand]) -> Diagnostic:
+    """Clauses that exclude each other, told at the last of them."""
+    ordered = sorted(core, key=lambda demand: (demand.span.file, demand.span))
+    others: dict[Span, list[str]] = {}
+    for demand in ordered:
+        others.setdefault(demand.span, []).append(demand.text)
+    del others[ordered[-1].span]
+    return Diagnostic(
+        Code.CONTRADICTORY_TASK,
+        Severity.ERROR,
+        f"task `{task.name}` contradicts itself: no motion does all this, whatever the robot",
+        ordered[-1].span,
+        "change or remove one of the clauses",
+        tuple((span, ", ".join(texts)) for span, texts in others.items()),
+    )
+
+
+def _seconds(task: ir.Task) -> str:
+    total = task.steps * task.step
+    return f"{float(total):g} s"

@@ -1,0 +1,1 @@
+"""Motions along a path of cells, by sequential convex programming."""

@@ -1,0 +1,57 @@
+r"""Counterexamples: the shortest prefix of a path that already cannot be followed (ZEROPREFIX).
+
+Problem 4 of the paper's appendix on the linearised robot: slacks g_i = max(s_i, 0) of the
+fictitious inputs are minimised with
+
+.. math:: \epsilon \sum_{l<i} g_l \le g_i \qquad (C.6)
+
+which moves them to the end of the path, so that the zeros at the beginning are the part that can
+be followed.  Found for one parameter by sampling: it prunes the search and proves nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compiler.discretisation.float_reading import Array
+from solvers.backends.conic import NotSolved
+from solvers.motions.control import ControlOutcome, linearised
+from solvers.motions.convex_step import Weights, convex_step
+from solvers.motions.path_following import Follower
+
+THRESHOLD = 1e-3
+RADIUS = 0.5
+
+
+def infeasible_prefix(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> int:
+    """The number of cells, from the start, that already cannot be followed.
+
+    All of the path's where nothing shorter is found.
+    """
+    slacks = _slacks(follower, outcome, entries)
+    if slacks is None:
+        return len(entries)
+    sample = zero_prefix(slacks, THRESHOLD) + 1
+    return int(np.searchsorted(np.array(entries), sample, side="right"))
+
+
+def zero_prefix(slacks: Array, threshold: float) -> int:
+    """ZEROPREFIX: the least m whose partial sum g_0 + ... + g_m exceeds the threshold, else k."""
+    above = np.flatnonzero(np.cumsum(slacks) > threshold)
+    return int(above[0]) if len(above) else len(slacks)
+
+
+def _slacks(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> Array | None:
+    """The slacks (k,) of Problem 4 about an infeasible outcome."""
+    problem = follower.problem(entries)
+    about = linearised(problem, outcome.trajectory)
+    if about is None:
+        return None
+    model, rows = about
+    epsilon = float(follower.task.slack)
+    result = convex_step(
+        model, rows, problem.limits, problem.groups, RADIUS, None, Weights(), epsilon
+    )
+    if isinstance(result, NotSolved):
+        return None
+    return np.asarray(np.max(np.abs(result.fictitious), axis=1, initial=0.0))

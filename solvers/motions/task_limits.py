@@ -1,0 +1,86 @@
+"""What a robot and a task bound, in floats: parameters, joints and rates, inputs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compiler.discretisation.float_reading import Array
+from compiler.robots.input_bounds import input_bounds
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_states
+from grammar_lang import ir
+from grammar_lang.constants import to_float
+from solvers.motions.motion_limits import InputGroup, MotionLimits
+
+NARROW = 0.1
+"""Limits are narrowed at most by this part of a range's width."""
+RATE_MARGIN = 0.5
+"""A final rest is asked for at this fraction of its bound."""
+
+
+def parameter_bounds(model: RobotModel) -> list[tuple[float, float]]:
+    """The least and largest value of every parameter, SI."""
+    bounds = []
+    for parameter in model.parameters:
+        domain = parameter.domain
+        if isinstance(domain, ir.Interval):
+            bounds.append((to_float(domain.lower), to_float(domain.upper)))
+        else:
+            values = [to_float(value) for value in domain.values]
+            bounds.append((min(values), max(values)))
+    return bounds
+
+
+def state_limits(model: RobotModel) -> Array:
+    """Ranges and rate limits of the joints, shape (n, 2, 2); infinite where there are none."""
+
+    def ends(interval: ir.Interval | None) -> tuple[float, float]:
+        if interval is None:
+            return -np.inf, np.inf
+        return to_float(interval.lower), to_float(interval.upper)
+
+    limits = [(ends(dof.range), ends(dof.rate)) for dof in model.dofs]
+    return np.array(limits).reshape(-1, 2, 2)
+
+
+def motion_limits(model: RobotModel, task: ir.Task, slack: Array | float = 0.0) -> MotionLimits:
+    """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
+
+    Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width; an
+    array gives the slacks of ranges and rates at their lower and upper ends, shape (n, 2, 2).
+    """
+    slacks = np.broadcast_to(slack, (len(model.dofs), 2, 2))
+    limits = state_limits(model)
+    width = np.diff(limits, axis=2)
+    most = np.where(np.isfinite(width), NARROW * width, 0.0)
+    inset = np.minimum(slacks, most) * np.array([1.0, -1.0])
+    ranges, rates = (limits + inset).transpose(1, 0, 2)
+    start = task.start
+    values = None
+    if isinstance(start, ir.StartAt):
+        values = np.array([to_float(value) for value in start.values])
+    start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
+    rests = task.reach is not None and task.reach.at_rest
+    final = RATE_MARGIN * 1e-3 if rests else np.inf
+    own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
+    return MotionLimits(
+        ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values,
+        np.array(own),
+    )  # fmt: skip
+
+
+def input_groups(model: RobotModel, task: ir.Task) -> tuple[InputGroup, ...]:
+    """The bounded inputs of a robot in a task."""
+    return tuple(
+        InputGroup(bound.inputs, float(bound.lower), float(bound.upper), bound.norm2, bound.effort)
+        for bound in input_bounds(model, task)
+    )
+
+
+def resting_inputs(groups: tuple[InputGroup, ...], steps: int, count: int) -> Array:
+    """Inputs (steps, count) as near to zero as their bounds allow."""
+    u = np.zeros((steps, count))
+    for group in groups:
+        if not group.norm2:
+            u[:, list(group.inputs)] = min(max(0.0, group.lower), group.upper)
+    return u

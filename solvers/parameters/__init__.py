@@ -1,0 +1,1 @@
+"""The search of parameters for a path."""

@@ -1,0 +1,1 @@
+"""Validated integration, and what is proved along the tube."""

@@ -1,0 +1,46 @@
+"""What the proof of a motion finds out about one condition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flint import arb
+
+from compiler.geometry.polytope import Polytope
+from solvers.proofs.tube_checks import Status, rows_of
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One proved, disproved or undecided condition, with its margin and where it is attained."""
+
+    name: str
+    status: Status
+    margin: float
+    unit: str
+    time: float | None = None
+    place: tuple[float, ...] = ()
+    clause: int | None = None
+    """Of a formula: the number of its ``satisfy`` in the task, from 0."""
+
+
+def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> Finding:
+    """A point at one instant lies strictly inside a polytope."""
+    gaps = [
+        (r.offset - sum((a * x for a, x in zip(r.normal, point, strict=True)), arb(0))) / r.length
+        for r in rows_of(polytope)
+    ]
+    return least(name, gaps, "m", time, tuple(float(x.mid()) for x in point))
+
+
+def least(
+    name: str, gaps: Sequence[arb], unit: str, time: float, place: tuple[float, ...] = ()
+) -> Finding:
+    """All gaps are positive; the margin is a lower bound of the least."""
+    if any(bool(gap < 0) for gap in gaps):
+        worst = min(float(gap.mid()) for gap in gaps)
+        return Finding(name, Status.FAILS, worst, unit, time, place)
+    status = Status.HOLDS if all(bool(gap > 0) for gap in gaps) else Status.UNDECIDED
+    margin = min((float(gap.lower()) for gap in gaps), default=float("inf"))
+    return Finding(name, status, margin, unit, time, place)

@@ -1,0 +1,257 @@
+"""Formulas along a validated tube: proved in continuous time, with a bound of their robustness.
+
+The tube is cut into slices of time with exact ends.  On each of them every atom is decided where
+it can be, with bounds of how clearly.  What a formula could at best be worth is estimated from
+these; only the slices that stand between that and what is proved are halved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise, product
+
+from flint import arb
+
+from compiler.arithmetic.balls import ball
+from compiler.specifications.attained_until import attained
+from compiler.specifications.boolean_parts import boolean_parts, boolean_value
+from compiler.specifications.monitor import AtomKey, Verdicts, key
+from compiler.specifications.subformulas import atoms
+from compiler.specifications.time_set import TimeSet
+from compiler.specifications.trace_robustness import Monitored, Piece, Trace
+from grammar_lang import ir
+from solvers.proofs.enclosure import TubeSegment
+from solvers.proofs.region_cover import box_around, may_be
+from solvers.proofs.region_distance import UNKNOWN, Gap, RegionDistance
+from solvers.proofs.tube_checks import (
+    MOST_SPLITS,
+    MOST_UNBOUNDED_SPLITS,
+    REFINEMENT,
+    PointReading,
+    Slice,
+    Status,
+)
+
+MOST_SLICES = 4_000
+"""Slices that a formula may add; a tip that rests on a boundary would straddle it in all."""
+LEAST_HOPE = 1e-9
+"""Metres; where no more than that can be had, what is proved already has to do."""
+MOST_UNSURE = 6
+"""Atoms of which all cases are tried."""
+
+
+@dataclass(frozen=True, slots=True)
+class FormulaVerdict:
+    """Whether a formula holds at time 0, and by how much it is known to do, in metres.
+
+    ``robustness`` is a lower bound of the space robustness; of a formula that fails, an upper
+    bound, which is not positive; zero where nothing is decided.
+    """
+
+    status: Status
+    robustness: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """A slice of a segment, its ends in units of the step, and the gap of every atom."""
+
+    segment: TubeSegment
+    inputs: Sequence[arb]
+    first: Fraction
+    last: Fraction
+    depth: int
+    gaps: tuple[Gap, ...]
+    finite: bool = True
+
+    def straddles(self, level: float, numbers: Sequence[int]) -> bool:
+        """Whether more of some atoms may count from a level on than is proved to."""
+        return any(
+            gap.inside < level <= gap.most_inside or gap.outside < level <= gap.most_outside
+            for gap in (self.gaps[number] for number in numbers)
+        )
+
+
+@dataclass(slots=True)
+class FormulaProof:
+    """What is known of the atoms of formulas along a tube, segment by segment.
+
+    ``regions`` gives the sets that the atoms speak of; ``task`` the horizon.  ``tick`` is called
+    again and again; what it raises ends the proof.
+    """
+
+    reading: PointReading
+    regions: Mapping[AtomKey, RegionDistance]
+    task: ir.Task
+    tick: Callable[[], None] = lambda: None
+    parts: list[_Part] = field(default_factory=list)
+
+    def add(self, segment: TubeSegment, u: Sequence[arb]) -> None:
+        """Append the next segment of the tube, with the inputs in force."""
+        if self.regions:
+            unknown = (UNKNOWN,) * len(self.regions)
+            self.parts.append(self._part(segment, u, segment.steps, 0, unknown))
+
+    def verdict(self, formula: ir.Formula) -> FormulaVerdict:
+        """What is proved of a formula once the tube is complete."""
+        bound = self._robustness(formula)
+        if bound is not None:
+            return FormulaVerdict(Status.HOLDS, bound)
+        bound = self._robustness(ir.Not(formula))
+        if bound is not None:
+            return FormulaVerdict(Status.FAILS, -bound)
+        return FormulaVerdict(self._by_cases(attained(formula)), 0.0)
+
+    def _robustness(self, formula: ir.Formula) -> float | None:
+        """A lower bound of the robustness, close to it if it can be; None if none is positive.
+
+        The largest level at which the estimates would do is what slices are halved for; where none
+        of them straddles it, it is proved.
+        """
+        numbers = self._numbers(formula)
+        monitored = Monitored(formula, self.task.step * self.task.steps, self.task.step)
+        most = len(self.parts) + MOST_SLICES
+        while True:
+            hoped = monitored.robustness(self._trace(numbers, hopeful=True)) or 0.0
+            level = hoped * (1 - REFINEMENT)
+            trace = self._trace(numbers, hopeful=False)
+            enough = hoped < LEAST_HOPE or monitored.holds(trace, level)
+            if enough or not self._refine(level, numbers, most):
+                return monitored.robustness(trace)
+
+    def _numbers(self, formula: ir.Formula) -> list[int]:
+        """The places of its atoms among all."""
+        wanted = {key(atom) for atom in atoms(formula)}
+        return [number for number, atom in enumerate(self.regions) if atom in wanted]
+
+    def _by_cases(self, formula: ir.Formula) -> Status:
+        """What follows if atoms that are not decided are tried both ways, in whole slices."""
+        step = self.task.step
+        known: dict[ir.Formula, Verdicts] = {}
+        for part in boolean_parts(formula):
+            values = [(slice_, self._value(part, slice_)) for slice_ in self.parts]
+            spans = {
+                value: [(s.first * step, s.last * step) for s, found in values if found is value]
+                for value in (True, False)
+            }
+            end = step * self.task.steps
+            must, never = (TimeSet.closed(end, spans[value]) for value in (True, False))
+            known[part] = Verdicts(must, never.complement)
+        trace = self._trace(self._numbers(formula), hopeful=False)
+        for status, said in ((Status.HOLDS, formula), (Status.FAILS, ir.Not(formula))):
+            if Monitored(said, step * self.task.steps, step).holds(trace, 0.0, known):
+                return status
+        return Status.UNDECIDED
+
+    def _value(self, formula: ir.Formula, part: _Part) -> bool | None:
+        """The value of a formula about one instant all over a slice; None if it is not certain."""
+        wanted = {key(atom) for atom in atoms(formula)}
+        gaps = {a: gap for a, gap in zip(self.regions, part.gaps, strict=True) if a in wanted}
+        values = {a: gap.inside > 0 for a, gap in gaps.items() if gap.inside or gap.outside}
+        unsure = [a for a in gaps if a not in values]
+        if len(unsure) > MOST_UNSURE:
+            return None
+        cases = [
+            values | dict(zip(unsure, case, strict=True))
+            for case in product((True, False), repeat=len(unsure))
+        ]
+        if len({boolean_value(formula, case) for case in cases}) > 1:
+            cases = self._possible(part, unsure, cases)
+        found = {boolean_value(formula, case) for case in cases}
+        return found.pop() if len(found) == 1 else None
+
+    def _possible(
+        self, part: _Part, unsure: Sequence[AtomKey], cases: Sequence[dict[AtomKey, bool]]
+    ) -> list[dict[AtomKey, bool]]:
+        """The cases in which every effector can be just where its atoms say."""
+        self.tick()
+        time = self._over(part.segment, part.inputs, (part.first, part.last))
+        found = list(cases)
+        for effector in sorted({number for _, number in unsure}):
+            own = [a for a in unsure if a[1] == effector]
+            box = None if time is None or len(own) < 2 else box_around(time, effector - 1)
+            if box is None:
+                continue
+            for case in product((True, False), repeat=len(own)):
+                sides = [
+                    [
+                        self.regions[a].polytope
+                        for a, is_in in zip(own, case, strict=True)
+                        if is_in is side
+                    ]
+                    for side in (True, False)
+                ]
+                if not may_be(box, *sides):
+                    found = [c for c in found if [c[a] for a in own] != list(case)]
+        return found
+
+    def _trace(self, numbers: Sequence[int], *, hopeful: bool) -> Trace:
+        """The bounds of some atoms, or the estimates."""
+        step = self.task.step
+        ends = [part.first * step for part in self.parts]
+        times = list(pairwise([*ends, *(part.last * step for part in self.parts[-1:])]))
+        trace: dict[AtomKey, list[Piece]] = {}
+        keys = list(self.regions)
+        for number in numbers:
+            gaps = [part.gaps[number] for part in self.parts]
+            trace[keys[number]] = [
+                Piece(*time, gap.most_inside, gap.most_outside)
+                if hopeful
+                else Piece(*time, gap.inside, gap.outside)
+                for time, gap in zip(times, gaps, strict=True)
+            ]
+        return trace
+
+    def _refine(self, level: float, numbers: Sequence[int], limit: int) -> bool:
+        """Halve the slices on which some atoms straddle a level; whether there was one.
+
+        There are no more than ``limit`` in the end.
+        """
+        refined: list[_Part] = []
+        spare = limit - len(self.parts)
+        for part in self.parts:
+            most = MOST_SPLITS if part.finite else MOST_UNBOUNDED_SPLITS
+            if spare < 1 or part.depth >= most or not part.straddles(level, numbers):
+                refined.append(part)
+                continue
+            spare -= 1
+            self.tick()
+            middle = (part.first + part.last) / 2
+            refined += [
+                self._part(part.segment, part.inputs, span, part.depth + 1, part.gaps)
+                for span in ((part.first, middle), (middle, part.last))
+            ]
+        if len(refined) == len(self.parts):
+            return False
+        self.parts = refined
+        return True
+
+    def _part(
+        self,
+        segment: TubeSegment,
+        u: Sequence[arb],
+        span: tuple[Fraction, Fraction],
+        depth: int,
+        known: tuple[Gap, ...],
+    ) -> _Part:
+        """A slice of a segment; ``known`` are the gaps of the one it is part of."""
+        first, last = span
+        time = self._over(segment, u, span)
+        if time is None:
+            return _Part(segment, u, first, last, depth, known, finite=False)
+        gaps = tuple(
+            region.over(time, effector - 1).at_best(gap)
+            for ((_, effector), region), gap in zip(self.regions.items(), known, strict=True)
+        )
+        return _Part(segment, u, first, last, depth, gaps)
+
+    def _over(
+        self, segment: TubeSegment, u: Sequence[arb], span: tuple[Fraction, Fraction]
+    ) -> Slice | None:
+        """Positions over a slice, its ends in units of the step; None where not finite."""
+        first, last = span
+        middle = ball(((first + last) / 2 - segment.steps[0]) * self.task.step)
+        found = self.reading.over(segment, u, middle, ball((last - first) / 2 * self.task.step))
+        return None if found is None else found[0]

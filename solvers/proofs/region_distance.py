@@ -1,0 +1,132 @@
+"""How deep in a region a moving point is, or how far from it, over a slice of time: proved bounds.
+
+Inside, the distance to the complement is that to the nearest facet.  Outside, every direction
+separates by a lower bound of the distance; the facets' own and the one from the nearest point of
+the region, which is on an edge where it is on no facet, are tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+from math import inf, isnan, nextafter
+
+from flint import arb
+
+from compiler.arithmetic.balls import ball
+from compiler.geometry.polytope import Polytope
+from solvers.proofs.tube_checks import Row, Slice, rows_of
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """Bounds in metres; the estimates guide a refinement and prove nothing.
+
+    ``inside``: at least so far from the complement of the region throughout the slice, zero unless
+    the point is certainly inside; ``outside``: at least so far from the region, likewise.  Nowhere
+    in the slice they are likely to be more than ``most_inside`` and ``most_outside``.
+    """
+
+    inside: float
+    outside: float
+    most_inside: float
+    most_outside: float
+
+    def at_best(self, other: Gap) -> Gap:
+        """What two gaps of the same slice, or of one that contains it, tell together."""
+        return Gap(
+            max(self.inside, other.inside),
+            max(self.outside, other.outside),
+            min(self.most_inside, other.most_inside),
+            min(self.most_outside, other.most_outside),
+        )
+
+
+UNKNOWN = Gap(0.0, 0.0, inf, inf)
+
+
+@dataclass(frozen=True, slots=True)
+class RegionDistance:
+    """A convex region, with balls; an unbounded one has no ``vertices``, which ``edges`` pair."""
+
+    polytope: Polytope
+    rows: tuple[Row, ...]
+    vertices: tuple[tuple[arb, ...], ...]
+    edges: tuple[tuple[int, int], ...]
+
+    def over(self, time: Slice, point: int) -> Gap:
+        """The bounds for one of the points of a slice."""
+        if self.polytope.is_empty:
+            return Gap(0.0, inf, 0.0, inf)
+        least, most = arb("inf"), inf
+        for item in self.rows:
+            depth = (item.offset - time.form(item.normal, point)[0]) / item.length
+            least, most = least.min(depth), min(most, _up(depth))
+        inside = max(0.0, _down(least))
+        if inside > 0:
+            return Gap(inside, 0.0, most, 0.0)
+        outside, most_outside = self._outside(time, point)
+        return Gap(0.0, outside, max(0.0, most), most_outside)
+
+    def _outside(self, time: Slice, point: int) -> tuple[float, float]:
+        best, most = 0.0, 0.0
+        for item in (*self.rows, *self._nearest(time, point)):
+            beyond = (time.form(item.normal, point)[0] - item.offset) / item.length
+            best, most = max(best, _down(beyond)), max(most, _up(beyond))
+        return best, most
+
+    def _nearest(self, time: Slice, point: int) -> list[Row]:
+        """The half-space that holds the region and whose normal leads from it to the point."""
+        place = [float(axis[0].mid()) for axis in time.points[point]]
+        corners = [[float(x) for x in vertex] for vertex in self.vertices]
+        away: list[float] | None = None
+        for i, j in self.edges:
+            gap = _from_edge(place, corners[i], corners[j])
+            if away is None or _square(gap) < _square(away):
+                away = gap
+        if away is None or not 0 < _square(away) < inf:
+            return []
+        normal = tuple(arb(x) for x in away)
+        support = arb("-inf")
+        for vertex in self.vertices:
+            support = support.max(sum((a * x for a, x in zip(normal, vertex, strict=True)), arb(0)))
+        length = sum((a * a for a in normal), arb(0)).sqrt()
+        return [Row(normal, support, length)]
+
+
+def region_distance(polytope: Polytope) -> RegionDistance:
+    """The distance to a region, in the working precision."""
+    vertices = polytope.vertices if polytope.is_bounded else ()
+    count = len(vertices)
+    edges = tuple(combinations(range(count), 2)) or ((0, 0),) * count
+    if polytope.dimension == 2 and count > 2:
+        # In the plane the vertices go round.
+        edges = (*pairwise(range(count)), (count - 1, 0))
+    balls = tuple(tuple(ball(x) for x in vertex) for vertex in vertices)
+    return RegionDistance(polytope, rows_of(polytope), balls, edges)
+
+
+def _from_edge(p: Sequence[float], a: Sequence[float], b: Sequence[float]) -> list[float]:
+    """The vector to p from the nearest point of the segment between a and b."""
+    along = [y - x for x, y in zip(a, b, strict=True)]
+    ahead = [y - x for x, y in zip(a, p, strict=True)]
+    length = _square(along)
+    share = sum(x * y for x, y in zip(along, ahead, strict=True)) / length if length else 0.0
+    share = min(1.0, max(0.0, share))
+    return [x - share * y for x, y in zip(ahead, along, strict=True)]
+
+
+def _square(vector: Sequence[float]) -> float:
+    return sum(x * x for x in vector)
+
+
+def _down(value: arb) -> float:
+    """A float that is no larger than any value of a ball; -inf where nothing is known."""
+    least = float(value.lower())
+    return -inf if isnan(least) else nextafter(least, -inf) if least < inf else inf
+
+
+def _up(value: arb) -> float:
+    most = float(value.upper())
+    return inf if isnan(most) else most

@@ -1,0 +1,82 @@
+"""The kinematic refutation of one structure: sample poses first, then ask the solver.
+
+Poses found by inverse kinematics answer a question "possible" for nothing; a script answered
+``unsat`` proves that no parameters whatever let the structure do the task.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compiler.discretisation.float_reading import FloatReading
+from compiler.encodings.pose_questions import PoseQuestion, pose_questions
+from compiler.encodings.reachability_smt import refutation_script
+from compiler.robots.robot import RobotModel
+from grammar_lang import ir
+from solvers.backends.smt import solve_script
+from solvers.backends.verdict import Fails
+from solvers.progress import Conduct
+from solvers.refutation.pose_search import PoseWitness, find_poses
+
+REFUTED = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Refutation:
+    """The answer for a structure: a refuting ``script``, or the effector of witness poses.
+
+    ``effector`` (from 0) is one that may start and reach, by the poses found for the first
+    question; None where none were found.
+    """
+
+    reason: str
+    script: str | None
+    effector: int | None
+    solver_calls: int
+
+    @property
+    def refuted(self) -> bool:
+        """Whether there is a script that was answered ``unsat``."""
+        return self.script is not None
+
+
+def refute_structure(
+    model: RobotModel, reading: FloatReading, program: ir.Program, task: ir.Task, conduct: Conduct
+) -> Refutation:
+    """Try to prove that a structure cannot bring effectors from the start to where they must be."""
+    calls, effectors = 0, list[int | None]()
+    for question in pose_questions(program.workspaces[task.workspace], task):
+        witness = find_poses(reading, question, conduct.seed)
+        effectors.append(_recorded(task, witness))
+        if witness is not None:
+            continue
+        script = refutation_script(model, question)
+        calls += 1
+        if _refuted(script, conduct):
+            return Refutation(_reason(question), script, None, calls)
+    if not calls:
+        return Refutation("poses were found", None, effectors[0], 0)
+    return Refutation("neither poses nor a refutation were found", None, effectors[0], calls)
+
+
+def _refuted(script: str, conduct: Conduct) -> bool:
+    """Whether the solver answers ``unsat``; the journal is asked first."""
+    key = f"smt|{script}"
+    known = conduct.journal.recall(key)
+    if known is None:
+        known = REFUTED if isinstance(solve_script(script), Fails) else 0.0
+        conduct.journal.record(key, known)
+    return known == REFUTED
+
+
+def _reason(question: PoseQuestion) -> str:
+    if question.start is None:
+        return f"no pose in {question.goal} for any parameters"
+    return f"no poses in the start region and in {question.goal} for any parameters"
+
+
+def _recorded(task: ir.Task, witness: PoseWitness | None) -> int | None:
+    """Of the poses of the first question: the effector that reaches, else the one that starts."""
+    if witness is None:
+        return None
+    return witness.effector if task.reach is not None else witness.start_effector
