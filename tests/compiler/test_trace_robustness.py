@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from fractions import Fraction
 from itertools import pairwise
 from math import inf
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from compiler.specifications.subformulas import operands
@@ -128,16 +129,34 @@ def span(window: ir.Window) -> str:
 
 
 def by_rtamt(formula: ir.Formula, series: dict[str, list[float]]) -> float:
+    """Every occurrence of an atom has a signal of its own, as rtamt shortens lists in place."""
     spec: Any = rtamt.StlDiscreteTimeSpecification()
-    for name in (*series, "out"):
+    own: dict[str, list[float]] = {}
+
+    def renamed(match: re.Match[str]) -> str:
+        name = f"{match[0]}{len(own)}"
+        own[name] = list(series[match[0]])
+        return name
+
+    written = re.sub(r"\b[ac]\b", renamed, text(formula))
+    for name in (*own, "out"):
         spec.declare_var(name, "float")
-    spec.spec = f"out = {text(formula)}"
+    spec.spec = f"out = {written}"
     spec.parse()
     count = len(next(iter(series.values())))
-    found: float = spec.evaluate({"time": list(range(count)), **series})[0][1]
+    found: float = spec.evaluate({"time": list(range(count)), **own})[0][1]
     return found
 
 
+@example(
+    ir.And(
+        (
+            ir.Always(ir.Atom("A", 1), ir.Window(F(5), None)),
+            ir.Until(ir.Atom("A", 1), ir.Not(ir.Atom("C", 1))),
+        )
+    ),
+    [[-3] * SECONDS, [-3] * SECONDS],
+)
 @settings(max_examples=150, deadline=None)
 @given(formulas(SECONDS, 1, deep=6).map(upright), TRACES)
 def test_of_signals_known_exactly_it_is_what_rtamt_says(
