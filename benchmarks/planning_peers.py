@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
@@ -19,6 +20,7 @@ class TooSlow(Exception):
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
     """Raise ``TooSlow`` in the body after so many seconds of wall time."""
+    started = time.monotonic()
 
     def stop(_signal: int, frame: FrameType | None) -> None:
         # What is raised in a destructor is lost; the alarm comes again.
@@ -32,6 +34,11 @@ def within(seconds: float) -> Iterator[None]:
     signal.setitimer(signal.ITIMER_REAL, seconds, 0.1)
     try:
         yield
+    except Exception as error:
+        # A foreign function call turns what the alarm raises into an exception of its own.
+        if time.monotonic() - started >= seconds:
+            raise TooSlow from error
+        raise
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
