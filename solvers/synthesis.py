@@ -11,16 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from compiler.candidates.candidate import candidates
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.bisection import bisections
 from compiler.grammars.derivation import Derivation
-from compiler.languages.structures import structures
 from compiler.maps.obstacle_pieces import expanded
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
-from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.task_formula import recorded_effector
@@ -37,9 +36,9 @@ from solvers.conclusion import (
     robot_limit,
 )
 from solvers.design import Design
+from solvers.examination import examine
 from solvers.progress import Conduct, OutOfTimeError
-from solvers.refutation.admissibility import inadmissible
-from solvers.refutation.structure_refutation import Refutation, refute_structure
+from solvers.refutation.structure_refutation import Refutation
 from solvers.structure_search import StructureSearch
 
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
@@ -84,24 +83,23 @@ class _Run:
         """Try structures in order; the first proved design ends the search."""
         seen: dict[str, int] = {}
         bound, robots = module_bound(self.task), robot_limit(self.family, self.task)
-        for number, derivation in enumerate(structures(self.family.language, bound)):
+        for candidate in candidates(self.family, bound):
             if self.at_limit(len(seen), robots):
                 return None
             self.conduct.check_time()
+            number, derivation = candidate.number, candidate.derivation
             self.conduct.reporter.structure(number, derivation.word)
             self.counts["structures"] += 1
-            try:
-                model = self.family.robot(derivation)
-            except SemanticsError as error:
-                self.record(derivation, "inadmissible", str(error))
+            if candidate.model is None:
+                self.record(derivation, "inadmissible", candidate.fault)
                 continue
-            key = robot_key(model)
+            key = robot_key(candidate.model)
             if key in seen:
                 first = self.records[seen[key]]
                 self.record(derivation, "same", first.reason, same=seen[key])
                 continue
             seen[key] = number
-            design = self.structure(derivation, model, number, key)
+            design = self.structure(derivation, candidate.model, number, key)
             if design is not None:
                 return design
         return None
@@ -137,14 +135,14 @@ class _Run:
     ) -> Design | None:
         """Refute a structure, or search it."""
         reading = FloatReading(robot_graph(model, self.task.gravity))
-        answer = refute_structure(model, reading, self.program, self.task, self.conduct)
+        examined = examine(model, reading, self.program, self.task, self.conduct)
+        answer = examined.refutation
         self.counts["smt"] += answer.solver_calls
         if answer.refuted:
             self.record(derivation, "refuted", answer.reason, answer.script)
             return None
-        blocked = inadmissible(model, reading)
-        if blocked is not None:
-            self.record(derivation, "inadmissible", blocked)
+        if examined.inadmissible is not None:
+            self.record(derivation, "inadmissible", examined.inadmissible)
             return None
         self.searched += 1
         search = StructureSearch(

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from compiler.candidates.candidate import candidates
 from compiler.encodings.pose_questions import pose_questions
 from compiler.encodings.reachability_smt import refutation_script
 from compiler.geometry.abstraction import abstract
-from compiler.languages.structures import InfiniteAmbiguityError, structures
+from compiler.languages.structures import InfiniteAmbiguityError
 from compiler.robots.robot_key import robot_key
-from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from solvers.backends.smt_subprocess import run_z3_subprocess
@@ -80,16 +80,16 @@ def _structures(
     questions = pose_questions(family.program.workspaces[task.workspace], task)
     keys: list[str] = []
     number = -1
-    for number, derivation in enumerate(structures(family.language, bound)):
+    for candidate in candidates(family, bound):
+        number, derivation = candidate.number, candidate.derivation
         if number >= len(claim.structures):
             raise FalseClaim(f"structure {number} is missing: {' '.join(derivation.word)}")
         claimed = claim.structures[number]
         if (claimed.word, claimed.derivation) != (derivation.word, derivation.labels):
             raise FalseClaim(f"structure {number} is not {' '.join(derivation.word)}")
-        try:
-            model = family.robot(derivation)
-        except SemanticsError as error:
-            raise FalseClaim(f"structure {number} is no robot: {error}") from None
+        model = candidate.model
+        if model is None:
+            raise FalseClaim(f"structure {number} is no robot: {candidate.fault}")
         keys.append(robot_key(model))
         if claimed.same_robot_as is not None:
             _same(number, claimed, keys)

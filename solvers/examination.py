@@ -1,0 +1,29 @@
+"""What is found out about a robot before any motion is searched: refuted, inadmissible, or open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compiler.discretisation.float_reading import FloatReading
+from compiler.robots.robot import RobotModel
+from grammar_lang import ir
+from solvers.progress import Conduct
+from solvers.refutation.admissibility import inadmissible
+from solvers.refutation.structure_refutation import Refutation, refute_structure
+
+
+@dataclass(frozen=True, slots=True)
+class Examination:
+    """The refutation that was tried, and why the robot cannot be driven, or None."""
+
+    refutation: Refutation
+    inadmissible: str | None
+
+
+def examine(
+    model: RobotModel, reading: FloatReading, program: ir.Program, task: ir.Task, conduct: Conduct
+) -> Examination:
+    """Examine a robot; a refuted one is not looked at further."""
+    refutation = refute_structure(model, reading, program, task, conduct)
+    blocked = None if refutation.refuted else inadmissible(model, reading)
+    return Examination(refutation, blocked)
