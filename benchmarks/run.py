@@ -19,7 +19,7 @@ from unittest import mock
 
 from timing import HEAD, ROOT, SPEC, SRGC, Line, machine, paired, process, summary
 
-sys.path.insert(0, str(ROOT))  # the reference formulations are among the tests' oracles
+sys.path.insert(0, str(ROOT))
 ARM = ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
 
 
@@ -55,12 +55,13 @@ def measure_convex_step(runs: int) -> list[Line]:
     from compiler.planning.specification import planning_problem
     from compiler.semantics.family import family_of
     from solvers.backends.verdict import Holds
-    from solvers.motions.control import linearised
-    from solvers.motions.convex_step import StepResult, Weights, convex_step
+    from solvers.motions.convex_step import ConvexStep
+    from solvers.motions.measured_motion import measured
     from solvers.motions.path_following import Follower
+    from solvers.motions.reference_step import ReferenceStep
+    from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
     from solvers.planner import Planner
     from srgc.session import program_of
-    from tests.oracles.convex_step_cvxpy import solve_reference
 
     program = program_of(SPEC)
     task = next(iter(program.tasks.values()))
@@ -74,17 +75,18 @@ def measure_convex_step(runs: int) -> list[Line]:
     reading = FloatReading(robot_graph(model, task.gravity))
     follower = Follower(reading, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0)
     problem = follower.problem(follower.waypoints()[1])
-    about = linearised(problem, follower.seeds(np.array([3.0, 2.5]))[0])
+    about = measured(problem, follower.seeds(np.array([3.0, 2.5]))[0])
     if about is None:
         raise SystemExit("the case study cannot be linearised")
-    arguments = (*about, problem.limits, problem.groups, 0.5, None, Weights())
+    question = StepQuestion(problem.limits, problem.groups, None, Weights())
 
-    def ours() -> None:
-        if not isinstance(convex_step(*arguments), StepResult):
+    def solve(step: ConvexStep | ReferenceStep) -> None:
+        if not isinstance(step.solve(about.model, about.rows, TrustRegion(0.5)), StepResult):
             raise SystemExit("the convex step has no optimum")
 
     names = ("one convex step", "the same in cvxpy, with Clarabel")
-    return paired(names, (ours, lambda: solve_reference(*arguments)), runs)
+    both = (lambda: solve(ConvexStep(question)), lambda: solve(ReferenceStep(question)))
+    return paired(names, both, runs)
 
 
 def measure_proof(runs: int, folder: Path) -> list[Line]:

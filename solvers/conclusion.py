@@ -19,6 +19,9 @@ MOTION_SEARCHES = 10
 DEFAULT_ROBOTS = 1000
 """Robots that are tried where neither the task nor the language bounds their number."""
 
+DEFAULT_DESIGNS = 20
+"""Robots that are designed where all are asked for and nothing bounds their number."""
+
 StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "same"]
 
 

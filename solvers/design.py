@@ -35,6 +35,11 @@ class Design:
     abstraction: Abstraction
     findings: tuple[Finding, ...] = ()
 
+    @property
+    def robustness(self) -> float:
+        """Rho of the motion."""
+        return self.configuration.outcome.robustness
+
 
 def motion_of(design: Design) -> Motion | None:
     """The exact numbers of a design; None if a parameter is in no range."""

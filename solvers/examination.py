@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from compiler.discretisation.float_reading import FloatReading
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from solvers.progress import Conduct
+from solvers.progress import Conduct, Recorded
 from solvers.refutation.admissibility import inadmissible
 from solvers.refutation.structure_refutation import Refutation, refute_structure
 
@@ -18,6 +18,22 @@ class Examination:
 
     refutation: Refutation
     inadmissible: str | None
+
+    def record(self) -> Recorded:
+        """The examination as a value of JSON."""
+        return [asdict(self.refutation), self.inadmissible]
+
+
+def examination_of(record: Recorded) -> Examination | None:
+    """The examination of a record, or None where it is not one of this version."""
+    match record:
+        case [dict(refutation), None | str() as blocked]:
+            try:
+                return Examination(Refutation(**refutation), blocked)  # type: ignore[arg-type]
+            except TypeError:
+                return None
+        case _:
+            return None
 
 
 def examine(

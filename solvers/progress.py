@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, TypeAlias
+
+from solvers.execution.in_process import InProcess
+from solvers.execution.workers import Workers
+
+Recorded: TypeAlias = "bool | int | float | str | list[Recorded] | dict[str, Recorded] | None"
+"""A value of JSON."""
 
 
 class OutOfTimeError(Exception):
@@ -48,13 +54,13 @@ class Silent:
 
 
 class Journal(Protocol):
-    """Remembers the values of finished steps, so that an interrupted run can go on."""
+    """Remembers the results of finished steps, so that an interrupted run can go on."""
 
-    def recall(self, key: str) -> float | None:
-        """The value of a step finished before."""
+    def recall(self, key: str) -> Recorded:
+        """The result of a step finished before, or None."""
         ...
 
-    def record(self, key: str, value: float) -> None:
+    def record(self, key: str, value: Recorded) -> None:
         """A step is finished."""
         ...
 
@@ -63,23 +69,29 @@ class Journal(Protocol):
 class Memory:
     """A journal that lives as long as the process."""
 
-    values: dict[str, float] = field(default_factory=dict[str, float])
+    values: dict[str, Recorded] = field(default_factory=dict[str, Recorded])
 
-    def recall(self, key: str) -> float | None:
-        """The value of a step finished before."""
+    def recall(self, key: str) -> Recorded:
+        """The result of a step finished before, or None."""
         return self.values.get(key)
 
-    def record(self, key: str, value: float) -> None:
+    def record(self, key: str, value: Recorded) -> None:
         """A step is finished."""
         self.values[key] = value
 
 
 @dataclass(frozen=True, slots=True)
 class Conduct:
-    """How a synthesis is run: nothing here may change its result, but the seed and the limit."""
+    """How a synthesis is run.
+
+    Nothing here may change its result but the seed, the parameter ``search``, the limit of time
+    and the ``solver`` of convex programs, by its name in cvxpy (None: our own).
+    """
 
     seed: int = 0
-    jobs: int = 1
+    workers: Workers = field(default_factory=InProcess)
+    search: str | None = None
+    solver: str | None = None
     reporter: Reporter = field(default_factory=Silent)
     journal: Journal = field(default_factory=Memory)
     out_of_time: Callable[[], bool] = lambda: False

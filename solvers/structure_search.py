@@ -21,13 +21,14 @@ from grammar_lang import ir
 from solvers.backends.verdict import Holds, Unknown
 from solvers.claims.certificate import ParameterClaim, decimal
 from solvers.design import Design, motion_of
-from solvers.motions.control import NOT_FINITE
+from solvers.design_follower import PathTask
+from solvers.inheritance import Inherited
+from solvers.motions.control import CONVEX_STEP, NOT_FINITE
 from solvers.motions.counterexample import infeasible_prefix
 from solvers.motions.fine_check import seems_to_satisfy
 from solvers.motions.fine_motion import fine_motion
-from solvers.motions.path_following import LEAST_MARGIN, SUBSTEPS, Follower
+from solvers.motions.path_following import LEAST_MARGIN, Follower
 from solvers.motions.path_timing import gentle_entries, polyline, smooth_timing
-from solvers.motions.stiffness import stable_parts
 from solvers.motions.task_limits import motion_limits, parameter_bounds
 from solvers.parameters.configuration_search import (
     Configuration,
@@ -35,8 +36,9 @@ from solvers.parameters.configuration_search import (
     search_configuration,
     within_limits,
 )
-from solvers.parameters.parameter_search import exact_text
+from solvers.parameters.parameter_space import exact_text
 from solvers.parameters.reachable_cells import reachable_cells
+from solvers.parameters.sample import PathSamples
 from solvers.parameters.standing_robot import standing_configurations
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.progress import Conduct
@@ -71,11 +73,24 @@ class StructureSearch:
     reading: FloatReading
     number: int
     robot: str
+    inherited: tuple[Inherited, ...] = ()
+    """What shorter robots hand on."""
     obstacle: str = ""
     """What stood in the way of the last motion that was tried."""
     best: float = -np.inf
     known: list[CounterExample] = field(default_factory=list[CounterExample])
     """The counterexamples found, of cells as they are now."""
+    samples: list[PathSamples] = field(default_factory=list[PathSamples])
+    top: tuple[float, tuple[float, ...]] | None = None
+    """The best robustness of all paths, with its parameters."""
+
+    @property
+    def place(self) -> PathTask:
+        """The robot in its task."""
+        conduct = self.conduct
+        return PathTask(
+            self.program, self.task, self.reading, self.formula, conduct.seed, conduct.solver
+        )
 
     def design(self, recorded: int) -> tuple[Design | None, str]:
         """A proved design in which that effector starts and reaches; else why there is none."""
@@ -98,7 +113,7 @@ class StructureSearch:
             self.reading, workspace, self.task, self.cells, recorded, self.conduct.seed
         )
         for cell, configuration in found:
-            follower = self.follower(self.cells, recorded, recorded, (cell,))
+            follower = self.place.follower(self.cells, recorded, recorded, (cell,))
             design = self.certified(follower, configuration)
             if design is not None:
                 return design, "proved"
@@ -200,14 +215,18 @@ class StructureSearch:
         leader = max(plan.paths, key=lambda path: (len(path.cells), path.effector == recorded))
         self.conduct.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
         others = tuple(path for path in plan.paths if path is not leader)
-        follower = self.follower(cells, recorded, leader.effector, leader.cells)
+        follower = self.place.follower(cells, recorded, leader.effector, leader.cells)
         follower = timed(replace(follower, others=others), leader.entries)
         label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
-        found = search_configuration(follower, label, self.conduct)
+        thetas = [each.theta for each in self.inherited]
+        found = search_configuration(follower, label, self.conduct, thetas)
         self.counts["evaluations"] += found.evaluations
+        self.keep(found)
         if found.outcome.status == NOT_FINITE:
             self.obstacle = "; the equations of motion have no finite value where the search begins"
         if not found.outcome.feasible:
+            if found.outcome.status.startswith(CONVEX_STEP):
+                self.obstacle = f"; {found.outcome.status}"
             prefix = infeasible_prefix(follower, found.outcome, found.entries)
             robustness = found.outcome.robustness
             excluded = CounterExample(
@@ -215,6 +234,14 @@ class StructureSearch:
             )
             return Attempt(None, robustness, excluded)
         return self.widened(follower.along(found.cells, found.entries), found)
+
+    def keep(self, found: Configuration) -> None:
+        """Keep what was evaluated for a path, for tables and for robots that extend this one."""
+        names = tuple(f"{p.symbol}.{p.name}" for p in self.reading.graph.model.parameters)
+        self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
+        theta = tuple(float(value) for value in found.outcome.trajectory.theta)
+        if self.top is None or found.outcome.robustness > self.top[0]:
+            self.top = found.outcome.robustness, theta
 
     def widened(self, follower: Follower, found: Configuration) -> Attempt:
         """A proved design from a feasible configuration, with margins as wide as that takes."""
@@ -234,24 +261,6 @@ class StructureSearch:
                 return Attempt(design, found.outcome.robustness)
             self.conduct.reporter.note("the proof did not go through; trying a wider margin")
         return Attempt(None, found.outcome.robustness)
-
-    def follower(
-        self, cells: Abstraction, recorded: int, effector: int, path: tuple[int, ...]
-    ) -> Follower:
-        """The follower of a path at the first margin."""
-        return Follower(
-            self.reading,
-            self.program.workspaces[self.task.workspace],
-            self.task,
-            cells,
-            effector,
-            path,
-            MARGINS[0],
-            self.conduct.seed,
-            substeps=stable_parts(self.reading, float(self.task.step), SUBSTEPS),
-            recorded=recorded,
-            formula=self.formula,
-        )
 
     def certified(self, follower: Follower, found: Configuration) -> Design | None:
         """The design, if the continuous-time nonlinear robot is proved to do the task."""

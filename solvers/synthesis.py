@@ -8,12 +8,11 @@ every structure up to an explicit bound is refuted by a script that a solver ans
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from compiler.candidates.candidate import candidates
-from compiler.discretisation.float_reading import FloatReading
-from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.candidates.candidate import Candidate, candidates
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.bisection import bisections
 from compiler.grammars.derivation import Derivation
@@ -28,6 +27,7 @@ from grammar_lang import ir
 from solvers.claims.certificate import SeparationClaim
 from solvers.claims.disconnection import disconnected, separation_text
 from solvers.conclusion import (
+    DEFAULT_DESIGNS,
     MOTION_SEARCHES,
     StructureRecord,
     StructureVerdict,
@@ -36,13 +36,26 @@ from solvers.conclusion import (
     robot_limit,
 )
 from solvers.design import Design
-from solvers.examination import examine
+from solvers.handing_on import handed_on
+from solvers.inheritance import Inheritance, Searched
+from solvers.look_ahead import LookAhead
+from solvers.parameters.sample import PathSamples
 from solvers.progress import Conduct, OutOfTimeError
 from solvers.refutation.structure_refutation import Refutation
 from solvers.structure_search import StructureSearch
 
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
+OUT_OF_TIME = "the time limit was reached"
 NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
+
+
+@dataclass(frozen=True, slots=True)
+class Proved:
+    """A design, the number of its structure, and what its search took (a part of all counts)."""
+
+    number: int
+    design: Design
+    counts: dict[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +63,9 @@ class Synthesis:
     """The verdict with everything that was tried.
 
     ``abstraction`` has the cells of the design, else those without cuts.  A ``separation`` proves
-    the task impossible before anything is tried.
+    the task impossible before anything is tried.  ``design`` is the first of ``designs``, which
+    are more than one only where all were asked for; ``ended`` says what kept the search from
+    trying all structures then.  ``unfinished``: it was the time limit, and the search can go on.
     """
 
     verdict: Verdict
@@ -60,11 +75,15 @@ class Synthesis:
     abstraction: Abstraction
     counts: dict[str, int]
     separation: SeparationClaim | None = None
+    designs: tuple[Proved, ...] = ()
+    samples: tuple[PathSamples, ...] = ()
+    ended: str | None = None
+    unfinished: bool = False
 
 
 @dataclass(slots=True)
 class _Run:
-    """One synthesis in progress."""
+    """One synthesis in progress; ``every``: it goes on after a design."""
 
     program: ir.Program
     task: ir.Task
@@ -72,20 +91,26 @@ class _Run:
     family: RobotFamily
     abstraction: Abstraction
     formula: SampledFormula | None
+    inheritance: Inheritance
+    every: bool
     records: list[StructureRecord] = field(default_factory=list[StructureRecord])
     counts: dict[str, int] = field(default_factory=lambda: dict(NO_COUNTS))
-    searched: int = 0
+    designs: list[Proved] = field(default_factory=list[Proved])
+    samples: list[PathSamples] = field(default_factory=list[PathSamples])
+    in_vain: int = 0
     stopped: str | None = None
 
     # --- structures -----------------------------------------------------------------------------
 
-    def structures(self) -> Design | None:
-        """Try structures in order; the first proved design ends the search."""
+    def structures(self) -> None:
+        """Try structures in order; the first proved design ends the search, unless all are due."""
         seen: dict[str, int] = {}
         bound, robots = module_bound(self.task), robot_limit(self.family, self.task)
-        for candidate in candidates(self.family, bound):
+        drawn = candidates(self.family, bound, self.task.origin)
+        ahead = LookAhead(drawn, self.program, self.task, self.conduct)
+        for candidate in ahead:
             if self.at_limit(len(seen), robots):
-                return None
+                return
             self.conduct.check_time()
             number, derivation = candidate.number, candidate.derivation
             self.conduct.reporter.structure(number, derivation.word)
@@ -99,14 +124,17 @@ class _Run:
                 self.record(derivation, "same", first.reason, same=seen[key])
                 continue
             seen[key] = number
-            design = self.structure(derivation, candidate.model, number, key)
+            before = dict(self.counts)
+            design = self.structure(ahead, candidate, candidate.model, key)
             if design is not None:
-                return design
-        return None
+                taken = {name: self.counts[name] - before[name] for name in before}
+                self.designs.append(Proved(number, design, {**taken, "structures": 1}))
+                if not self.every:
+                    return
 
     def at_limit(self, tried: int, robots: int | None) -> bool:
         """Whether a limit ends the search; both are counts, so that verdicts repeat."""
-        if self.searched >= MOTION_SEARCHES:
+        if self.in_vain >= MOTION_SEARCHES:
             self.stopped = (
                 f"the search ended at its limit of {MOTION_SEARCHES} robots that no motion was "
                 "found for: narrow `accept`, or weaken the task"
@@ -115,6 +143,11 @@ class _Run:
             self.stopped = (
                 f"the search ended at its limit of {robots} different robots: say `modules <= n` "
                 "in the task to try all up to a bound"
+            )
+        elif robots is not None and len(self.designs) >= DEFAULT_DESIGNS:
+            self.stopped = (
+                f"the search ended at its limit of {DEFAULT_DESIGNS} designs: say `modules <= n` "
+                "in the task to have all up to a bound"
             )
         return self.stopped is not None
 
@@ -131,11 +164,10 @@ class _Run:
         )
 
     def structure(
-        self, derivation: Derivation, model: RobotModel, number: int, key: str
+        self, ahead: LookAhead, candidate: Candidate, model: RobotModel, key: str
     ) -> Design | None:
         """Refute a structure, or search it."""
-        reading = FloatReading(robot_graph(model, self.task.gravity))
-        examined = examine(model, reading, self.program, self.task, self.conduct)
+        derivation, examined = candidate.derivation, ahead.examination(candidate)
         answer = examined.refutation
         self.counts["smt"] += answer.solver_calls
         if answer.refuted:
@@ -144,19 +176,43 @@ class _Run:
         if examined.inadmissible is not None:
             self.record(derivation, "inadmissible", examined.inadmissible)
             return None
-        self.searched += 1
+        inherited = self.inheritance.of(derivation, model)
         search = StructureSearch(
             self.program, self.task, self.conduct, self.abstraction, self.formula, self.counts,
-            derivation, reading, number, key,
+            derivation, ahead.reading(candidate), candidate.number, key, inherited,
         )  # fmt: skip
+        try:
+            design, reason = self.motion(search, self.effectors(model, answer))
+        finally:
+            self.samples += search.samples
+        design, lack = handed_on(search, design)
+        self.remember(search, model, design)
+        if design is None:
+            self.in_vain += 1
+            self.record(derivation, "unresolved", reason + lack)
+            return None
+        self.record(derivation, "found", "proved" + lack)
+        return design
+
+    def motion(
+        self, search: StructureSearch, effectors: Sequence[int]
+    ) -> tuple[Design | None, str]:
+        """The first design in which one of the effectors starts and reaches, or why none."""
         reason = "it has no effector that the task asks for"
-        for effector in self.effectors(model, answer):
+        for effector in effectors:
             design, reason = search.design(effector)
             if design is not None:
-                self.record(derivation, "found", "proved")
-                return design
-        self.record(derivation, "unresolved", reason + search.obstacle)
-        return None
+                return design, "proved"
+        return None, reason + search.obstacle
+
+    def remember(self, search: StructureSearch, model: RobotModel, design: Design | None) -> None:
+        """Keep the best of a search for robots that extend this one."""
+        theta = None if search.top is None else search.top[1]
+        if design is not None:
+            theta = tuple(float(value) for value in design.configuration.outcome.trajectory.theta)
+        if theta is not None:
+            known = Searched(search.number, model.parameters, theta, design)
+            self.inheritance.remember(search.derivation, known)
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
         """The effectors that may start and reach, the one of the witness poses first."""
@@ -175,9 +231,16 @@ def task_on_samples(task: ir.Task) -> SampledFormula | None:
 
 
 def synthesise(
-    program: ir.Program, task: ir.Task, conduct: Conduct, least_cells: int | None = None
+    program: ir.Program,
+    task: ir.Task,
+    conduct: Conduct,
+    least_cells: int | None = None,
+    *,
+    every: bool = False,
 ) -> Synthesis:
     """Run Algorithm 1 on a task, from at least so many cells on if that is asked.
+
+    With ``every`` the search goes on after a design, over all structures up to the bound.
 
     Raises:
         MapFault: a map of obstacles cannot be used.
@@ -190,15 +253,16 @@ def synthesise(
         return Synthesis("impossible", reason, None, (), cells, dict(NO_COUNTS), separation)
     finer = cells if least_cells is None else cells.cut(bisections(cells, least_cells))
     family = family_of(program, task)
-    run = _Run(program, task, conduct, family, finer, task_on_samples(task))
+    run = _Run(
+        program, task, conduct, family, finer, task_on_samples(task), Inheritance(family), every
+    )
     try:
-        design = run.structures()
+        run.structures()
     except OutOfTimeError:
-        return _result(run, "unknown", "the time limit was reached", cells)
-    if design is not None:
-        return _result(run, "found", None, design.abstraction, design)
-    verdict, reason = conclude(run.records, family, task, run.stopped)
-    return _result(run, verdict, reason, cells)
+        return _result(run, "unknown", OUT_OF_TIME, cells, unfinished=True)
+    if run.designs:
+        return _result(run, "found", None, cells)
+    return _result(run, *conclude(run.records, family, task, run.stopped), cells)
 
 
 def _result(
@@ -206,6 +270,16 @@ def _result(
     verdict: Verdict,
     reason: str | None,
     cells: Abstraction,
-    design: Design | None = None,
+    *,
+    unfinished: bool = False,
 ) -> Synthesis:
-    return Synthesis(verdict, reason, design, tuple(run.records), cells, run.counts)
+    """The result; whatever ended the search, with a design the verdict is found."""
+    ended = OUT_OF_TIME if unfinished else run.stopped
+    design = run.designs[0].design if run.designs else None
+    if design is not None:
+        verdict, reason, cells = "found", None, design.abstraction
+    return Synthesis(
+        verdict, reason, design, tuple(run.records), cells, run.counts,
+        designs=tuple(run.designs), samples=tuple(run.samples),
+        ended=ended if run.every else None, unfinished=unfinished,
+    )  # fmt: skip

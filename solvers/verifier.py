@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from compiler.candidates.kept_parameters import robot_in_task
 from compiler.checks.supported import unsupported
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.refinement import Cut
@@ -116,7 +117,7 @@ def _judged(folder: Path, claim: Claim, program: ir.Program, trust: str | None) 
     else:
         model, report = None, _impossible(folder, claim, program, task, trust)
     if report.outcome is not Outcome.REFUTED:
-        reason = disagreement(folder, claim, cells, model)
+        reason = disagreement(folder, claim, program, task, cells, model)
         if reason is None and model is not None and report.outcome is Outcome.VALID:
             reason = misstated_formula(folder, task, report.findings)
         if reason is not None:
@@ -134,7 +135,7 @@ def _found(
     family = family_of(program, task)
     derivation = _derivation(claim, family)
     try:
-        model = family.robot(derivation)
+        model = robot_in_task(family, task.origin, derivation)
     except SemanticsError as error:
         raise Refused(f"the derivation defines no robot: {error}") from None
     _modules(derivation, program, task)

@@ -76,25 +76,32 @@ def synthesise(
     seed: int = 0,
     jobs: int = 1,
     cells: int | None = None,
+    every: bool = False,
 ) -> Synthesis:
     """Search a task of a program for a proved robot, or for a proof that there is none.
 
-    The search begins with at least ``cells`` cells, where that is given.
+    The search begins with at least ``cells`` cells, where that is given, and with ``every`` it goes
+    on after the first design.  With several ``jobs`` it
+    is made by as many other processes: the calling module has to be importable, as
+    :mod:`multiprocessing` says.  The result is the same.
 
     Nothing is written; ``srgc synth`` writes a result folder that can be verified.
 
     Raises:
         srgc.session.UsageFault: there is no such task, or several and none is named.
         srgc.session.SpecErrors: the task has a clause that this version cannot compile.
+        srgc.session.NoAnswer: the processes were ended, again and again.
     """
     from solvers import synthesis
     from solvers.progress import Conduct
     from srgc.session import chosen, refuse_unsupported
+    from srgc.workers import workers_for
 
     chosen_task = chosen(program.tasks, task, "task")
     refuse_unsupported(program, chosen_task)
-    conduct = Conduct(seed=seed, jobs=jobs)
-    return synthesis.synthesise(program, chosen_task, conduct, cells)
+    with workers_for(jobs) as workers:
+        conduct = Conduct(seed=seed, workers=workers)
+        return synthesis.synthesise(program, chosen_task, conduct, cells, every=every)
 
 
 def verify(

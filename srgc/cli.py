@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import errno
 import json
-import math
 import os
 import sys
 from collections.abc import Callable
@@ -21,27 +20,35 @@ from compiler.languages.budget import BudgetExceededError
 from grammar_lang.findings.render import records, to_text
 from srgc.arguments import FILE, GRAMMAR
 from srgc.check_summary import summary
+from srgc.exit_status import (
+    FOUND,
+    INTERNAL,
+    INTERRUPTED,
+    REFUSED,
+    SPEC_ERRORS,
+    UNKNOWN,
+    USAGE,
+    VERDICT_STATUS,
+)
 from srgc.export_cli import export
+from srgc.landscape_cli import landscape
 from srgc.language_cli import accepts, compare, language, words
 from srgc.model_cli import model
 from srgc.output_file import write_output
 from srgc.session import (
     Checked,
+    NoAnswer,
     SpecErrors,
     UsageFault,
     check_file,
     chosen,
     program_of,
-    refuse_cycles,
     refuse_unsupported,
 )
+from srgc.synthesis_cli import synth
 
-FOUND, REFUSED, USAGE, IMPOSSIBLE, UNKNOWN, SPEC_ERRORS = 0, 1, 2, 3, 4, 5
-INTERNAL, INTERRUPTED = 70, 130
 PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
 """Of the statuses of several files the first of these is that of the command."""
-VERDICT_STATUS = {"found": FOUND, "impossible": IMPOSSIBLE, "unknown": UNKNOWN}
-
 MOST_FINDINGS = 200
 """So many findings about a file are printed for people, and all of them as JSON."""
 
@@ -50,15 +57,6 @@ MOST_FINDINGS = 200
 @click.version_option(package_name="srgc")
 def cli() -> None:
     """Compile modular-robot grammars to robots that are proved to do their task."""
-
-
-def _finite(
-    _context: click.Context, parameter: click.Parameter, value: float | None
-) -> float | None:
-    """Refuse nan, which every comparison lets through."""
-    if value is not None and math.isnan(value):
-        raise click.BadParameter("a number of seconds is due", param=parameter)
-    return value
 
 
 def _show(checked: Checked, *, stderr: bool) -> None:
@@ -120,7 +118,7 @@ def explain(codes: tuple[str, ...]) -> int:
     return 0
 
 
-for _command in (words, accepts, language, compare, model, export):
+for _command in (words, accepts, language, compare, model, export, synth, landscape):
     cli.add_command(_command)
 
 
@@ -241,53 +239,6 @@ def plan(
 
 
 @cli.command()
-@FILE
-@click.option("--task", help="The task, where the file has several.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Default: out/TASK.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True)
-@click.option(
-    "--time-limit",
-    type=click.FloatRange(0, sys.float_info.max, min_open=True),
-    callback=_finite,
-    help="Seconds.",
-)
-@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
-@click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
-@click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
-def synth(
-    file: Path,
-    task: str | None,
-    output: Path | None,
-    seed: int,
-    jobs: int,
-    time_limit: float | None,
-    cells: int | None,
-    as_json: bool,  # noqa: FBT001
-    force: bool,  # noqa: FBT001
-) -> int:
-    """Find a robot and prove it, or prove that there is none.
-
-    Exit 0 found, 3 impossible, 4 unknown.
-    """
-    program = program_of(file)
-    chosen_task = chosen(program.tasks, task, "task")
-    refuse_cycles(program, program.grammars[chosen_task.grammar])
-    refuse_unsupported(program, chosen_task)
-    from srgc.synthesis_report import synthesis_text
-    from srgc.synthesis_run import SynthesisOptions, run_synthesis
-
-    folder = output or Path("out") / chosen_task.name
-    options = SynthesisOptions(folder, seed, jobs, time_limit, force, as_json, cells)
-    result = run_synthesis(file, program, chosen_task, options)
-    if as_json:
-        click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)
-    else:
-        click.echo(synthesis_text(result, str(folder)))
-    return VERDICT_STATUS[result.verdict]
-
-
-@cli.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--spec", type=click.Path(path_type=Path), help="Also: it is about this file.")
 @click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
@@ -325,7 +276,7 @@ def _guarded(action: Callable[[], int]) -> int:
     except SpecErrors as errors:
         _show(errors.checked, stderr=True)
         return SPEC_ERRORS
-    except BudgetExceededError as error:
+    except (BudgetExceededError, NoAnswer) as error:
         click.echo(f"unknown: {error}", err=True)
         return UNKNOWN
     except click.exceptions.NoArgsIsHelpError as error:

@@ -8,6 +8,7 @@ import json
 from fractions import Fraction
 from typing import Any
 
+from compiler.candidates.reconfiguration import Reconfiguration
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.input_bounds import input_bounds
@@ -35,7 +36,7 @@ def proof_name(index: int) -> str:
     return f"proofs/{index:04d}.smt2"
 
 
-def _efforts(design: Design, task: ir.Task) -> tuple[str, str]:
+def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
     """Peak effort and robustness as exact decimals (rounded towards caution for a norm)."""
     peak, margins = Fraction(0), list[Fraction]()
     inputs = [tuple(Fraction(text) for text in row) for row in design.inputs]
@@ -70,7 +71,7 @@ def certificate_text(
     """
     design = result.design
     if design is not None:
-        peak, rho = _efforts(design, task)
+        peak, rho = efforts(design, task)
         return to_text(
             FoundClaim(
                 task.name,
@@ -119,8 +120,14 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
     }
 
 
-def design_text(result: Synthesis, task: ir.Task, spec: str, identity: Identity) -> str:
-    """``design.json`` of a verdict."""
+def design_text(
+    result: Synthesis,
+    task: ir.Task,
+    spec: str,
+    identity: Identity,
+    change: Reconfiguration | None = None,
+) -> str:
+    """``design.json`` of a verdict; ``change``: the way from the existing robot to the design."""
     design = result.design
     content: dict[str, Any] = {
         "verdict": result.verdict,
@@ -136,17 +143,22 @@ def design_text(result: Synthesis, task: ir.Task, spec: str, identity: Identity)
         "step": float(task.step),
         "horizon": task.steps,
         "path": [],
+        "leader": None,
         "satisfy": [],
+        "reconfiguration": None if change is None else change.describe(),
         "cells": result.abstraction.describe(),
         "structures_tried": [_structure(result, i, r) for i, r in enumerate(result.records)],
         "iterations": result.counts,
         "seed": identity.seed,
         "least_cells": identity.least_cells,
+        "all_designs": identity.all_designs,
+        "solver": identity.solver,
+        "search": identity.search,
         "spec_sha256": identity.spec_sha256,
         "version": identity.version,
     }
     if design is not None:
-        peak, rho = _efforts(design, task)
+        peak, rho = efforts(design, task)
         content |= {
             "word": list(design.derivation.word),
             "derivation": list(design.derivation.labels),
@@ -167,6 +179,7 @@ def design_text(result: Synthesis, task: ir.Task, spec: str, identity: Identity)
             "robustness": float(Fraction(rho)),
             "effort_peak": float(Fraction(peak)),
             "path": [list(names) for names in design.path],
+            "leader": design.leader,
             "satisfy": satisfied_formulas(task, design.findings),
         }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
+from compiler.candidates.kept_parameters import robot_in_task
 from compiler.grammars.derivation import BadDerivation, Derivation
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
@@ -56,10 +57,10 @@ def _found_claim(folder: Path) -> FoundClaim:
         raise UsageFault(f"{folder} is not a folder")
     path = folder / "certificate.json"
     if not path.exists():
-        raise UsageFault(f"{folder} has no certificate: only a robot that was found is exported")
+        raise UsageFault(f"{folder} has no certificate: no robot was found")
     claim = from_text(path.read_text(encoding="utf-8"))
     if not isinstance(claim, FoundClaim):
-        raise UsageFault(f"{folder}: the verdict is impossible, so there is no robot to export")
+        raise UsageFault(f"{folder}: the verdict is impossible, so there is no robot")
     return claim
 
 
@@ -71,7 +72,7 @@ def _design(claim: FoundClaim, program: ir.Program) -> FoundDesign:
     derivation = family.replay(claim.derivation)
     if derivation.word != claim.word:
         raise CertificateError("the derivation does not derive the word")
-    model = family.robot(derivation)
+    model = robot_in_task(family, task.origin, derivation)
     claimed = [(item.symbol, item.name) for item in claim.parameters]
     if claimed != [(item.symbol, item.name) for item in model.parameters]:
         raise CertificateError("the parameters are not those of the robot")

@@ -13,22 +13,34 @@ from collections.abc import Container, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
+from solvers.progress import Recorded
 from srgc.session import UsageFault
 
 JOURNAL = "journal.jsonl"
-OWN_FILES = ("design.json", "certificate.json", "trajectory.csv", "log.json", JOURNAL)
-OWN_FOLDERS = ("spec", "proofs", "figures")
+OWN_FILES = (
+    "design.json", "certificate.json", "trajectory.csv", "evaluations.csv", "landscape.csv",
+    "pareto.csv", "pareto.json", "log.json", JOURNAL,
+)  # fmt: skip
+OWN_FOLDERS = ("spec", "proofs", "figures", "designs")
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What a folder's results belong to; ``least_cells`` is how many a search was to begin with."""
+    """What a folder's results belong to.
+
+    ``least_cells`` is how many a search was to begin with; ``all_designs``: it was to go on after
+    the first design; ``solver`` is that of its convex programs, None: our own; ``search`` is that
+    of its parameters, None: the usual one.
+    """
 
     spec_sha256: str
     task: str
     seed: int
     version: str
     least_cells: int | None = None
+    all_designs: bool = False
+    solver: str | None = None
+    search: str | None = None
 
 
 @dataclass(slots=True)
@@ -37,13 +49,13 @@ class ResultFolder:
 
     path: Path
     identity: Identity
-    values: dict[str, float] = field(default_factory=dict[str, float])
+    values: dict[str, Recorded] = field(default_factory=dict[str, Recorded])
 
-    def recall(self, key: str) -> float | None:
-        """The value of a step finished in an earlier, interrupted run."""
+    def recall(self, key: str) -> Recorded:
+        """The result of a step finished in this or an earlier, interrupted run, or None."""
         return self.values.get(key)
 
-    def record(self, key: str, value: float) -> None:
+    def record(self, key: str, value: Recorded) -> None:
         """A step is finished: one line, written at once."""
         self.values[key] = value
         with (self.path / JOURNAL).open("a", encoding="utf-8") as file:
@@ -117,7 +129,7 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     return folder
 
 
-def _journal_text(identity: Identity, values: Mapping[str, float]) -> str:
+def _journal_text(identity: Identity, values: Mapping[str, Recorded]) -> str:
     """A whole journal, so that a line cut by a kill is gone before the next one is appended."""
     lines = (asdict(identity), *values.items())
     return "".join(f"{json.dumps(line)}\n" for line in lines)
@@ -134,7 +146,12 @@ def _unfinished(name: str) -> bool:
 
 
 def _difference(a: Identity, b: Identity) -> str:
-    told = {"spec_sha256": "spec", "least_cells": "number of cells"}
+    told = {
+        "spec_sha256": "spec",
+        "least_cells": "number of cells",
+        "all_designs": "search, for all designs or for the first",
+        "search": "search of parameters",
+    }
     for name in (item.name for item in fields(Identity)):
         if getattr(a, name) != getattr(b, name):
             return told.get(name, name)
@@ -153,15 +170,18 @@ def _owner(path: Path) -> Identity | None:
                 int(content["seed"]),
                 str(content["version"]),
                 None if content.get("least_cells") is None else int(content["least_cells"]),
+                bool(content.get("all_designs", False)),
+                None if content.get("solver") is None else str(content["solver"]),
+                None if content.get("search") is None else str(content["search"]),
             )
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return None
 
 
-def _journal_values(path: Path) -> dict[str, float]:
+def _journal_values(path: Path) -> dict[str, Recorded]:
     """The steps of a journal; a last line cut by a kill is ignored."""
-    values: dict[str, float] = {}
+    values: dict[str, Recorded] = {}
     try:
         lines = path.read_bytes().split(b"\n")[1:]
     except OSError:
@@ -169,7 +189,7 @@ def _journal_values(path: Path) -> dict[str, float]:
     for line in lines:
         try:
             key, value = json.loads(line)
-            values[str(key)] = float(value)
+            values[str(key)] = value
         except (ValueError, TypeError):
             break
     return values

@@ -22,6 +22,10 @@ class UsageFault(Exception):
     """Arguments that cannot be used; exit status 2."""
 
 
+class NoAnswer(Exception):
+    """A command that had to end before it had an answer; exit status 4."""
+
+
 @dataclass(frozen=True, slots=True)
 class Checked:
     """A file after all checks; the program is None if and only if there is an error."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from compiler.candidates.reconfiguration import Reconfiguration
 from compiler.robots.state_and_input import robot_inputs
 from solvers.design import Design
 from solvers.synthesis import Synthesis
+from srgc.reconfiguration_report import change_lines
 
 
 def _declared_inputs(design: Design) -> list[str]:
@@ -25,8 +27,13 @@ def _shown(unit: str) -> str:
     return "" if unit == "1" else unit
 
 
-def synthesis_text(result: Synthesis, folder: str) -> str:
-    """The outcome of a synthesis in a few lines."""
+def synthesis_text(
+    result: Synthesis, folder: str, table: str = "", change: Reconfiguration | None = None
+) -> str:
+    """The outcome of a synthesis in a few lines.
+
+    ``table`` is about all designs, ``change`` about what becomes of the existing robot.
+    """
     lines = [f"verdict: {result.verdict}" + (f" ({result.reason})" if result.reason else "")]
     design = result.design
     if design is not None:
@@ -34,6 +41,8 @@ def synthesis_text(result: Synthesis, folder: str) -> str:
         for p, claim in zip(design.model.parameters, design.parameters, strict=True):
             value = f"{float(Fraction(claim.value)):.4f} {_shown(p.unit)}".rstrip()
             lines.append(f"         {p.module}.{p.name} = {value} (symbol {p.symbol})")
+        if change is not None:
+            lines += change_lines(change)
         outcome = design.configuration.outcome
         lines.append(
             f"effort:  peak {outcome.effort_peak:.4f}, robustness {outcome.robustness:.4f}"
@@ -53,5 +62,7 @@ def synthesis_text(result: Synthesis, folder: str) -> str:
         f"tried:   {len(result.records)} structures, {refuted} robots refuted, "
         f"{same} equal to an earlier one"
     )
+    if table:
+        lines.append(f"designs: {len(result.designs)}\n{table}")
     lines.append(f"results: {folder}")
     return "\n".join(lines)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -12,12 +13,16 @@ from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
 from solvers.claims.certificate import spec_digest
 from solvers.claims.spec_copy import files_of
+from solvers.execution.workers import Workers
 from solvers.progress import Conduct
-from solvers.synthesis import Synthesis, synthesise
+from solvers.synthesis import Proved, Synthesis, synthesise
 from srgc.design_file import certificate_text, design_text, proof_name, trajectory_csv
+from srgc.evaluations_file import evaluations_csv
 from srgc.progress_display import progress
+from srgc.reconfiguration_report import change_of
 from srgc.result_folder import Identity, ResultFolder, open_folder
 from srgc.session import UsageFault
+from srgc.workers import workers_for
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +36,10 @@ class SynthesisOptions:
     force: bool
     quiet: bool
     cells: int | None = None
+    cluster: str | None = None
+    every: bool = False
+    solver: str | None = None
+    search: str | None = None
 
 
 def run_synthesis(
@@ -39,12 +48,23 @@ def run_synthesis(
     """Synthesise and write the result folder.
 
     Raises:
-        UsageFault: the folder cannot be used.
+        UsageFault: the folder or the cluster cannot be used.
+        NoAnswer: the workers were lost; another run goes on from the folder.
     """
+    with workers_for(options.jobs, options.cluster) as workers:
+        return _run(path, program, task, options, workers)
+
+
+def _run(
+    path: Path, program: ir.Program, task: ir.Task, options: SynthesisOptions, workers: Workers
+) -> Synthesis:
     started = time.monotonic()
     files = _spec_files(program)
     digest = spec_digest(files)
-    identity = Identity(digest, task.name, options.seed, version("srgc"), options.cells)
+    identity = Identity(
+        digest, task.name, options.seed, version("srgc"), options.cells, options.every,
+        options.solver, options.search,
+    )  # fmt: skip
     folder = open_folder(options.output, identity, force=options.force)
     for name, content in files.items():
         folder.write(f"spec/{name}", content)
@@ -56,14 +76,26 @@ def run_synthesis(
 
     program, task = expanded(program, task)
     with progress(quiet=options.quiet) as display:
-        conduct = Conduct(options.seed, options.jobs, display, folder, out_of_time)
-        result = synthesise(program, task, conduct, options.cells)
+        conduct = Conduct(
+            seed=options.seed,
+            workers=workers,
+            solver=options.solver,
+            search=options.search,
+            reporter=display,
+            journal=folder,
+            out_of_time=out_of_time,
+        )
+        result = synthesise(program, task, conduct, options.cells, every=options.every)
     searched = time.monotonic() - started
+    for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv"):
+        folder.discard(name)
+    if result.designs and options.every:
+        _write_all(folder, result, program, task, path.name, files)
     _write(folder, result, program, task, path.name, identity)
     total = time.monotonic() - started
     timings = {"search_s": round(searched, 3), "total_s": round(total, 3), **result.counts}
     folder.write("log.json", json.dumps(timings, indent=1) + "\n")
-    if not (result.verdict == "unknown" and out_of_time()):
+    if not result.unfinished:
         folder.finish()
     return result
 
@@ -87,6 +119,41 @@ def _spec_files(program: ir.Program) -> dict[str, bytes]:
     return files_of(program.sources)
 
 
+def _write_all(
+    folder: ResultFolder,
+    result: Synthesis,
+    program: ir.Program,
+    task: ir.Task,
+    spec: str,
+    files: Mapping[str, bytes],
+) -> None:
+    """All designs, each in a folder of results of its own, and the tables about them."""
+    from srgc.pareto_table import pareto_csv, pareto_json, pareto_rows
+
+    for proved in result.designs:
+        own = ResultFolder(folder.path / "designs" / str(proved.number), folder.identity)
+        for name, content in files.items():
+            own.write(f"spec/{name}", content)
+        _write(own, alone(result, proved), program, task, spec, folder.identity)
+    rows = pareto_rows(result, program, task)
+    folder.write("pareto.csv", pareto_csv(rows))
+    folder.write("pareto.json", pareto_json(rows, result.ended))
+
+
+def alone(result: Synthesis, proved: Proved) -> Synthesis:
+    """One design of a result as the result of a search of its structure alone."""
+    samples = (each for each in result.samples if each.structure == proved.number)
+    return replace(
+        result,
+        design=proved.design,
+        records=(result.records[proved.number],),
+        abstraction=proved.design.abstraction,
+        counts=proved.counts,
+        designs=(replace(proved, number=0),),
+        samples=tuple(replace(each, structure=0) for each in samples),
+    )
+
+
 def _write(
     folder: ResultFolder,
     result: Synthesis,
@@ -99,6 +166,8 @@ def _write(
     for index, record in enumerate(result.records):
         if record.script is not None:
             folder.write(proof_name(index), record.script)
+    if result.samples:
+        folder.write("evaluations.csv", evaluations_csv(result.samples))
     design = result.design
     if design is None:
         for name in ("trajectory.csv", "figures", "certificate.json"):
@@ -117,5 +186,5 @@ def _write(
         folder.write("certificate.json", certificate)
     folder.write(
         "design.json",
-        design_text(result, task, spec, identity),
+        design_text(result, task, spec, identity, change_of(program, task, design)),
     )

@@ -24,6 +24,9 @@ SPECS = {
     "motor": small_specs.MOTOR.encode(),
     "slider": small_specs.SLIDER.encode(),
     "beyond_reach": small_specs.BEYOND_REACH.encode(),
+    "good_as_it_is": small_specs.GOOD_AS_IT_IS.encode(),
+    "without_link": small_specs.WITHOUT_LINK.encode(),
+    "too_short": small_specs.TOO_SHORT.encode(),
 }
 
 

@@ -24,7 +24,7 @@ PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("benc
 DECISIONS = sorted(ROOT.glob("docs/decisions/*.md"))
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
 DECIMAL = re.compile(r"-?\d+\.\d+(?:e-?\d+)?")
-LONG = ("synth", "verify")
+LONG = ("synth", "verify", "landscape")
 
 
 def blocks(kind: str) -> list[tuple[str, str]]:
@@ -103,7 +103,8 @@ def shape(output: str) -> list[str]:
 def test_the_tour_ends_as_shown(
     made: Callable[[str], Path], checkout: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (_, synth, _, synth_output), (_, verify, _, verify_output) = SLOW
+    tour = [command for command in SLOW if command[0] == "README.md"]
+    (_, synth, _, synth_output), (_, verify, _, verify_output) = tour
     folder = synth[synth.index("-o") + 1]
     assert synth[:2] == ["synth", "specs/planar_arm.srg"]
     assert verify == ["verify", folder]
@@ -113,6 +114,20 @@ def test_the_tour_ends_as_shown(
     shutil.copytree(done / "out", checkout / folder)
     assert srgc.cli.run(verify) == 0
     assert shape(capsys.readouterr().out) == shape(verify_output)
+
+
+def test_all_designs_and_a_landscape_end_as_shown(
+    checkout: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = "docs/designs.md"
+    for file, content in pages.files(TEXTS[page]).items():
+        (checkout / file).write_text(content, encoding="utf-8")
+    shown = [command for command in SLOW if command[0] == page]
+    assert [arguments[0] for _, arguments, _, _ in shown] == ["synth", "landscape"]
+    for _, arguments, status, output in shown:
+        assert srgc.cli.run(arguments) == status
+        assert shape(capsys.readouterr().out) == shape(output)
+    assert {command[0] for command in SLOW} == {page, "README.md"}
 
 
 def keys(content: object) -> set[str]:
@@ -135,7 +150,7 @@ def test_the_fields_of_results_are_described(made: Callable[[str], Path], spec: 
         content = json.loads((folder / file).read_text(encoding="utf-8"))
         assert keys(content) <= words, file
     described = {"spec", "proofs", "figures", "design.json", "certificate.json", "trajectory.csv"}
-    assert {path.name for path in folder.iterdir()} <= described | {"log.json"}
+    assert {path.name for path in folder.iterdir()} <= described | {"log.json", "evaluations.csv"}
     if spec in HEADS:
         head = (folder / "trajectory.csv").read_text(encoding="utf-8").splitlines()[0]
         assert head == HEADS[spec]

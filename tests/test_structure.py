@@ -12,14 +12,15 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ["grammar_lang", "compiler", "solvers", "srgc"]
-SOLVERS = {"pysat", "z3", "cvxpy", "clarabel", "sklearn", "pysmt", "scipy", "mosek", "cvc5"}
+SOLVERS = {"pysat", "z3", "cvxpy", "clarabel", "piqp", "sklearn", "pysmt", "scipy", "mosek", "cvc5"}
 SEARCHER_ROOMS = ("motions", "parameters", "conflicts", "refutation")
 SEARCHERS = (
     *(f"solvers.{room}" for room in SEARCHER_ROOMS),
     *(f"solvers.{name}" for name in ("synthesis", "structure_search", "design", "planner")),
+    *(f"solvers.{name}" for name in ("design_follower", "handing_on", "inheritance")),
     *(f"solvers.backends.{name}" for name in ("conic", "sat", "smt")),
 )
-HEAVY = SOLVERS | {"casadi", "matplotlib"}
+HEAVY = SOLVERS | {"casadi", "dask", "distributed", "matplotlib"}
 
 
 def tool(name, *arguments):

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from compiler.candidates.kept_parameters import robot_in_task
+from compiler.candidates.words_by_distance import words_by_distance
 from compiler.grammars.derivation import Derivation
-from compiler.languages.structures import structures
+from compiler.languages.structures import structures, structures_of
 from compiler.robots.robot import RobotModel
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily
+from grammar_lang import ir
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,18 +25,27 @@ class Candidate:
     fault: str = ""
 
 
-def candidates(family: RobotFamily, modules: int) -> Iterator[Candidate]:
+def candidates(family: RobotFamily, modules: int, origin: ir.Origin | None) -> Iterator[Candidate]:
     """All structures of at most so many modules, lazily, in the order of section 2.
+
+    With an existing robot (``origin``, Example 2) in the order of the number of modules added to
+    it or removed from it; its own word first, then the order of section 2.
 
     Raises:
         InfiniteAmbiguityError: at once, where the grammar has a useful derivation A =>+ A.
     """
-    return _robots(family, structures(family.language, modules))
+    language = family.language
+    if origin is None:
+        return _robots(family, structures(language, modules), None)
+    nearest = words_by_distance(language, origin.word, modules)
+    return _robots(family, structures_of(language, nearest), origin)
 
 
-def _robots(family: RobotFamily, derivations: Iterator[Derivation]) -> Iterator[Candidate]:
+def _robots(
+    family: RobotFamily, derivations: Iterator[Derivation], origin: ir.Origin | None
+) -> Iterator[Candidate]:
     for number, derivation in enumerate(derivations):
         try:
-            yield Candidate(number, derivation, family.robot(derivation))
+            yield Candidate(number, derivation, robot_in_task(family, origin, derivation))
         except SemanticsError as error:
             yield Candidate(number, derivation, None, str(error))

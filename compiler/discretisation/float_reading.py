@@ -77,7 +77,6 @@ class FloatReading:
             [float(c.value) if isinstance(c, Constant) else np.pi for c in graph.constants]
         )
         self.size = 2 * self.n + self.r
-        self._maps: dict[tuple[str, int], ca.Function] = {}
         self._rollouts: dict[tuple[str, int, int], ca.Function] = {}
 
     # Made when first asked for: most structures are judged by their points alone.
@@ -99,15 +98,30 @@ class FloatReading:
     def _points(self) -> ca.Function:
         return _with_jacobians(self.graph.points, (0, 1))
 
-    def _call(self, function: ca.Function, q: Array, theta: Array) -> list[Array]:
-        """Evaluate a function of (q, theta, k) at K samples (K, n); each result is (K, numel)."""
-        count = len(q)
-        key = (function.name(), count)
-        if key not in self._maps:
-            self._maps[key] = function.map(count)
-        repeated = [np.tile(vector[:, None], (1, count)) for vector in (theta, self.constants)]
-        outputs = self._maps[key].call([q.T, *repeated])
-        return [np.asarray(output.full()).reshape(-1, count, order="F").T for output in outputs]
+    @cached_property
+    def _points_on_lanes(self) -> SampleLanes:
+        """Positions with their derivatives in q and theta, a row per coordinate of a point."""
+        p, k = self._points.size1_in(1), self._points.size1_in(2)
+        q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
+        value, *jacobians = self._points(q, *ca.vertsplit(shared, [0, p, p + k]))
+        rows = ca.densify(ca.horzcat(value, *jacobians))
+        return SampleLanes.of(ca.Function("points", [q, shared], [ca.cse(rows)]))
+
+    @cached_property
+    def _points_of_designs(self) -> SampleLanes:
+        """The same with parameters of its own for every sample."""
+        q, theta, k = (ca.SX.sym(f"i{i}", self._points.size1_in(i)) for i in range(3))
+        rows = ca.densify(ca.horzcat(*self._points(q, theta, k)))
+        return SampleLanes.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))
+
+    @cached_property
+    def _mass_matrix(self) -> SampleLanes:
+        """M column by column, so that a row of results is one column of it."""
+        p, k = self.graph.mass_matrix.size1_in(1), self.graph.mass_matrix.size1_in(2)
+        q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
+        mass = self.graph.mass_matrix(q, *ca.vertsplit(shared, [0, p, p + k]))
+        square = ca.reshape(ca.densify(mass), self.n, self.n)
+        return SampleLanes.of(ca.Function("mass", [q, shared], [ca.cse(square)]))
 
     def acceleration(self, x: Array, u: Array, theta: Array) -> tuple[Array, Array]:
         """The derivative of rates and own states (K, n + r), its Jacobian in (x, u, theta)."""
@@ -157,20 +171,19 @@ class FloatReading:
         return np.concatenate([first[None, :], np.asarray(found.full()).T])
 
     def points(self, q: Array, theta: Array) -> Points:
-        """Effectors first, then body points, at K samples; q (K, n)."""
-        count, d = len(q), self.d
-        value, by_q, by_theta = self._call(self._points, q, theta)
-        m = value.shape[1] // d
-        return Points(
-            value.reshape(count, m, d),
-            by_q.reshape(count, self.n, m, d).transpose(0, 2, 3, 1),
-            by_theta.reshape(count, self.p, m, d).transpose(0, 2, 3, 1),
-        )
+        """Effectors first, then body points, at K samples; q (K, n), theta (p,) or (K, p)."""
+        count, d, n = len(q), self.d, self.n
+        if theta.ndim == 1:
+            found = self._points_on_lanes((q,), np.concatenate([theta, self.constants]))
+        else:
+            found = self._points_of_designs((q, theta), self.constants)
+        m = found.shape[1] // d
+        parts = found.reshape(count, m, d, 1 + n + self.p)
+        return Points(parts[..., 0], parts[..., 1 : 1 + n], parts[..., 1 + n :])
 
     def mass_matrix(self, q: Array, theta: Array) -> Array:
         """M at K samples, shape (K, n, n)."""
-        (value,) = self._call(self.graph.mass_matrix, q, theta)
-        return value.reshape(len(q), self.n, self.n)
+        return self._mass_matrix((q,), np.concatenate([theta, self.constants]))
 
 
 def scalar_floats(nodes: Sequence[ScalarNode], theta: Array) -> list[float]:

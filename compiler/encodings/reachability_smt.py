@@ -28,10 +28,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from flint import arb
-
 from compiler.arithmetic.balls import working_precision
-from compiler.arithmetic.rational_enclosure import rational_bounds
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.real_terms import (
     FALSE,
@@ -42,7 +39,6 @@ from compiler.encodings.real_terms import (
     all_of,
     any_of,
     at_most,
-    between,
     constant,
     equal,
     multiply,
@@ -50,8 +46,10 @@ from compiler.encodings.real_terms import (
     subtract,
     sum_of_squares,
 )
+from compiler.encodings.region_terms import inside
 from compiler.encodings.scalar_terms import ScalarTerms, absolute
 from compiler.encodings.segments import Chain, Segment, segments
+from compiler.encodings.slide_terms import slide_term
 from compiler.robots.robot import Joint, Offset, RobotModel, Turn
 from grammar_lang import ir
 
@@ -158,19 +156,9 @@ class _Encoding:
         script.comment(f"The position of the effector at the {pose} pose, in its region.")
         position = [script.declare(f"{pose}_{LETTERS[i]}") for i in range(self.model.dimension)]
         for row in (*region, *self.question.bounds):
-            script.assertion(self._inside(row, position))
+            script.assertion(inside(row, position))
         position += [constant(0)] * (3 - len(position))
         return position[0], position[1], position[2]
-
-    def _inside(self, row: ir.HalfSpace, position: list[Quantity]) -> Formula:
-        """A half-space, written without negative factors."""
-        terms = [
-            (a, multiply(constant(abs(a)), x)) for a, x in zip(row.normal, position, strict=True)
-        ]
-        left = [term for a, term in terms if a > 0]
-        right = [term for a, term in terms if a < 0]
-        (right if left else left).append(constant(row.offset if left else -row.offset))
-        return at_most(add(*left), add(*right))
 
     # --- segments ---
 
@@ -213,16 +201,7 @@ class _Encoding:
     def _coordinate(self, dof: int, pose: Pose) -> Quantity:
         """The coordinate of a prismatic joint at a pose, within its outer rational limits."""
         if (dof, pose) not in self._coordinates:
-            limits = self.model.dofs[dof].range
-            if limits is None:
-                unknown = self.script.fresh(f"{pose}_q")
-            else:
-                lower = rational_bounds(limits.lower)[0]
-                upper = rational_bounds(limits.upper)[1]
-                low, high = (arb(int(end.numerator)) / end.denominator for end in (lower, upper))
-                unknown = self.script.fresh(f"{pose}_q", low.union(high))
-                self.script.assertion(*between((lower, upper), unknown))
-            self._coordinates[dof, pose] = unknown
+            self._coordinates[dof, pose] = slide_term(self.model, self.script, dof, pose)
         return self._coordinates[dof, pose]
 
     # --- positions ---

@@ -193,6 +193,8 @@ def between(bounds: tuple[Fraction, Fraction], quantity: Quantity) -> list[Formu
 
 def all_of(formulas: Sequence[Formula]) -> Formula:
     """A conjunction, without what is trivially true; none is true."""
+    if FALSE in formulas:
+        return FALSE
     kept = [formula for formula in formulas if formula != TRUE]
     if len(kept) < 2:
         return kept[0] if kept else TRUE
@@ -200,10 +202,13 @@ def all_of(formulas: Sequence[Formula]) -> Formula:
 
 
 def any_of(formulas: Sequence[Formula]) -> Formula:
-    """A disjunction; none is false."""
-    if len(formulas) < 2:
-        return formulas[0] if formulas else FALSE
-    return TRUE if TRUE in formulas else f"(or {' '.join(formulas)})"
+    """A disjunction, without what is trivially false; none is false."""
+    if TRUE in formulas:
+        return TRUE
+    kept = [formula for formula in formulas if formula != FALSE]
+    if len(kept) < 2:
+        return kept[0] if kept else FALSE
+    return f"(or {' '.join(kept)})"
 
 
 def negation(formula: Formula) -> Formula:

@@ -6,7 +6,7 @@ the derivations come from a chart of the word's factors.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from compiler.automata.lr_automaton import LrAutomaton
 from compiler.automata.lr_derivation import leftmost_derivation
@@ -51,13 +51,22 @@ def structures(language: Language, max_modules: int) -> Iterator[Derivation]:
     Raises:
         InfiniteAmbiguityError: at once, where the grammar has a useful derivation A =>+ A.
     """
+    return structures_of(language, language.words(max_modules=max_modules))
+
+
+def structures_of(language: Language, words: Iterable[tuple[str, ...]]) -> Iterator[Derivation]:
+    """All derivations of given words of the language, lazily: by word, then as above.
+
+    Raises:
+        InfiniteAmbiguityError: at once, as above.
+    """
     _refuse_cycles(language.srg)
-    return _structures(language, max_modules)
+    return _structures(language, words)
 
 
-def _structures(language: Language, max_modules: int) -> Iterator[Derivation]:
+def _structures(language: Language, words: Iterable[tuple[str, ...]]) -> Iterator[Derivation]:
     derivations = _Derivations(language)
-    for word in language.words(max_modules=max_modules):
+    for word in words:
         codes = language.srg.encode(word)
         if codes:
             yield from derivations.of(codes)

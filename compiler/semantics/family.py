@@ -37,16 +37,19 @@ class RobotFamily:
         """The derivation with these labels; BadDerivation if there is none."""
         return replay(self.grammar, labels)
 
-    def robot(self, derivation: Derivation) -> RobotModel:
-        """The normalised robot of a derivation.
+    def built(self, derivation: Derivation) -> RobotModel:
+        """The robot of a derivation as its rules build it.
 
         Raises:
             SemanticsError: the grammar has no semantics, or they define no robot here.
         """
         semantics = self.grammar.semantics or {}
         order = self.evaluation_order
-        model = evaluate(derivation, self.program.modules, semantics, self.dimension, order)
-        return normalise(model)
+        return evaluate(derivation, self.program.modules, semantics, self.dimension, order)
+
+    def robot(self, derivation: Derivation) -> RobotModel:
+        """The normalised robot of a derivation; errors as of ``built``."""
+        return normalise(self.built(derivation))
 
 
 def family_of(program: ir.Program, task: ir.Task) -> RobotFamily:

@@ -1,38 +1,95 @@
-"""A thin adapter to Clarabel: one sparse conic program, a three-valued answer.
+"""Convex programs and the answers of their solvers: an optimum, or by name why there is none.
 
-minimise (1/2) x'Px + q'x  subject to  Ax + s = b,  s in a product of cones (zero cone first,
-then the nonnegative cone, then second-order cones).
+minimise (1/2) sum(d x^2) + c'x  subject to  A x = b,  G x <= h,  lower <= x <= upper  and, for
+every second-order cone, |F x + f|_2 <= g'x + r.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Protocol, TypeAlias
 
-import clarabel
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-Array = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
+
+MOST_DETAIL = 200
+"""So many characters of a solver's own words are passed on."""
+CREDIBLE = 1e-4
+"""What a point may leave of a constraint, relatively, for it to be believed an optimum."""
 
 
 @dataclass(frozen=True, slots=True)
-class ConicProgram:
-    """Matrices in compressed columns; ``quadratic`` is the upper triangle of P."""
+class Cones:
+    """Second-order cones stacked: rows of ``matrix`` x + s = ``right``, s in the cones in order.
 
-    quadratic: csc_matrix
-    linear: Array
+    ``sizes`` counts the rows of each cone, the bound first.
+    """
+
     matrix: csc_matrix
     right: Array
-    equalities: int
-    inequalities: int
-    second_order: tuple[int, ...]
+    sizes: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ConvexProgram:
+    """A program with N unknowns, matrices in compressed columns; bounds may be infinite.
+
+    Shapes: quadratic (d), linear, lower, upper (N,), equal (E, N), equal_right (E,), less (I, N),
+    less_right (I,).  Programs of one ``structure`` have the same pattern of entries.
+    """
+
+    quadratic: Array
+    linear: Array
+    equal: csc_matrix
+    equal_right: Array
+    less: csc_matrix
+    less_right: Array
+    lower: Array
+    upper: Array
+    cones: Cones | None = None
+    structure: object = field(default=None, compare=False)
+
+    def violation(self, point: Array) -> float:
+        """The largest relative violation of a constraint by a point (N,); infinite if not finite.
+
+        Rows are weighed by the size of their terms.
+        """
+        if point.shape != self.linear.shape or not np.isfinite(point).all():
+            return float("inf")
+        with np.errstate(all="ignore"):
+            size = 1 + float(np.max(np.abs(point), initial=0.0))
+            gaps = [
+                np.abs(self.equal @ point - self.equal_right),
+                self.less @ point - self.less_right,
+                self.lower - point,
+                point - self.upper,
+            ]
+            if self.cones is not None:
+                gaps.append(_outside(self.cones, point))
+            worst = float(np.max(np.concatenate(gaps), initial=0.0)) / size
+        return worst if np.isfinite(worst) else float("inf")
+
+
+class Status(Enum):
+    """Why there is no optimum; nothing here is ever a proof of anything."""
+
+    INFEASIBLE = "infeasible"
+    UNBOUNDED = "unbounded"
+    INACCURATE = "almost solved"
+    ITERATION_LIMIT = "iteration limit"
+    TIME_LIMIT = "time limit"
+    NUMERICS = "numerical error"
+    NOT_CREDIBLE = "answer that breaks the program"
+    FAILED = "solver failed"
 
 
 @dataclass(frozen=True, slots=True)
 class Optimum:
-    """An optimal point and value."""
+    """An optimal point (N,) and its value."""
 
     point: Array
     value: float
@@ -40,32 +97,38 @@ class Optimum:
 
 @dataclass(frozen=True, slots=True)
 class NotSolved:
-    """Anything but a solved program, by the solver's own word; never a proof of anything."""
+    """Anything but a solved program; ``detail`` is the solver's own word."""
 
-    status: str
+    status: Status
+    detail: str = ""
+
+    @property
+    def text(self) -> str:
+        """Both, in one line."""
+        detail = " ".join(self.detail.split())[:MOST_DETAIL]
+        return f"{self.status.value} ({detail})" if detail else self.status.value
 
 
-def solve(program: ConicProgram, tolerances: Sequence[float] = (1e-8, 1e-6)) -> Optimum | NotSolved:
-    """Solve by interior points; only the status ``Solved`` is an optimum.
+class ConvexSolver(Protocol):
+    """Solves convex programs, one after the other; it may keep what they have in common."""
 
-    Later tolerances are tried, in order, only where an earlier one was not reached.
-    """
-    cones: list[object] = [
-        clarabel.ZeroConeT(program.equalities),
-        clarabel.NonnegativeConeT(program.inequalities),
-    ]
-    cones += [clarabel.SecondOrderConeT(size) for size in program.second_order]
-    status = "NotTried"
-    for tolerance in tolerances:
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        settings.max_threads = 1
-        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
-        solver = clarabel.DefaultSolver(
-            program.quadratic, program.linear, program.matrix, program.right, cones, settings
-        )
-        solution = solver.solve()
-        status = str(solution.status)
-        if status == "Solved":
-            return Optimum(np.asarray(solution.x), float(solution.obj_val))
-    return NotSolved(status)
+    def solve(self, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
+        """An optimum whose residuals and gap are within the tolerance, or why there is none."""
+        ...
+
+
+def _outside(cones: Cones, point: Array) -> Array:
+    """By how much the point lies outside each cone, (number of cones,)."""
+    inside = cones.right - cones.matrix @ point
+    ends = np.cumsum(cones.sizes)
+    parts = np.split(inside, ends[:-1])
+    return np.array([float(np.linalg.norm(part[1:])) - part[0] for part in parts])
+
+
+def credible(program: ConvexProgram, answer: Optimum | NotSolved) -> Optimum | NotSolved:
+    """The answer, unless it claims an optimum that breaks the program."""
+    if isinstance(answer, NotSolved):
+        return answer
+    if np.isfinite(answer.value) and program.violation(answer.point) <= CREDIBLE:
+        return answer
+    return NotSolved(Status.NOT_CREDIBLE)

@@ -37,6 +37,7 @@ class SatSolver:
     def __init__(self) -> None:
         self._solver = Cadical195()
         self._variables = 0
+        self._clauses: dict[int, list[NDArray[np.int64]]] = {}
 
     def add(self, clauses: NDArray[np.int64]) -> None:
         """Add clauses of equal length, shape (clauses, literals)."""
@@ -46,26 +47,47 @@ class SatSolver:
         if not length or not clauses.all():
             raise ValueError("a clause has at least one literal, and 0 is none")
         self._variables = max(self._variables, int(np.abs(clauses).max()))
+        self._clauses.setdefault(length, []).append(clauses)
         self._solver.append_formula(clauses.tolist())
 
     def solve(self, assumptions: Sequence[int] = (), *, conflicts: int) -> Verdict[Model, Core]:
         """Decide the clauses under assumptions within a number of conflicts.
 
-        ``Unknown`` means that the budget ran out; another call goes on with what was learnt.
+        ``Unknown`` means that the budget ran out: another call goes on with what was learnt; or
+        that the solver failed, also by a model that breaks a clause.
         """
         if conflicts < 1:
             raise ValueError("a budget is at least one conflict")
         self._variables = max([self._variables, *map(abs, assumptions)])
         self._solver.conf_budget(conflicts)
-        answer = self._solver.solve_limited(assumptions=list(assumptions))
-        if answer is None:
-            return Unknown(Reason.CONFLICT_LIMIT, f"after {conflicts} conflicts")
-        if not answer:
-            return Fails(Core(tuple(sorted(self._solver.get_core() or ()))))
+        try:
+            answer = self._solver.solve_limited(assumptions=list(assumptions))
+            if answer is None:
+                return Unknown(Reason.CONFLICT_LIMIT, f"after {conflicts} conflicts")
+            if not answer:
+                return self._core(assumptions)
+            return self._model(np.array(self._solver.get_model(), dtype=np.int64), assumptions)
+        except Exception as error:
+            return Unknown(Reason.FAILED, f"{type(error).__name__}: {error}")
+
+    def _core(self, assumptions: Sequence[int]) -> Verdict[Model, Core]:
+        core = tuple(sorted(self._solver.get_core() or ()))
+        if not set(core) <= set(assumptions):
+            return Unknown(Reason.FAILED, "a core of what was not assumed")
+        return Fails(Core(core))
+
+    def _model(
+        self, literals: NDArray[np.int64], assumptions: Sequence[int]
+    ) -> Verdict[Model, Core]:
         true = np.zeros(self._variables + 1, dtype=bool)
-        literals = np.array(self._solver.get_model(), dtype=np.int64)
-        positive = literals[(literals > 0) & (literals <= self._variables)]
-        true[positive] = True
+        true[literals[(literals > 0) & (literals <= self._variables)]] = True
+        units = np.array(assumptions, dtype=np.int64).reshape(-1, 1)
+        for length, parts in self._clauses.items():
+            self._clauses[length] = [np.concatenate(parts)]
+        every = [units, *(parts[0] for parts in self._clauses.values())]
+        for clauses in every:
+            if not np.any(true[np.abs(clauses)] == (clauses > 0), axis=1).all():
+                return Unknown(Reason.FAILED, "a model that breaks a clause")
         return Holds(Model(true))
 
     def close(self) -> None:

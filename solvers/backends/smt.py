@@ -31,7 +31,10 @@ def solve_script(script: str, *, resources: int = RESOURCES) -> Verdict[None, No
         solver.from_string(script)
     except z3.Z3Exception as error:
         raise ValueError(f"not an SMT-LIB 2 script: {error}") from error
-    answer = solver.check()
+    try:
+        answer = solver.check()
+    except Exception as error:
+        return Unknown(Reason.FAILED, f"{type(error).__name__}: {error}")
     if answer == z3.unsat:
         return Fails(None)
     if answer == z3.sat:

@@ -24,6 +24,7 @@ class Reason(Enum):
     NUMERICS = "reduced accuracy"
     INCOMPLETE = "incomplete method"
     INTERRUPTED = "interrupted"
+    FAILED = "solver failed"
 
 
 @dataclass(frozen=True, slots=True)

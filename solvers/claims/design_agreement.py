@@ -7,19 +7,29 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from compiler.candidates.reconfiguration import reconfiguration
 from compiler.geometry.abstraction import Abstraction
 from compiler.robots.robot import RobotModel
+from compiler.semantics.family import family_of
+from grammar_lang import ir
 from solvers.claims.certificate import Claim, FoundClaim, ImpossibleClaim, exact
 
 
 def disagreement(
-    folder: Path, claim: Claim, cells: Abstraction, model: RobotModel | None
+    folder: Path,
+    claim: Claim,
+    program: ir.Program,
+    task: ir.Task,
+    cells: Abstraction,
+    model: RobotModel | None,
 ) -> str | None:
     """Why the folder's ``design.json`` contradicts a claim, or None; its absence does not.
 
     Args:
         folder: the result folder.
         claim: the claim of its certificate.
+        program: the spec.
+        task: the task of the claim, one of it.
         cells: the cells of the task's workspace.
         model: the robot of a found claim.
 
@@ -36,6 +46,7 @@ def disagreement(
     if not isinstance(design, dict):
         return "design.json is no JSON object"
     expected = _expected(claim, model) | {"cells": cells.describe()}
+    expected["reconfiguration"] = _reconfiguration(claim, program, task)
     for key, value in expected.items():
         if design.get(key) != value:
             return f"design.json and certificate.json differ in `{key}`"
@@ -68,6 +79,13 @@ def _expected(claim: Claim, model: RobotModel | None) -> dict[str, Any]:
         "step": _float(claim.step),
         "horizon": claim.steps,
     }
+
+
+def _reconfiguration(claim: Claim, program: ir.Program, task: ir.Task) -> dict[str, Any] | None:
+    if not isinstance(claim, FoundClaim) or task.origin is None:
+        return None
+    rules = family_of(program, task).language.srg
+    return reconfiguration(rules, task.origin.word, claim.word).describe()
 
 
 def _parameters(claim: FoundClaim, model: RobotModel) -> list[dict[str, Any]]:

@@ -11,8 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from compiler.candidates.candidate import candidates
-from compiler.encodings.pose_questions import pose_questions
-from compiler.encodings.reachability_smt import refutation_script
+from compiler.encodings.refutation_scripts import refutation_scripts
 from compiler.geometry.abstraction import abstract
 from compiler.languages.structures import InfiniteAmbiguityError
 from compiler.robots.robot_key import robot_key
@@ -77,10 +76,10 @@ def _structures(
     bound: int,
     trust: str | None,
 ) -> None:
-    questions = pose_questions(family.program.workspaces[task.workspace], task)
+    workspace = family.program.workspaces[task.workspace]
     keys: list[str] = []
     number = -1
-    for candidate in candidates(family, bound):
+    for candidate in candidates(family, bound, task.origin):
         number, derivation = candidate.number, candidate.derivation
         if number >= len(claim.structures):
             raise FalseClaim(f"structure {number} is missing: {' '.join(derivation.word)}")
@@ -94,8 +93,7 @@ def _structures(
         if claimed.same_robot_as is not None:
             _same(number, claimed, keys)
             continue
-        scripts = (refutation_script(model, question) for question in questions)
-        _evidence(folder, number, claimed, scripts, trust)
+        _evidence(folder, number, claimed, refutation_scripts(model, workspace, task), trust)
     if number + 1 != len(claim.structures):
         raise FalseClaim("the claim lists structures that the family does not have")
 

@@ -15,9 +15,10 @@ import numpy as np
 
 from compiler.discretisation.float_reading import Array
 from solvers.backends.conic import NotSolved
-from solvers.motions.control import ControlOutcome, linearised
-from solvers.motions.convex_step import Weights, convex_step
+from solvers.motions.control_problem import ControlOutcome
+from solvers.motions.measured_motion import measured
 from solvers.motions.path_following import Follower
+from solvers.motions.step_question import StepQuestion, TrustRegion, Weights
 
 THRESHOLD = 1e-3
 RADIUS = 0.5
@@ -44,14 +45,12 @@ def zero_prefix(slacks: Array, threshold: float) -> int:
 def _slacks(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> Array | None:
     """The slacks (k,) of Problem 4 about an infeasible outcome."""
     problem = follower.problem(entries)
-    about = linearised(problem, outcome.trajectory)
+    about = measured(problem, outcome.trajectory)
     if about is None:
         return None
-    model, rows = about
     epsilon = float(follower.task.slack)
-    result = convex_step(
-        model, rows, problem.limits, problem.groups, RADIUS, None, Weights(), epsilon
-    )
+    question = StepQuestion(problem.limits, problem.groups, None, Weights(), epsilon)
+    result = problem.steps(question).solve(about.model, about.rows, TrustRegion(RADIUS))
     if isinstance(result, NotSolved):
         return None
     return np.asarray(np.max(np.abs(result.fictitious), axis=1, initial=0.0))

@@ -14,8 +14,8 @@ from compiler.geometry.polytope import polytope_of
 from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.subformulas import atoms
 from compiler.specifications.word_formula import holds
-from solvers.motions.convex_step import Trajectory
 from solvers.motions.path_following import Follower
+from solvers.motions.trajectory import Trajectory
 
 PARTS = 8
 """A step is looked at so many times."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from compiler.discretisation.float_reading import Array, FloatReading
-from solvers.motions.convex_step import Trajectory
+from solvers.motions.trajectory import Trajectory
 
 AGREEMENT = 1e-10
 """Twice as many steps change no entry of a state by more, in SI."""

@@ -25,6 +25,7 @@ def solve_positions(
     point: int,
     targets: Array,
     box: tuple[Array, Array],
+    rounds: int = ROUNDS,
 ) -> tuple[Array, Array]:
     """Bring one point to targets from K starts; starts (K, n), targets (K, d).
 
@@ -36,7 +37,7 @@ def solve_positions(
     damping = np.full(len(q), DAMPING)
     points = reading.points(q, theta)
     error = targets - points.value[:, point]
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         jacobian = points.by_q[:, point]
         normal = jacobian.transpose(0, 2, 1) @ jacobian + damping[:, None, None] * eye
         gradient = jacobian.transpose(0, 2, 1) @ error[:, :, None]
@@ -105,6 +106,11 @@ def sampled_box(
     low = np.where(centre == upper, centre - 2 * width, centre - width)
     high = np.where(centre == lower, centre + 2 * width, centre + width)
     return np.maximum(lower, low), np.minimum(upper, high)
+
+
+def apart(reading: FloatReading, q: Array, other: Array) -> bool:
+    """Whether two poses (n,) are of different branches."""
+    return _gap(q - other, _turns(reading)) > APART
 
 
 def _gap(difference: Array, turns: NDArray[np.bool_]) -> float:

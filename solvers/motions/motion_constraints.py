@@ -6,22 +6,16 @@ The cells of the path, the bounds, every ``avoid``, and what a formula asks of w
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import dataclass
 
-import numpy as np
-
-from compiler.discretisation.float_reading import FloatReading, scalar_floats
+from compiler.discretisation.float_reading import FloatReading
 from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.robots.robot import Body, RobotModel, RodBody
+from compiler.robots.robot import RobotModel
 from compiler.specifications.obligations import Obligation
 from grammar_lang import ir
+from solvers.motions.avoidances import Avoidances, convex_set
 from solvers.motions.path_timing import Entries
 from solvers.motions.position_rows import ConvexSet, Dwell, Separation
-from solvers.motions.task_limits import parameter_bounds
-
-FAR = Fraction(1000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +34,11 @@ class MotionConstraints:
     def model(self) -> RobotModel:
         """The robot."""
         return self.reading.graph.model
+
+    @property
+    def avoidances(self) -> Avoidances:
+        """What binds positions all the time."""
+        return Avoidances(self.reading, self.workspace, self.task)
 
     @property
     def start_effector(self) -> int:
@@ -80,15 +79,11 @@ class MotionConstraints:
     def _within_bounds(self, *, with_own: bool) -> Iterator[Dwell]:
         """Effectors, and bodies where the task says so, stay inside the bounds."""
         k, count = self.task.steps, len(self.model.effectors)
-        bounds = convex_set(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
+        bounds = self.avoidances.bounds
         for effector in range(count):
             if with_own or effector != self.effector:
                 yield Dwell(effector, 0, k, bounds)
-        if self.task.bounds_body:
-            for body, hull in zip(self.model.bodies, self.reading.graph.hulls, strict=True):
-                within = replace(bounds, offsets=bounds.offsets - self._thickness(body))
-                for i in hull:
-                    yield Dwell(count + i, 0, k, within)
+        yield from self.avoidances.bodies_within_bounds(k)
 
     def _ends(self) -> Iterator[Dwell]:
         """Start and target of effectors that follow no path of their own."""
@@ -100,18 +95,7 @@ class MotionConstraints:
 
     def separations(self, obligations: Sequence[Obligation]) -> tuple[Separation, ...]:
         """What points and bodies stay away from."""
-        found = []
-        count = len(self.model.effectors)
-        for avoid in self.task.avoid:
-            for name in avoid.regions:
-                obstacle = self._set(name)
-                distance = float(avoid.margin)
-                if avoid.subject == "effector":
-                    found += [Separation((e,), obstacle, distance) for e in range(count)]
-                    continue
-                for body, hull in zip(self.model.bodies, self.reading.graph.hulls, strict=True):
-                    reach = distance + self._thickness(body)
-                    found.append(Separation(tuple(count + i for i in hull), obstacle, reach))
+        found = list(self.avoidances.separations())
         found += [
             Separation((item.effector,), self._set(item.region), 0.0, item.first, item.last)
             for item in obligations
@@ -120,27 +104,4 @@ class MotionConstraints:
         return tuple(found)
 
     def _set(self, name: str) -> ConvexSet:
-        return convex_set(polytope_of(self.workspace.region(name).shape, self.workspace.dimension))
-
-    def _thickness(self, body: Body) -> float:
-        """A bound on the radius of a body: search only, the proof reads each one exactly."""
-        if not isinstance(body, RodBody) or body.radius is None:
-            return 0.0
-        upper = np.array([bounds[1] for bounds in parameter_bounds(self.model)])
-        values = scalar_floats(self.model.scalars, upper)
-        radii = [b.radius for b in self.model.bodies if isinstance(b, RodBody)]
-        return max(abs(values[r]) for r in radii if r is not None)
-
-
-def convex_set(polytope: Polytope) -> ConvexSet:
-    """A polytope in floats; an unbounded one is cut far away."""
-    if not polytope.is_bounded:
-        d = polytope.dimension
-        rows = [
-            ir.HalfSpace(tuple(Fraction(sign * (i == j)) for j in range(d)), FAR)
-            for i in range(d)
-            for sign in (-1, 1)
-        ]
-        polytope = polytope.intersection(Polytope(tuple(rows)))
-    vertices = np.array([[float(x) for x in vertex] for vertex in polytope.vertices])
-    return ConvexSet(polytope.A, polytope.b, vertices)
+        return self.avoidances.region(name)

@@ -13,15 +13,12 @@ from compiler.robots.robot import RobotModel
 from compiler.specifications.obligations import Obligation, obligations
 from compiler.specifications.word_formula import SampledFormula, Word, holds
 from grammar_lang import ir
-from solvers.motions.control import (
-    FULL,
-    WORST,
-    ControlOutcome,
-    ControlProblem,
-    Effort,
-    synthesise_control,
-)
-from solvers.motions.convex_step import Trajectory
+from solvers.motions.avoidances import convex_set
+from solvers.motions.body_clearance import body_clearance
+from solvers.motions.body_seeds import body_seeds
+from solvers.motions.control import WORST, synthesise_control
+from solvers.motions.control_problem import FULL, ControlOutcome, ControlProblem, Effort
+from solvers.motions.corridor import Corridor
 from solvers.motions.inverse_kinematics import branches
 from solvers.motions.motion_constraints import MotionConstraints
 from solvers.motions.motion_limits import MotionLimits
@@ -34,7 +31,9 @@ from solvers.motions.path_timing import (
     word_of,
 )
 from solvers.motions.position_rows import PositionPlan
+from solvers.motions.step_solver import step_maker
 from solvers.motions.task_limits import input_groups, motion_limits, resting_inputs, state_limits
+from solvers.motions.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from solvers.planner import EffectorPath
@@ -63,7 +62,8 @@ class Follower:
     one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
     (n, 2, 2): motions were seen to pass them within steps.  A word of cells has to satisfy
     ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
-    are entered, where smooth timing will not do.
+    are entered, where smooth timing will not do.  ``solver`` is the name in cvxpy of what solves
+    the convex steps, None: our own programs.
     """
 
     reading: FloatReading
@@ -81,6 +81,7 @@ class Follower:
     formula: SampledFormula | None = None
     others: tuple[EffectorPath, ...] = ()
     timing: Entries | None = None
+    solver: str | None = None
 
     @property
     def model(self) -> RobotModel:
@@ -162,13 +163,18 @@ class Follower:
         groups = input_groups(self.model, task)
         plan = self.plan(entries, released=released)
         return ControlProblem(
-            self.reading, float(task.step), self.substeps, limits, groups, plan.rows
-        )
+            self.reading, float(task.step), self.substeps, limits, groups, plan.rows,
+            step_maker(self.solver),
+        )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------
 
     def seeds(self, theta: Array) -> list[Trajectory]:
-        """One seed trajectory per branch of the inverse kinematics at the start."""
+        """Seed trajectories, the most hopeful first.
+
+        One per branch of the inverse kinematics at the start; where the task binds bodies, those
+        that are clear, or such as a roadmap of clear poses gives.
+        """
         place, _ = self.waypoints()
         limits = self.limits
         box = (limits.lower, limits.upper)
@@ -180,14 +186,32 @@ class Follower:
             )
         dt = float(self.task.step)
         u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.reading.m)
+        motions = [self.reading.track(start, theta, self.effector, place, box) for start in first]
+        if self.binds_bodies and motions:
+            motions = body_seeds(
+                self.corridor(theta), motions, self.waypoints()[1], self.branch_count, self.seed
+            )
         found = []
-        for start in first:
-            q = self.reading.track(start, theta, self.effector, place, box)
+        for q in motions:
             v = np.gradient(q, dt, axis=0)
             v[0] = 0.0
             own = np.tile(limits.own_start, (len(q), 1))
             found.append(Trajectory(np.concatenate([q, v, own], axis=1), u, theta))
         return found
+
+    @property
+    def binds_bodies(self) -> bool:
+        """Whether the task asks anything of bodies."""
+        return self.task.bounds_body or any(a.subject == "body" for a in self.task.avoid)
+
+    def corridor(self, theta: Array) -> Corridor:
+        """What poses have to keep to on the path."""
+        limits, avoidances = self.limits, self.constraints.avoidances
+        cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
+        return Corridor(
+            self.reading, theta, self.effector, cells, body_clearance(avoidances),
+            (limits.lower, limits.upper), self.margin, limits.start_values is not None,
+        )  # fmt: skip
 
     def solve(
         self,

@@ -14,7 +14,8 @@ from itertools import combinations
 import numpy as np
 
 from compiler.discretisation.float_reading import Array
-from solvers.motions.convex_step import Indices, PositionRows
+from solvers.motions.linear_model import PositionRows
+from solvers.motions.step_layout import Indices
 
 ON_FACET = 1e-9
 """Metres up to which a vertex lies on a facet."""

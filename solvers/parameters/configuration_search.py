@@ -1,184 +1,181 @@
 """P.Synthesis for one structure and one path: parameters, then polishing, then timing.
 
-GP-ACB finds a basin, the convex programs with the parameters as unknowns find its bottom, and the
-steps at which cells are entered are then moved as long as that helps.
+A parameter search finds basins: it evaluates parameters by motions whose timing along the path is
+free.  The convex programs with the parameters as unknowns find the bottoms of the best ones.  Then
+the cells that such a motion visits, and when, become the path that binds.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from compiler.discretisation.float_reading import Array
-from solvers.motions.control import FULL, ControlOutcome, Effort
+from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, Effort
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import Entries
-from solvers.parameters.evaluation import Evaluator, evaluate
-from solvers.parameters.parameter_search import BayesianSearch, parameter_space
+from solvers.parameters.cell_timing import Timed, bound_to_cells
+from solvers.parameters.cube_point import cube_point
+from solvers.parameters.evaluation import Evaluator, best_of
+from solvers.parameters.parameter_space import ParameterSpace, parameter_space
+from solvers.parameters.sample import Sample
+from solvers.parameters.searches.parameter_search import ParameterSearch
+from solvers.parameters.searches.registry import DEFAULT, SEARCHES
+from solvers.parameters.solve_request import SolveRequest
 from solvers.progress import Conduct
 
-ROUNDS = 4
+EVALUATIONS = 14
+"""Parameters that are evaluated for a path, shorter robots' not counted."""
 BATCH = 2
-BASINS = 2
-SHIFTS = (4, -4, 1, -1)
-LONGEST_RUN = 6
-GAIN = 1e-4
-RETIMING = Effort(10, 1e-4, 1e-8)
-RETIMING_RADIUS = 0.1
-RELEASES = (0.3, 0.3)
-"""Trust regions of the attempts with the cells released."""
+BASINS = 4
+"""How many of the best evaluations are polished."""
+APART = 0.1
+"""Basins differ by this in some coordinate of the unit cube."""
+BENT = 0.35
+"""Or their motions, half way, in some coordinate: sin of half an angle, or metres."""
+POLISH = Effort(30, 1e-4, 1e-8, 2)
 NARROWINGS = 3
 
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """The best outcome for a path: its entry steps, the evaluations made, and its cells."""
+    """The best outcome for a path: its entry steps, the evaluations made, and its cells.
+
+    ``samples`` are all parameters that were evaluated, in order.
+    """
 
     outcome: ControlOutcome
     entries: Entries
     evaluations: int
     cells: tuple[int, ...]
+    samples: tuple[Sample, ...] = ()
 
 
-def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Configuration:
+def search_configuration(
+    follower: Follower, label: str, conduct: Conduct, initial: Sequence[Sequence[float]] = ()
+) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal.
+    ``label`` names the structure and path in the journal; ``initial`` are parameters (p,) that are
+    tried before all others.
     """
     space = parameter_space(follower.model)
-    entries = follower.waypoints()[1]
-    best: list[ControlOutcome] = []
-    evaluations = 0
+    evaluator = Evaluator(follower, conduct.workers, conduct.journal, label)
+    search = _Survey(space, evaluator, conduct)
     if space.is_point:
-        outcome = evaluate(follower, space.lower, FULL)
-        best, evaluations = [outcome], 1
-        conduct.reporter.robustness(outcome.robustness)
+        search.evaluate([np.full(len(space.lower), 0.5)], FULL)
     else:
-        search = BayesianSearch(space, conduct.seed)
-        with Evaluator(follower, conduct.jobs) as evaluator:
-            _explore(search, evaluator, label, conduct)
-            order = np.argsort(-np.array(search.values), kind="stable")[:BASINS]
-            thetas = [space.from_cube(search.points[i]) for i in order]
-            evaluations = len(search.points)
-            for outcome in evaluator.batch(thetas):
-                conduct.check_time()
-                best.append(_polished(follower, outcome, entries, conduct))
-    ranked = sorted(best, key=lambda outcome: -outcome.robustness)
+        search.run([cube_point(space, theta) for theta in initial])
+    entries = follower.waypoints()[1]
+    top = _best(search.polished(entries), follower, entries, conduct)
+    return Configuration(
+        top.outcome, top.entries, len(search.samples), top.follower.cells, tuple(search.samples)
+    )
+
+
+def _best(
+    outcomes: list[ControlOutcome], follower: Follower, entries: Entries, conduct: Conduct
+) -> Timed:
+    """The best of some outcomes that keeps to its cells; else the best of all."""
+    ranked = sorted(outcomes, key=lambda outcome: -outcome.robustness)
+    for outcome in ranked:
+        if outcome.feasible:
+            timed = bound_to_cells(follower, outcome, entries, conduct)
+            if timed is not None:
+                return timed
     top = ranked[0]
-    for outcome in ranked[:1] if top.feasible else ranked:
-        freed = _freed(follower, outcome, entries, conduct)
-        if freed is not None:
-            top, entries, cells = freed
-            follower = follower.along(cells, entries)
-            break
-    if top.feasible:
-        top, entries = _timed(follower, top, entries, conduct)
-    return Configuration(top, entries, evaluations, follower.cells)
+    return Timed(follower, replace(top, feasible=False), entries)
 
 
-def _explore(search: BayesianSearch, evaluator: Evaluator, label: str, conduct: Conduct) -> None:
-    """Evaluate the initial design, then what the acquisition rule asks for."""
-    _tell(search, search.initial(), evaluator, label, conduct)
-    for _ in range(ROUNDS):
-        points = search.ask(BATCH)
-        if not points:
-            break
-        _tell(search, points, evaluator, label, conduct)
+class _Survey:
+    """The evaluations of a path's parameters, with the motions that were found."""
 
+    def __init__(self, space: ParameterSpace, evaluator: Evaluator, conduct: Conduct) -> None:
+        self.space = space
+        self.evaluator = evaluator
+        self.conduct = conduct
+        self.attempts: list[tuple[Array, ControlOutcome]] = []
+        """Points of the unit cube with the outcome of every seed there."""
+        self.samples: list[Sample] = []
 
-def _tell(
-    search: BayesianSearch,
-    points: list[Array],
-    evaluator: Evaluator,
-    label: str,
-    conduct: Conduct,
-) -> None:
-    """Evaluate points, as far as the journal does not know them, and tell their values."""
-    keys = [f"{label}|{np.array2string(point, precision=17)}" for point in points]
-    known = [conduct.journal.recall(key) for key in keys]
-    missing = [i for i, value in enumerate(known) if value is None]
-    outcomes = evaluator.batch([search.space.from_cube(points[i]) for i in missing])
-    for i, outcome in zip(missing, outcomes, strict=True):
-        conduct.check_time()
-        known[i] = outcome.robustness
-        conduct.journal.record(keys[i], outcome.robustness)
-        conduct.reporter.robustness(max(v for v in (*search.values, *known) if v is not None))
-    for point, value in zip(points, known, strict=True):
-        if value is not None:
-            search.tell(point, value)
-
-
-def _polished(
-    follower: Follower, outcome: ControlOutcome, entries: Entries, conduct: Conduct
-) -> ControlOutcome:
-    """The outcome with its parameters made unknowns of the convex programs."""
-    box = parameter_space(follower.model).free_box(outcome.trajectory.theta)
-    polished = follower.solve(outcome.trajectory, entries, box, FULL)
-    better = max(outcome, polished, key=lambda item: item.robustness)
-    conduct.reporter.robustness(better.robustness)
-    return better
-
-
-def _freed(
-    follower: Follower, outcome: ControlOutcome, entries: Entries, conduct: Conduct
-) -> tuple[ControlOutcome, Entries, tuple[int, ...]] | None:
-    """The outcome with free timing: release the cells, optimise, and read the path off.
-
-    The half-planes keep the motion on its side of every obstacle, so it visits the path's cells or
-    others next to them.  None where that is no path, or no better.
-    """
-    space = parameter_space(follower.model)
-    best: tuple[ControlOutcome, Entries, tuple[int, ...]] | None = None
-    for radius in RELEASES:
-        conduct.check_time()
-        start, timing = (outcome, entries) if best is None else best[:2]
-        follower = follower if best is None else follower.along(best[2], best[1])
-        box = None if space.is_point else space.free_box(start.trajectory.theta)
-        free = follower.released(start.trajectory, timing, box, FULL, radius)
-        visited = follower.visited(free.trajectory) if free.feasible else None
-        if visited is None or free.robustness <= start.robustness + GAIN:
-            break
-        cells, entered = visited
-        other = follower.along(cells, entered)
-        trial = other.solve(free.trajectory, entered, box, FULL, RETIMING_RADIUS)
-        if not trial.feasible or trial.robustness <= start.robustness + GAIN:
-            break
-        best = trial, entered, cells
-        conduct.reporter.robustness(trial.robustness)
-    return best
-
-
-def _timed(
-    follower: Follower, outcome: ControlOutcome, entries: Entries, conduct: Conduct
-) -> tuple[ControlOutcome, tuple[int, ...]]:
-    """Move entry steps, one at a time and on in the same direction, while the robustness grows."""
-    moves = [(cell, shift) for shift in SHIFTS for cell in range(1, len(entries))]
-    for cell, shift in moves:
-        for _ in range(LONGEST_RUN):
-            conduct.check_time()
-            moved = _moved(entries, cell, shift)
-            trial = _retimed(follower, outcome, moved) if follower.allows(moved) else None
-            if trial is None or trial.robustness <= outcome.robustness + GAIN:
+    def run(self, first: list[Array]) -> None:
+        """Evaluate the first points, then what the search asks for."""
+        search = SEARCHES[self.conduct.search or DEFAULT](self.space.cube, self.conduct.seed)
+        if first:
+            self.tell(search, first, self.evaluate(first, SURVEY))
+        while len(self.samples) < EVALUATIONS + len(first):
+            points = search.ask(BATCH)
+            if not points:
                 break
-            outcome, entries = trial, moved
-            conduct.reporter.robustness(outcome.robustness)
-    return outcome, entries
+            self.tell(search, points, self.evaluate(points, SURVEY))
+
+    def tell(
+        self, search: ParameterSearch, points: list[Array], outcomes: list[ControlOutcome]
+    ) -> None:
+        """Tell a search what it asked for."""
+        for point, outcome in zip(points, outcomes, strict=True):
+            search.tell(point, outcome.robustness)
+
+    def evaluate(self, points: list[Array], effort: Effort) -> list[ControlOutcome]:
+        """The outcomes at points of the unit cube."""
+        found = []
+        thetas = [self.space.from_cube(point) for point in points]
+        for point, outcomes in zip(points, self.evaluator.attempts(thetas, effort), strict=True):
+            self.conduct.check_time()
+            outcome = best_of(outcomes)
+            found.append(outcome)
+            self.attempts += [(point, attempt) for attempt in outcomes]
+            theta = tuple(float(value) for value in self.space.from_cube(point))
+            self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
+            self.conduct.reporter.robustness(max(o.robustness for _, o in self.attempts))
+        return found
+
+    def polished(self, entries: Entries) -> list[ControlOutcome]:
+        """The best outcomes with their parameters made unknowns of the convex programs."""
+        if self.space.is_point:
+            return [outcome for _, outcome in self.attempts]
+        chosen = self.basins()
+        requests = [
+            SolveRequest(
+                start.trajectory, entries, self.space.free_box(start.trajectory.theta), POLISH,
+                released=True,
+            )
+            for start in chosen
+        ]  # fmt: skip
+        found = []
+        for before, after in zip(chosen, self.evaluator.solutions(requests), strict=True):
+            self.conduct.check_time()
+            found.append(max(before, after, key=lambda item: item.robustness))
+            self.conduct.reporter.robustness(max(o.robustness for o in found))
+        return found
+
+    def basins(self) -> list[ControlOutcome]:
+        """The best outcomes that differ in parameters or in motion from each other."""
+        ranked = sorted(self.attempts, key=lambda attempt: -attempt[1].robustness)
+        chosen = ranked[:1]
+        for differs in (_moves_apart, _lies_apart):
+            for attempt in ranked:
+                if len(chosen) >= BASINS:
+                    break
+                if all(differs(attempt, other) for other in chosen):
+                    chosen.append(attempt)
+        return [outcome for _, outcome in chosen]
 
 
-def _retimed(
-    follower: Follower, outcome: ControlOutcome, entries: Entries
-) -> ControlOutcome | None:
-    """The outcome with other entry steps, where that is feasible."""
-    space = parameter_space(follower.model)
-    box = None if space.is_point else space.free_box(outcome.trajectory.theta)
-    trial = follower.solve(outcome.trajectory, entries, box, RETIMING, RETIMING_RADIUS)
-    return trial if trial.feasible else None
+def _lies_apart(one: tuple[Array, ControlOutcome], other: tuple[Array, ControlOutcome]) -> bool:
+    """Whether two attempts differ in their parameters."""
+    return bool(np.max(np.abs(one[0] - other[0]), initial=0.0) > APART)
 
 
-def _moved(entries: Entries, cell: int, shift: int) -> Entries:
-    """The entry steps with one of them shifted."""
-    return (*entries[:cell], entries[cell] + shift, *entries[cell + 1 :])
+def _moves_apart(one: tuple[Array, ControlOutcome], other: tuple[Array, ControlOutcome]) -> bool:
+    """Whether the robot is bent otherwise half way in two attempts, by a quarter of a turn."""
+    half = len(one[1].trajectory.x) // 2
+    n = len(one[1].trajectory.x[0]) // 2
+    poses = (attempt[1].trajectory.x[half, :n] for attempt in (one, other))
+    first, second = poses
+    return bool(np.max(np.abs(np.sin((first - second) / 2)), initial=0.0) > BENT)
 
 
 def within_limits(follower: Follower, found: Configuration) -> tuple[Follower, Configuration]:

@@ -1,26 +1,32 @@
-"""Evaluating parameters: the best outcome over all seeds of a follower, in this or other processes.
+"""Evaluating parameters: the best outcome over all seeds of a follower, by whichever workers.
 
-An evaluation is a pure function of the follower and the parameters, so results do not depend on
-the number of processes; what was evaluated before is looked up in a journal.
+An evaluation is a pure function of the follower and the parameters, so results do not depend on who
+does it; what was evaluated before is looked up in a journal.
 """
 
 from __future__ import annotations
 
-import os
-import signal
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, fields
-from multiprocessing import get_context, parent_process
-from threading import Thread, current_thread, main_thread
-from types import TracebackType
+from itertools import islice
+from typing import TypeAlias
+
+import numpy as np
 
 from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from solvers.motions.control import SURVEY, ControlOutcome, Effort
+from solvers.execution.in_process import InProcess
+from solvers.execution.parcel import Parcel, keep, made_of, packed
+from solvers.execution.workers import Workers
+from solvers.motions.control_problem import SURVEY, ControlOutcome, Effort
 from solvers.motions.path_following import Follower
+from solvers.motions.seed_choice import hopeful
+from solvers.motions.trajectory import Trajectory
+from solvers.parameters.outcome_record import outcome_of, record_of
+from solvers.parameters.solve_request import SolveRequest
+from solvers.progress import Journal, Memory
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,84 +51,168 @@ def recipe(follower: Follower) -> Recipe:
     return Recipe(follower.model, settings)
 
 
+Outcomes: TypeAlias = tuple[ControlOutcome, ...]
+
+
 def evaluate(follower: Follower, theta: Array, effort: Effort = SURVEY) -> ControlOutcome:
-    """The best outcome over all seeds; ties go to the first.
+    """The best outcome over all seeds, the timing along the path free; ties go to the first.
 
     Raises:
         ValueError: there is no seed.
     """
-    outcomes = [follower.solve(seed, effort=effort) for seed in follower.seeds(theta)]
+    return best_of(attempts_at(follower, theta, effort))
+
+
+def attempts_at(follower: Follower, theta: Array, effort: Effort = SURVEY) -> Outcomes:
+    """The outcomes of all hopeful seeds, the timing along the path free."""
+    return tuple(
+        request.outcome(follower) for request in _requests(_hopeful(follower, theta), effort)
+    )
+
+
+def best_of(outcomes: Iterable[ControlOutcome]) -> ControlOutcome:
+    """The most robust outcome, the first of equal ones."""
     return max(outcomes, key=lambda outcome: outcome.robustness)
 
 
-_worker_follower: list[Follower] = []
+def _hopeful(follower: Follower, theta: Array) -> list[Trajectory]:
+    problem = follower.problem(follower.waypoints()[1], released=True)
+    return hopeful(problem, follower.seeds(theta))
 
 
-def _start_worker(plan: Recipe) -> None:
-    Thread(target=_end_with_parent, daemon=True).start()
-    _worker_follower[:] = [plan.follower()]
+def _requests(seeds: Iterable[Trajectory], effort: Effort) -> list[SolveRequest]:
+    return [SolveRequest(seed, effort=effort, released=True) for seed in seeds]
 
 
-def _end_with_parent() -> None:
-    """End this worker when its parent is gone, however that went."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+_ThetaJob: TypeAlias = tuple[Parcel[Recipe], Array]
+_SolveJob: TypeAlias = tuple[Parcel[Recipe], SolveRequest]
 
 
-def _ready() -> None:
-    """A task that only makes a worker start."""
+def _seeds(job: _ThetaJob) -> list[Trajectory]:
+    """A job: the hopeful seeds at some parameters."""
+    return _hopeful(made_of(job[0], Recipe.follower), job[1])
 
 
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Processes started in the block ignore interrupts: those are for their parent to handle."""
-    if current_thread() is not main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def _evaluate_in_worker(theta: Array) -> ControlOutcome:
-    return evaluate(_worker_follower[0], theta)
+def _solved(job: _SolveJob) -> ControlOutcome:
+    """A job: one control synthesis."""
+    return job[1].outcome(made_of(job[0], Recipe.follower))
 
 
 class Evaluator:
-    """Evaluates batches of parameters for one follower, in order, with ``jobs`` processes."""
+    """Evaluates parameters and solves for motions of one follower; results are in order.
 
-    def __init__(self, follower: Follower, jobs: int) -> None:
-        self.follower = follower
-        self._pool = None
-        if jobs > 1:
-            self._pool = ProcessPoolExecutor(
-                jobs,
-                mp_context=get_context("spawn"),
-                initializer=_start_worker,
-                initargs=(recipe(follower),),
-            )
-            with _interrupts_ignored():
-                for _ in range(jobs):
-                    self._pool.submit(_ready)
+    ``label`` names in the journal whatever of the follower is no plain number: structure, path and
+    cells.  What is recorded there is not done again.
+    """
 
-    def __enter__(self) -> Evaluator:
-        return self
-
-    def __exit__(
+    def __init__(
         self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
+        follower: Follower,
+        workers: Workers | None = None,
+        journal: Journal | None = None,
+        label: str = "",
     ) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(wait=kind is None, cancel_futures=True)
+        self.follower = follower
+        self._workers = InProcess() if workers is None else workers
+        self._journal = Memory() if journal is None else journal
+        self._name = f"{label}|{_numbers(follower)}"
+        self._packed: Parcel[Recipe] | None = None
 
-    def batch(self, thetas: Sequence[Array]) -> Iterable[ControlOutcome]:
-        """The outcomes, in the order of the parameters, one at a time."""
-        if self._pool is None:
-            return (evaluate(self.follower, theta) for theta in thetas)
-        return self._pool.map(_evaluate_in_worker, thetas)
+    def batch(self, thetas: Sequence[Array], effort: Effort = SURVEY) -> Iterator[ControlOutcome]:
+        """The best outcome over all seeds for each of the parameters, one at a time.
+
+        Raises:
+            ValueError: there is no seed for some of them.
+        """
+        return (best_of(outcomes) for outcomes in self.attempts(thetas, effort))
+
+    def attempts(self, thetas: Sequence[Array], effort: Effort = SURVEY) -> Iterator[Outcomes]:
+        """The outcomes of all hopeful seeds for each of the parameters, one after the other."""
+        keys = [f"{self._name}|{theta.tobytes().hex()}|{effort}" for theta in thetas]
+        known = [self._recalled(key) for key in keys]
+        missing = [theta for theta, found in zip(thetas, known, strict=True) if found is None]
+        return self._merged(keys, known, self._evaluated(missing, effort))
+
+    def solutions(self, requests: Sequence[SolveRequest]) -> Iterator[ControlOutcome]:
+        """The outcomes of independent control syntheses, one at a time."""
+        keys = [f"{self._name}|{request.digest}" for request in requests]
+        known = [self._recalled(key) for key in keys]
+        missing = [one for one, found in zip(requests, known, strict=True) if found is None]
+        alone = ((outcome,) for outcome in self._outcomes(missing))
+        return (outcome for (outcome,) in self._merged(keys, known, alone))
+
+    def _merged(
+        self, keys: list[str], known: list[Outcomes | None], missing: Iterator[Outcomes]
+    ) -> Iterator[Outcomes]:
+        """What is known and what is missing, in order; the latter is recorded as it comes."""
+        for key, recalled in zip(keys, known, strict=True):
+            outcomes = recalled
+            if outcomes is None:
+                outcomes = next(missing)
+                self._journal.record(key, [record_of(outcome) for outcome in outcomes])
+            yield outcomes
+
+    def _recalled(self, key: str) -> Outcomes | None:
+        records = self._journal.recall(key)
+        if not isinstance(records, list) or not records:
+            return None
+        outcomes = [outcome_of(record) for record in records]
+        found = tuple(outcome for outcome in outcomes if outcome is not None)
+        return found if len(found) == len(outcomes) else None
+
+    def _evaluated(self, thetas: Sequence[Array], effort: Effort) -> Iterator[Outcomes]:
+        """All seeds of all parameters are solved for side by side."""
+        if isinstance(self._workers, InProcess):
+            yield from (attempts_at(self.follower, theta, effort) for theta in thetas)
+            return
+        counts: deque[int] = deque()
+        jobs = ((self._parcel(), theta) for theta in thetas)
+
+        def requests() -> Iterator[SolveRequest]:
+            for seeds in self._workers.map(_seeds, jobs):
+                counts.append(len(seeds))
+                yield from _requests(seeds, effort)
+
+        outcomes = self._outcomes(requests())
+        ahead: list[ControlOutcome] = []
+        for _ in thetas:
+            if not counts:
+                # The seeds are counted on the way to the next outcome.
+                ahead += islice(outcomes, 1)
+            missing = counts.popleft() - len(ahead)
+            if missing < 0:
+                yield ()
+                continue
+            yield (*ahead, *islice(outcomes, missing))
+            ahead = []
+
+    def _outcomes(self, requests: Iterable[SolveRequest]) -> Iterator[ControlOutcome]:
+        if isinstance(self._workers, InProcess):
+            return (request.outcome(self.follower) for request in requests)
+        return self._workers.map(_solved, ((self._parcel(), request) for request in requests))
+
+    def _parcel(self) -> Parcel[Recipe]:
+        """The follower for other processes; this one has it already."""
+        if self._packed is None:
+            self._packed = packed(recipe(self.follower))
+            keep(self._packed, Recipe.follower, self.follower)
+        return self._packed
+
+
+def _numbers(follower: Follower) -> str:
+    """Those settings of a follower that are numbers or names, or arrays and tuples of numbers."""
+    settings = ((field.name, getattr(follower, field.name)) for field in fields(follower))
+    return ",".join(f"{name}={text}" for name, value in settings if (text := _number(value)))
+
+
+def _number(value: object) -> str:
+    """A number, a name, an array or a tuple of numbers as a text; empty for all else."""
+    match value:
+        case np.ndarray():
+            return f"{value.shape}{value.astype('<f8').tobytes().hex()}"
+        case bool() | int() | float() | str() | None:
+            return repr(value)
+        case tuple() if all(isinstance(item, int | float) for item in value):
+            return repr(value)
+        case _:
+            return ""

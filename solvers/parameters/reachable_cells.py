@@ -13,7 +13,7 @@ from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.geometry.abstraction import Abstraction
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions
 from solvers.motions.task_limits import state_limits
-from solvers.parameters.parameter_search import parameter_space
+from solvers.parameters.parameter_space import parameter_space
 
 PARAMETERS_LOG2 = 3
 POSES = 512

@@ -14,11 +14,11 @@ from compiler.specifications.monitor import AtomKey, key
 from compiler.specifications.subformulas import atoms
 from compiler.specifications.trace_robustness import Monitored, Piece
 from grammar_lang import ir
-from solvers.motions.control import ControlOutcome, input_margin
-from solvers.motions.convex_step import Trajectory
+from solvers.motions.control_problem import ControlOutcome, input_margin
 from solvers.motions.task_limits import input_groups, resting_inputs
+from solvers.motions.trajectory import Trajectory
 from solvers.parameters.configuration_search import Configuration
-from solvers.parameters.parameter_search import parameter_space
+from solvers.parameters.parameter_space import parameter_space
 
 SAMPLES_LOG2 = 9
 KEPT = 4

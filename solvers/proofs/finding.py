@@ -23,6 +23,8 @@ class Finding:
     place: tuple[float, ...] = ()
     clause: int | None = None
     """Of a formula: the number of its ``satisfy`` in the task, from 0."""
+    loose: bool = False
+    """Whether a narrower tube may show a larger margin."""
 
 
 def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> Finding:

@@ -38,6 +38,8 @@ MOST_SLICES = 4_000
 """Slices that a formula may add; a tip that rests on a boundary would straddle it in all."""
 LEAST_HOPE = 1e-9
 """Metres; where no more than that can be had, what is proved already has to do."""
+LOOSE = 0.9
+"""A bound below this part of what could be had is worth a narrower tube."""
 MOST_UNSURE = 6
 """Atoms of which all cases are tried."""
 
@@ -47,11 +49,13 @@ class FormulaVerdict:
     """Whether a formula holds at time 0, and by how much it is known to do, in metres.
 
     ``robustness`` is a lower bound of the space robustness; of a formula that fails, an upper
-    bound, which is not positive; zero where nothing is decided.
+    bound, which is not positive; zero where nothing is decided.  It is ``loose`` where the tube is
+    too wide for it to be close.
     """
 
     status: Status
     robustness: float
+    loose: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,19 +100,19 @@ class FormulaProof:
 
     def verdict(self, formula: ir.Formula) -> FormulaVerdict:
         """What is proved of a formula once the tube is complete."""
-        bound = self._robustness(formula)
+        bound, hoped = self._robustness(formula)
         if bound is not None:
-            return FormulaVerdict(Status.HOLDS, bound)
-        bound = self._robustness(ir.Not(formula))
+            return FormulaVerdict(Status.HOLDS, bound, bound < LOOSE * hoped - LEAST_HOPE)
+        bound, hoped = self._robustness(ir.Not(formula))
         if bound is not None:
-            return FormulaVerdict(Status.FAILS, -bound)
+            return FormulaVerdict(Status.FAILS, -bound, bound < LOOSE * hoped - LEAST_HOPE)
         return FormulaVerdict(self._by_cases(attained(formula)), 0.0)
 
-    def _robustness(self, formula: ir.Formula) -> float | None:
+    def _robustness(self, formula: ir.Formula) -> tuple[float | None, float]:
         """A lower bound of the robustness, close to it if it can be; None if none is positive.
 
-        The largest level at which the estimates would do is what slices are halved for; where none
-        of them straddles it, it is proved.
+        And what it could be at best.  The largest level at which the estimates would do is what
+        slices are halved for; where none of them straddles it, it is proved.
         """
         numbers = self._numbers(formula)
         monitored = Monitored(formula, self.task.step * self.task.steps, self.task.step)
@@ -119,7 +123,7 @@ class FormulaProof:
             trace = self._trace(numbers, hopeful=False)
             enough = hoped < LEAST_HOPE or monitored.holds(trace, level)
             if enough or not self._refine(level, numbers, most):
-                return monitored.robustness(trace)
+                return monitored.robustness(trace), hoped
 
     def _numbers(self, formula: ir.Formula) -> list[int]:
         """The places of its atoms among all."""

@@ -93,13 +93,14 @@ class Scene:
 def prove_motion(
     scene: Scene, motion: Motion, tick: Callable[[], None] = lambda: None
 ) -> tuple[Finding, ...]:
-    """All conditions on a motion, at the first accuracy that decides them all.
+    """All conditions on a motion, at the first accuracy that decides them all, with close margins.
 
     ``tick`` is called again and again; what it raises ends the proof.
     """
     missing = missing_effector(scene.task, len(scene.model.effectors))
     if missing is not None:
         return (Finding(f"effector {missing} of the task", Status.FAILS, 0.0, ""),)
+    decided: tuple[Finding, ...] | None = None
     findings: tuple[Finding, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
@@ -107,9 +108,14 @@ def prove_motion(
                 findings = _findings(scene, motion, accuracy, tick)
             except UndefinedValueError as error:
                 return (Finding(f"equations of motion: {error}", Status.FAILS, 0.0, ""),)
-        if not any(finding.status is Status.UNDECIDED for finding in findings):
+        if any(finding.status is Status.UNDECIDED for finding in findings):
+            continue
+        decided = findings
+        # What fails stays so: only margins of what holds are worth another run.
+        failed = any(finding.status is Status.FAILS for finding in findings)
+        if failed or not any(finding.loose for finding in findings):
             break
-    return findings
+    return findings if decided is None else decided
 
 
 def _findings(
@@ -184,7 +190,9 @@ def _satisfied(number: int, clause: ir.Satisfy, formulas: FormulaProof) -> Findi
     text = shorten(formula_text(clause.formula), LONGEST_TEXT, placeholder=" …")
     verdict = formulas.verdict(clause.formula)
     name = f"satisfy {number + 1}: {text}"
-    return Finding(name, verdict.status, verdict.robustness, "m", clause=number)
+    return Finding(
+        name, verdict.status, verdict.robustness, "m", clause=number, loose=verdict.loose
+    )
 
 
 def _arrival(

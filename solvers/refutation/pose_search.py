@@ -7,10 +7,10 @@ Problems in Least Squares*.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compiler.arithmetic.balls import closed_ball
 from compiler.discretisation.float_reading import Array, FloatReading
@@ -51,10 +51,6 @@ class _Region:
         """By how much points (K, d) violate each row (0: satisfied by INTERIOR), shape (K, m)."""
         return np.maximum(points @ self.normals.T - self.offsets + INTERIOR, 0.0)
 
-    def holds(self, points: Array) -> bool:
-        """Whether points (K, d) lie in the region."""
-        return bool(np.all(points @ self.normals.T <= self.offsets))
-
 
 @dataclass(frozen=True, slots=True)
 class _Pose:
@@ -86,13 +82,13 @@ def find_poses_of(
         poses.insert(0, _Pose(effectors[0], _region(question.start, question.bounds)))
     rng = np.random.default_rng(seed)
     box = _joint_box(reading, poses)
-    for theta, limits in _designs(reading, rng):
-        found = _descend(reading, poses, _best_samples(reading, poses, theta, box, rng), box,
-                         theta, limits)  # fmt: skip
-        if found is not None:
-            q, best = found
-            return PoseWitness(best, q[0] if len(poses) == 2 else None, q[-1], *effectors[::-1])
-    return None
+    theta, lower, upper = _designs(reading, rng)
+    q = _best_samples(reading, poses, theta, box, rng)
+    found = _descend(reading, poses, q, box, theta, (lower, upper))
+    if found is None:
+        return None
+    q, best = found
+    return PoseWitness(best, q[0] if len(poses) == 2 else None, q[-1], *effectors[::-1])
 
 
 # --- boxes ---------------------------------------------------------------------------------------
@@ -122,19 +118,20 @@ def _joint_box(reading: FloatReading, poses: list[_Pose]) -> tuple[Array, Array]
     return np.array(lower), np.array(upper)
 
 
-def _designs(
-    reading: FloatReading, rng: np.random.Generator
-) -> Iterator[tuple[Array, tuple[Array, Array]]]:
-    """Parameters to start from, and the box they may move in (choices are drawn and stay)."""
-    domains = [parameter.domain for parameter in reading.graph.model.parameters]
-    for _ in range(RESTARTS):
-        lower, upper = np.zeros(reading.p), np.zeros(reading.p)
-        for i, domain in enumerate(domains):
-            if isinstance(domain, ir.Interval):
-                lower[i], upper[i] = _float(domain.lower), _float(domain.upper)
-            else:
-                lower[i] = upper[i] = _float(domain.values[int(rng.integers(len(domain.values)))])
-        yield rng.uniform(lower, upper), (lower, upper)
+def _designs(reading: FloatReading, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Parameters to start from, and the boxes they may move in, each (RESTARTS, p).
+
+    Choices are drawn and stay.
+    """
+    lower, upper = np.zeros((RESTARTS, reading.p)), np.zeros((RESTARTS, reading.p))
+    for i, parameter in enumerate(reading.graph.model.parameters):
+        domain = parameter.domain
+        if isinstance(domain, ir.Interval):
+            lower[:, i], upper[:, i] = _float(domain.lower), _float(domain.upper)
+        else:
+            values = np.array([_float(value) for value in domain.values])
+            lower[:, i] = upper[:, i] = rng.choice(values, RESTARTS)
+    return rng.uniform(lower, upper), lower, upper
 
 
 # --- search --------------------------------------------------------------------------------------
@@ -147,11 +144,18 @@ def _best_samples(
     box: tuple[Array, Array],
     rng: np.random.Generator,
 ) -> Array:
-    """The best of random coordinates for each pose, shape (poses, n)."""
-    samples = rng.uniform(*box, size=(SAMPLES, reading.n))
-    points = reading.points(samples, theta).value
-    rows = [pose.region.excess(points[:, pose.point]) for pose in poses]
-    return np.array([samples[np.argmin(np.sum(row**2, axis=1))] for row in rows])
+    """The best of random coordinates for each design and pose, shape (designs, poses, n)."""
+    count = len(theta)
+    samples = rng.uniform(*box, size=(count * SAMPLES, reading.n))
+    points = reading.points(samples, np.repeat(theta, SAMPLES, axis=0)).value
+    best = []
+    for pose in poses:
+        excess = pose.region.excess(points[:, pose.point])
+        squares = np.sum(excess**2, axis=1).reshape(count, SAMPLES)
+        best.append(
+            samples.reshape(count, SAMPLES, -1)[np.arange(count), np.argmin(squares, axis=1)]
+        )
+    return np.stack(best, axis=1)
 
 
 def _descend(
@@ -162,57 +166,84 @@ def _descend(
     theta: Array,
     limits: tuple[Array, Array],
 ) -> tuple[Array, Array] | None:
-    """Levenberg-Marquardt on coordinates and parameters together, clipped to their boxes."""
-    n = reading.n
-    low = np.concatenate([np.tile(box[0], len(poses)), limits[0]])
-    high = np.concatenate([np.tile(box[1], len(poses)), limits[1]])
-    x = np.clip(np.concatenate([q.ravel(), theta]), low, high)
-    residual, jacobian, inside = _residual(reading, poses, x)
-    damping = 1e-3
+    """Levenberg-Marquardt on coordinates and parameters together, clipped to their boxes.
+
+    All designs descend at once; the answer is that of the first one that arrives, or None.
+    """
+    count, width = len(q), reading.n * len(poses)
+    low = np.concatenate([np.tile(box[0], (count, len(poses))), limits[0]], axis=1)
+    high = np.concatenate([np.tile(box[1], (count, len(poses))), limits[1]], axis=1)
+    x = np.clip(np.concatenate([q.reshape(count, width), theta], axis=1), low, high)
+    at = _residual(reading, poses, x)
+    damping = np.full(count, 1e-3)
     for _ in range(ROUNDS):
-        if inside or damping >= GIVE_UP:
+        if at.inside.any() or np.all(damping >= GIVE_UP):
             break
-        trial = np.clip(x + _step(x, residual, jacobian, (low, high), damping), low, high)
+        trial = np.clip(x + _step(x, at, (low, high), damping), low, high)
         ahead = _residual(reading, poses, trial)
-        before, after = residual @ residual, ahead[0] @ ahead[0]
-        if after >= before:
-            damping *= 5
-            continue
-        x, (residual, jacobian, inside) = trial, ahead
-        damping = GIVE_UP if after > STAGNATION * before else max(damping / 5, 1e-9)
-    width = n * len(poses)
-    return (x[:width].reshape(len(poses), n), x[width:]) if inside else None
+        better = ahead.size < at.size
+        slow = better & (ahead.size > STAGNATION * at.size)
+        damping = np.where(better, np.maximum(damping / 5, 1e-9), damping * 5)
+        damping = np.where(slow, GIVE_UP, np.minimum(damping, GIVE_UP))
+        x = np.where(better[:, None], trial, x)
+        at = at.replaced(ahead, better)
+    if not at.inside.any():
+        return None
+    first = int(np.argmax(at.inside))
+    return x[first, :width].reshape(len(poses), reading.n), x[first, width:]
 
 
-def _step(
-    x: Array, residual: Array, jacobian: Array, box: tuple[Array, Array], damping: float
-) -> Array:
-    """The damped least-squares step.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Residual:
+    """Violations (R, m) of R designs, their Jacobians (R, m, w), and which lie inside (R,)."""
+
+    value: Array
+    jacobian: Array
+    inside: NDArray[np.bool_]
+
+    @property
+    def size(self) -> Array:
+        """The sums of squares, (R,)."""
+        return np.asarray(np.sum(self.value**2, axis=1))
+
+    def replaced(self, other: _Residual, where: NDArray[np.bool_]) -> _Residual:
+        """With the other's entries for some designs."""
+        return _Residual(
+            np.where(where[:, None], other.value, self.value),
+            np.where(where[:, None, None], other.jacobian, self.jacobian),
+            np.where(where, other.inside, self.inside),
+        )
+
+
+def _step(x: Array, at: _Residual, box: tuple[Array, Array], damping: Array) -> Array:
+    """The damped least-squares steps, (R, w).
 
     A variable at its bound that would leave it is held, else the step would be cut short.
     """
-    gradient = jacobian.T @ residual
+    gradient = np.einsum("rmw,rm->rw", at.jacobian, at.value)
     free = ~(((x <= box[0]) & (gradient > 0)) | ((x >= box[1]) & (gradient < 0)))
-    columns = jacobian[:, free]
-    normal = columns.T @ columns + damping * np.eye(columns.shape[1])
-    step = np.zeros(len(x))
-    step[free] = -np.linalg.solve(normal, gradient[free])
-    return step
+    columns = at.jacobian * free[:, None, :]
+    normal = columns.transpose(0, 2, 1) @ columns
+    normal += damping[:, None, None] * np.eye(x.shape[1])
+    return -np.linalg.solve(normal, (gradient * free)[:, :, None])[:, :, 0]
 
 
-def _residual(reading: FloatReading, poses: list[_Pose], x: Array) -> tuple[Array, Array, bool]:
-    """Violations (m,), their Jacobian (m, poses * n + p), and whether the points lie inside."""
-    n, width = reading.n, reading.n * len(poses)
-    points = reading.points(x[:width].reshape(len(poses), n), x[width:])
-    residuals, rows, inside = [], [], True
+def _residual(reading: FloatReading, poses: list[_Pose], x: Array) -> _Residual:
+    """The violations of designs x (R, poses * n + p)."""
+    n, width, count = reading.n, reading.n * len(poses), len(x)
+    q = x[:, :width].reshape(count * len(poses), n)
+    points = reading.points(q, np.repeat(x[:, width:], len(poses), axis=0))
+    values, rows = [], []
+    inside = np.ones(count, dtype=bool)
     for k, (point, region) in enumerate((pose.point, pose.region) for pose in poses):
-        at = points.value[k, point][None, :]
-        excess = region.excess(at)[0]
-        active = (excess > 0)[:, None] * region.normals
-        row = np.zeros((len(excess), width + reading.p))
-        row[:, k * n : (k + 1) * n] = active @ points.by_q[k, point]
-        row[:, width:] = active @ points.by_theta[k, point]
-        residuals.append(excess)
+        each = slice(k, None, len(poses))
+        at = points.value[each, point]
+        excess = region.excess(at)
+        active = (excess > 0)[:, :, None] * region.normals
+        row = np.zeros((count, excess.shape[1], width + reading.p))
+        row[:, :, k * n : (k + 1) * n] = active @ points.by_q[each, point]
+        row[:, :, width:] = active @ points.by_theta[each, point]
+        values.append(excess)
         rows.append(row)
-        inside = inside and region.holds(at)
-    return np.concatenate(residuals), np.concatenate(rows), inside
+        inside &= np.all(at @ region.normals.T <= region.offsets, axis=1)
+    return _Residual(np.concatenate(values, axis=1), np.concatenate(rows, axis=1), inside)

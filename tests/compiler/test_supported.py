@@ -32,7 +32,7 @@ def marked(clauses: str) -> list[tuple[str, str]]:
         ("bounds with body; gravity (0, -9.81); modules <= 3;", []),
         ("avoid self with body;", [("`avoid self`", "avoid self with body;")]),
         ("avoid self, C with body;", [("`avoid self`", "avoid self, C with body;")]),
-        ("from B;", [("`from`", "from B;")]),
+        ("from B;", []),
         ("satisfy always not C; satisfy eventually A;", []),
         (
             "robust start 1 mm; robust effort 5 %;",

@@ -121,3 +121,20 @@ BEYOND_REACH = replaced(
     "  modules <= 4;\n  horizon 10",
 )
 """Start and target at different distances from the joint: no robot of four modules can."""
+
+GOOD_AS_IT_IS = replaced(
+    TURNER,
+    "  horizon 10",
+    "  from B eps JO eps L eps EN fixed L.length = 150 cm;\n  horizon 10",
+)
+"""The turner's task, for a robot that there is and that can do it."""
+
+WITHOUT_LINK = replaced(TURNER, "  horizon 10", "  from B eps JO eps EN;\n  horizon 10")
+"""The same for a robot that has yet to get a link."""
+
+TOO_SHORT = replaced(
+    TURNER,
+    "  horizon 10",
+    "  modules <= 4;\n  from B eps JO eps L eps EN fixed L.length = 1 m;\n  horizon 10",
+)
+"""The same for a robot whose only link keeps a length with which it does not get there."""

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.parameters.acquisition import exploration, gp_acb, gp_ucb
+from solvers.parameters.searches.acquisition import exploration, gp_acb, gp_ucb
 
 MEANS = st.lists(st.floats(-5, 5), min_size=2, max_size=8)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -10,18 +10,13 @@ from numpy.typing import NDArray
 
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.backends.conic import NotSolved
-from solvers.motions.convex_step import (
-    Model,
-    PositionRows,
-    StepResult,
-    Trajectory,
-    Weights,
-    convex_step,
-    fictitious_inputs,
-)
+from solvers.backends.conic import NotSolved, Status
+from solvers.motions.convex_step import ConvexStep
+from solvers.motions.linear_model import Model, PositionRows, fictitious_inputs
 from solvers.motions.motion_limits import InputGroup, MotionLimits
-from tests.oracles.convex_step_cvxpy import solve_reference
+from solvers.motions.reference_step import ReferenceStep
+from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.motions.trajectory import Trajectory
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain
 
@@ -29,6 +24,8 @@ Array = NDArray[np.float64]
 DT = 0.125
 STEPS = 6
 READING = FloatReading(robot_graph(rod_chain(2)))
+THREE = FloatReading(robot_graph(rod_chain(3)))
+ACCURACY = 1e-9
 FREE = MotionLimits(
     lower=np.full(2, -np.inf),
     upper=np.full(2, np.inf),
@@ -44,22 +41,22 @@ NONE = PositionRows(
 )
 
 
-def linearised(seed: int) -> Model:
+def linearised(seed: int, reading: FloatReading = READING) -> Model:
     """About a random trajectory that obeys no dynamics."""
-    rng = np.random.default_rng(seed)
+    rng, n = np.random.default_rng(seed), reading.n
     x = np.concatenate(
         [
-            np.cumsum(rng.uniform(-0.2, 0.2, (STEPS + 1, 2)), axis=0),
-            rng.uniform(-0.5, 0.5, (STEPS + 1, 2)),
+            np.cumsum(rng.uniform(-0.2, 0.2, (STEPS + 1, n)), axis=0),
+            rng.uniform(-0.5, 0.5, (STEPS + 1, n)),
         ],
         axis=1,
     )
-    about = Trajectory(x, rng.uniform(-2, 2, (STEPS, 2)), rng.uniform(1, 2, 2))
+    about = Trajectory(x, rng.uniform(-2, 2, (STEPS, n)), rng.uniform(1, 2, n))
     return Model(
         about,
-        READING.step(x[:-1], about.u, about.theta, DT, 1),
-        READING.points(x[:, :2], about.theta),
-        fictitious_inputs(READING, about, DT),
+        reading.step(x[:-1], about.u, about.theta, DT, 1),
+        reading.points(x[:, :n], about.theta),
+        fictitious_inputs(reading, about, DT),
     )
 
 
@@ -82,75 +79,158 @@ RATED = replace(
     lower=np.array([-1.0, -np.inf]),
     upper=np.array([np.inf, 0.9]),
 )
+
+
+@dataclass(frozen=True)
+class Case:
+    """A question, how far the end is moved beyond a line, and the trust region."""
+
+    limits: MotionLimits = FREE
+    groups: tuple[InputGroup, ...] = GROUPS
+    offset: float = 0.3
+    radius: float = 0.5
+    box: tuple[Array, Array] | None = None
+    proximal: float = 0.0
+    epsilon: float | None = None
+
+    @property
+    def question(self) -> StepQuestion:
+        return StepQuestion(self.limits, self.groups, self.box, Weights(), self.epsilon)
+
+    @property
+    def region(self) -> TrustRegion:
+        return TrustRegion(self.radius, self.proximal)
+
+
+TOGETHER = (InputGroup((0, 1), -5.0, 5.0, norm2=True),)
+JUMP = replace(
+    FREE,
+    start_values=np.zeros(2),
+    lower=np.array([0.2, -np.inf]),
+    rate_lower=np.full(2, -0.1),
+    rate_upper=np.full(2, 0.1),
+)
 CASES = {
-    "free": (FREE, GROUPS, 0.3, 0.5, None),
-    "far: needs sigma": (FREE, GROUPS, 4.0, 0.3, None),
-    "rest to rest": (replace(FREE, final_rates=0.0), GROUPS, 0.1, 0.5, None),
-    "bounded rates": (replace(FREE, start_rates=0.2, final_rates=0.05), GROUPS, 0.1, 0.5, None),
-    "limits": (RATED, GROUPS, 0.1, 0.6, None),
-    "limits of the initial rates": (
+    "free": Case(),
+    "far: needs sigma": Case(offset=4.0, radius=0.3),
+    "rest to rest": Case(replace(FREE, final_rates=0.0), offset=0.1),
+    "bounded rates": Case(replace(FREE, start_rates=0.2, final_rates=0.05), offset=0.1),
+    "limits": Case(RATED, offset=0.1, radius=0.6),
+    "limits of the initial rates": Case(
         replace(FREE, start_rates=3.0, rate_lower=np.full(2, -0.1), rate_upper=np.full(2, 0.1)),
-        GROUPS, 0.3, 0.6, None,
+        radius=0.6,
     ),
-    "given start": (replace(FREE, start_values=np.array([0.1, 0.2])), GROUPS, 0.2, 0.5, None),
-    "tight trust region": (FREE, GROUPS, 0.3, 0.05, None),
-    "norm": (FREE, (InputGroup((0, 1), -5.0, 5.0, norm2=True),), 0.2, 0.5, None),
-    "two groups": (
-        FREE, (InputGroup((0,), -5.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
-        0.2, 0.5, None,
+    "a seed outside the limits": Case(replace(FREE, lower=np.full(2, 1.5)), radius=0.2),
+    "given start": Case(replace(FREE, start_values=np.array([0.1, 0.2])), offset=0.2),
+    "tight trust region": Case(radius=0.05),
+    "moves have a price": Case(proximal=0.3),
+    "moves are dear": Case(proximal=40.0, box=BOX),
+    "norm": Case(groups=TOGETHER, offset=0.2),
+    "two groups": Case(
+        groups=(InputGroup((0,), -3.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
+        offset=0.2,
     ),
-    "a jump: needs V": (
-        replace(
-            FREE, start_values=np.zeros(2), lower=np.array([0.2, -np.inf]),
-            rate_lower=np.full(2, -0.1), rate_upper=np.full(2, 0.1),
-        ),
-        GROUPS, 0.1, 0.9, None,
+    "a jump: needs V": Case(JUMP, offset=0.1, radius=0.9),
+    "free lengths": Case(box=BOX),
+    "free lengths, norm, tight": Case(
+        replace(FREE, final_rates=0.0), TOGETHER, radius=0.1, box=BOX, proximal=1e-3
     ),
-    "free lengths": (FREE, GROUPS, 0.3, 0.5, BOX),
-    "free lengths, norm, tight": (
-        replace(FREE, final_rates=0.0), (InputGroup((0, 1), -8.0, 8.0, norm2=True),), 0.3, 0.1, BOX,
-    ),
-    "lengths in a small box": (FREE, GROUPS, 0.3, 0.5, (np.full(2, 0.99), np.full(2, 2.0))),
-}  # fmt: skip
+    "lengths in a small box": Case(box=(np.full(2, 0.99), np.full(2, 2.0))),
+    "C.6": Case(JUMP, (replace(GROUPS[0], lower=-0.5, upper=0.5),), 0.4, 0.9, epsilon=0.2),
+}
 
 
-def objective(found: StepResult, weights: Weights) -> float:
-    return (
-        found.margin
-        - weights.fictitious * found.largest_fictitious
-        - weights.position * found.position_slack
-        - weights.quadratic * float(np.sum(found.trajectory.u**2))
+def value(case: Case, model: Model, found: StepResult) -> float:
+    """The objective at a point, from its definition."""
+    weights, about = Weights(), model.about
+    scale = max(group.widest_margin for group in case.groups)
+    x, u, theta = found.trajectory.x, found.trajectory.u, found.trajectory.theta
+    n = x.shape[1] // 2
+    slacks = np.abs(found.fictitious).max(axis=1, initial=0.0)
+    if case.epsilon is None:
+        worth = found.margin - weights.fictitious * found.largest_fictitious
+    else:
+        worth, total = 0.0, 0.0
+        for slack in slacks:  # the least g that C.6 allows
+            total += max(float(slack), case.epsilon * total)
+        worth = -weights.fictitious * total
+    moves = np.sum((x - about.x)[:, :n] ** 2)
+    moves += len(x) * np.sum(((theta - about.theta) / np.maximum(np.abs(about.theta), 0.1)) ** 2)
+    paid = weights.position * found.position_slack + weights.quadratic * np.sum((u / scale) ** 2)
+    return float(worth / scale - paid - case.proximal * moves)
+
+
+def agree(case: Case, model: Model, rows: PositionRows, *, fictitious: bool) -> StepResult | None:
+    """Both answers have the same optimum, or both have none."""
+    found, wanted = (
+        step.solve(model, rows, case.region, ACCURACY, fictitious=fictitious)
+        for step in (ConvexStep(case.question), ReferenceStep(case.question))
     )
+    if isinstance(wanted, NotSolved):
+        assert wanted.status is Status.INFEASIBLE
+        assert isinstance(found, NotSolved)
+        assert found.status is Status.INFEASIBLE
+        return None
+    assert isinstance(found, StepResult)
+    scale = 1 + abs(value(case, model, wanted))
+    assert abs(value(case, model, found) - value(case, model, wanted)) < 1e-6 * scale
+    assert found.position_slack == pytest.approx(wanted.position_slack, abs=1e-6 * scale)
+    if case.epsilon is None:
+        largest = pytest.approx(wanted.largest_fictitious, abs=1e-5 * scale)
+        assert found.largest_fictitious == largest
+        assert found.margin == pytest.approx(wanted.margin, abs=1e-4 * scale)
+    if not fictitious:
+        assert not found.fictitious.any()
+        assert found.largest_fictitious == 0.0
+    return found
 
 
 @pytest.mark.parametrize("case", sorted(CASES))
 def test_the_optimum_is_that_of_the_readable_formulation(case: str) -> None:
-    limits, groups, offset, radius, box = CASES[case]
-    weights = Weights()
+    chosen = CASES[case]
     for seed in (1, 2):
         model = linearised(seed)
-        rows = end_in(model, offset)
-        found = convex_step(model, rows, limits, groups, radius, box, weights)
-        wanted = solve_reference(model, rows, limits, groups, radius, box, weights)
-        assert isinstance(found, StepResult)
-        scale = 1 + abs(wanted.value)
-        assert abs(objective(found, weights) - wanted.value) < 1e-6 * scale
-        assert found.largest_fictitious == pytest.approx(wanted.fictitious, abs=1e-5 * scale)
-        assert found.position_slack == pytest.approx(wanted.slack, abs=1e-6 * scale)
-        assert found.margin == pytest.approx(wanted.margin, abs=1e-4 * scale)
+        rows = end_in(model, chosen.offset)
+        found = agree(chosen, model, rows, fictitious=True)
+        assert found is not None
+        without = agree(chosen, model, rows, fictitious=False)
         if case.startswith("far"):
-            assert wanted.slack > 0.1
-        if case.startswith("a jump"):
-            assert wanted.fictitious > 0.1
+            assert found.position_slack > 0.1
+        if case.startswith(("a jump", "C.6")):
+            assert found.largest_fictitious > 0.1
+            assert without is None
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_three_links_about_another_trajectory_each_time(*, free: bool) -> None:
+    """The structure is kept, and only numbers change: also those of the half-planes."""
+    inf = np.full(3, np.inf)
+    limits = MotionLimits(-inf, inf, -inf, inf, 0.3, 0.2, None)
+    groups = (InputGroup((0, 1), -9.0, 9.0, norm2=False), InputGroup((2,), -4.0, 2.0, norm2=False))
+    box = (np.full(3, 0.5), np.full(3, 5.0)) if free else None
+    case = Case(limits, groups, 0.3, 0.4, box, 1e-2)
+    step, reference = ConvexStep(case.question), ReferenceStep(case.question)
+    for seed in range(4):
+        model = linearised(seed, THREE)
+        rows = end_in(model, 0.1 * seed)
+        found, wanted = (
+            each.solve(model, rows, case.region, ACCURACY) for each in (step, reference)
+        )
+        assert isinstance(found, StepResult)
+        assert isinstance(wanted, StepResult)
+        expected = value(case, model, wanted)
+        assert value(case, model, found) == pytest.approx(expected, abs=1e-6 * (1 + abs(expected)))
+        np.testing.assert_allclose(found.trajectory.x, wanted.trajectory.x, atol=1e-3)
 
 
 @pytest.mark.parametrize("case", sorted(CASES))
 def test_the_point_satisfies_every_constraint(case: str) -> None:
     """Each row of the problem, evaluated on the answer."""
-    limits, groups, offset, radius, box = CASES[case]
+    chosen = CASES[case]
+    limits, groups, radius, box = chosen.limits, chosen.groups, chosen.radius, chosen.box
     model = linearised(3)
-    rows, about = end_in(model, offset), model.about
-    found = convex_step(model, rows, limits, groups, radius, box, Weights())
+    rows, about = end_in(model, chosen.offset), model.about
+    found = ConvexStep(chosen.question).solve(model, rows, chosen.region, ACCURACY)
     assert isinstance(found, StepResult)
     x, u, theta = found.trajectory.x, found.trajectory.u, found.trajectory.theta
     dx, du, dp = x - about.x, u - about.u, theta - about.theta
@@ -164,19 +244,24 @@ def test_the_point_satisfies_every_constraint(case: str) -> None:
     moved += model.points.by_theta @ dp
     at = np.einsum("rd,rd->r", rows.normal, moved[rows.sample, rows.point])
     assert np.all(at <= rows.offset + found.position_slack + tolerance)
+    assert found.margin >= -tolerance
     for group in groups:
         part = u[:, list(group.inputs)]
-        size = np.linalg.norm(part, axis=1) if group.norm2 else np.abs(part).max(axis=1)
+        size = np.linalg.norm(part, axis=1) if group.norm2 else part.max(axis=1)
         assert np.all(size <= group.upper - found.margin + tolerance)
-        assert found.margin <= group.upper + tolerance
-    bound = x[0 if limits.start_values is None else 1 :, :2]
+        assert group.norm2 or np.all(part >= group.lower + found.margin - tolerance)
+    first = 0 if limits.start_values is None else 1
+    bound = x[first:, :2]
     assert np.all(bound >= limits.lower - tolerance)
     assert np.all(bound <= limits.upper + tolerance)
     assert np.all(x[:, 2:] >= limits.rate_lower - tolerance)
     assert np.all(x[:, 2:] <= limits.rate_upper + tolerance)
     assert np.abs(x[0, 2:]).max() <= limits.start_rates + tolerance
     assert np.abs(x[-1, 2:]).max() <= limits.final_rates + tolerance
-    assert np.abs(dx[:, :2]).max() <= radius + tolerance
+    if limits.start_values is not None:
+        np.testing.assert_allclose(x[0, :2], limits.start_values, atol=tolerance)
+    centre = np.clip(about.x[first:, :2], limits.lower, limits.upper)
+    assert np.abs(bound - centre).max() <= radius + tolerance
     if box is None:
         np.testing.assert_array_equal(theta, about.theta)
     else:
@@ -188,31 +273,23 @@ def test_the_point_satisfies_every_constraint(case: str) -> None:
 @pytest.mark.parametrize("epsilon", [1e-6, 0.2])
 def test_slacks_by_step_under_c6(epsilon: float) -> None:
     """Problem 4: a jump at the start and an end out of reach, each to be paid for where it is."""
-    limits, groups, _, radius, _ = CASES["a jump: needs V"]
-    weights = Weights(position=1e4)
-    for changed in (limits, replace(FREE, start_values=np.zeros(2), final_rates=0.0)):
+    small = (replace(GROUPS[0], lower=-0.5, upper=0.5),)
+    for limits in (JUMP, replace(FREE, start_values=np.zeros(2), final_rates=0.0)):
         model = linearised(2)
-        rows = end_in(model, 0.4)
-        small = (replace(groups[0], lower=-0.5, upper=0.5),)
-        args = model, rows, changed, small, radius, None, weights
-        found, wanted = convex_step(*args, epsilon), solve_reference(*args, epsilon)
-        assert isinstance(found, StepResult)
+        case = Case(limits, small, 0.4, 0.9, epsilon=epsilon)
+        found = agree(case, model, end_in(model, 0.4), fictitious=True)
+        assert found is not None
         assert np.abs(found.trajectory.u).max() <= 0.5 + 1e-6
-        total = 0.0
-        for size in np.abs(found.fictitious).max(axis=1):  # the least g that C.6 allows
-            total += max(float(size), epsilon * total)
-        paid = weights.fictitious * total + weights.position * found.position_slack
-        assert -paid == pytest.approx(wanted.value, rel=1e-4, abs=1e-4)
-        assert paid > 1
+        assert value(case, model, found) < -1
 
 
 def test_a_contradiction_is_not_an_optimum() -> None:
-    """Start values that the trust region excludes."""
-    model = linearised(1)
-    limits = replace(FREE, start_values=np.array([3.0, 3.0]))
-    found = convex_step(model, NONE, limits, GROUPS, 0.1, None, Weights())
-    assert isinstance(found, NotSolved)
-    assert "Infeasible" in found.status
+    """Start values that the trust region does not lead to, without fictitious inputs."""
+    case = Case(replace(FREE, start_values=np.array([3.0, 3.0])), radius=0.1)
+    assert agree(case, linearised(1), NONE, fictitious=False) is None
+    found = agree(case, linearised(1), NONE, fictitious=True)
+    assert found is not None
+    assert found.largest_fictitious > 1
 
 
 def test_without_constraints_standing_still_is_best() -> None:
@@ -225,7 +302,7 @@ def test_without_constraints_standing_still_is_best() -> None:
         READING.points(x[:, :2], about.theta),
         fictitious_inputs(READING, about, DT),
     )
-    found = convex_step(model, NONE, FREE, GROUPS, 0.5, None, Weights())
+    found = ConvexStep(Case().question).solve(model, NONE, TrustRegion(0.5))
     assert isinstance(found, StepResult)
     assert found.margin == pytest.approx(10.0, abs=1e-4)
     assert found.largest_fictitious == pytest.approx(0.0, abs=1e-6)

@@ -21,19 +21,14 @@ from compiler.dynamics.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
-from solvers.motions.convex_step import (
-    Model,
-    PositionRows,
-    StepResult,
-    Trajectory,
-    Weights,
-    convex_step,
-    fictitious_inputs,
-)
+from solvers.motions.convex_step import ConvexStep
+from solvers.motions.linear_model import Model, PositionRows, fictitious_inputs
 from solvers.motions.motion_limits import InputGroup, MotionLimits
+from solvers.motions.reference_step import ReferenceStep
+from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.motions.trajectory import Trajectory
 from solvers.proofs.enclosure import Accuracy, VectorField, tube
 from solvers.verifier import Outcome, verify_directory
-from tests.oracles.convex_step_cvxpy import solve_reference
 from tests.oracles.driven_robots import driven
 from tests.oracles.result_files import alter, alter_spec
 from tests.oracles.robots import Builder, rod_chain
@@ -72,13 +67,16 @@ def test_the_optimum_is_that_of_the_readable_formulation(*, free: bool) -> None:
     # An input whose bounds are not symmetric, beside an effort.
     groups = (InputGroup((1,), -9.0, 9.0, norm2=False), InputGroup((0,), -3.0, 5.0, norm2=False))
     box = (np.full(2, 0.5), np.full(2, 5.0)) if free else None
-    found = convex_step(model, NONE, limits, groups, 0.5, box, Weights())
-    wanted = solve_reference(model, NONE, limits, groups, 0.5, box, Weights())
-    assert isinstance(found, StepResult)
-    value = found.margin - Weights().fictitious * found.largest_fictitious
-    value -= Weights().quadratic * float(np.sum(found.trajectory.u**2))
-    assert value == pytest.approx(wanted.value, abs=1e-5 * (1 + abs(wanted.value)))
-    np.testing.assert_allclose(found.trajectory.x[0, 4:], [0.25], atol=1e-7)
+    question = StepQuestion(limits, groups, box, Weights())
+    values = []
+    for step in (ConvexStep(question), ReferenceStep(question)):
+        found = step.solve(model, NONE, TrustRegion(0.5), 1e-9)
+        assert isinstance(found, StepResult)
+        worth = (found.margin - Weights().fictitious * found.largest_fictitious) / 9.0
+        squares = np.sum((found.trajectory.u / 9.0) ** 2)
+        values.append(worth - Weights().quadratic * float(squares))
+        np.testing.assert_allclose(found.trajectory.x[0, 4:], [0.25], atol=1e-7)
+    assert values[0] == pytest.approx(values[1], abs=1e-6 * (1 + abs(values[1])))
 
 
 # --- enclosures ----------------------------------------------------------------------------------

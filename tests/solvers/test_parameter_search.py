@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grammar_lang import ir
-from solvers.parameters.parameter_search import exact_text, exact_value
+from solvers.parameters.parameter_space import exact_text, exact_value
 from tests.oracles.robots import interval
 
 values = st.fractions(-5, 5, max_denominator=60)

@@ -12,10 +12,10 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
 from grammar_lang.load import load
-from solvers.motions.control import ControlOutcome
-from solvers.motions.convex_step import Trajectory
+from solvers.motions.control_problem import ControlOutcome
 from solvers.motions.path_following import LIMIT_MARGIN, Follower
 from solvers.motions.task_limits import motion_limits
+from solvers.motions.trajectory import Trajectory
 from tests.oracles.small_specs import TURNER
 
 WORD = ("tool", "link", "joint", "base")

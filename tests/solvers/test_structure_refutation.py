@@ -76,7 +76,7 @@ def test_one_question_suffices(clauses: str, reason: str, calls: int) -> None:
 
 
 def test_what_the_solver_leaves_open(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(structure_refutation, "solve_script", lambda _script: None)
+    monkeypatch.setattr(structure_refutation, "solve_script", lambda _script, **_budget: None)
     found = answer("start in Near; reach T; satisfy eventually Mid by effector 1;")
     assert (found.refuted, found.solver_calls, found.effector) == (False, 1, 0)
 

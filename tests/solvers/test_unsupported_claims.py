@@ -15,7 +15,6 @@ from tests.oracles.result_files import alter_spec
     ("clause", "named"),
     [
         ("avoid self with body;", "`avoid self`"),
-        ("from B;", "`from`"),
         ("robust start 1 deg;", "`robust`"),
     ],
 )

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import contextlib
+import io
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from srgc.cli import run
+from tests.oracles.extended_arm import extended_arm
 
 ROOT = Path(__file__).parents[2]
 
@@ -48,3 +52,23 @@ def spec(tmp_path: Path) -> Callable[[str | bytes], Path]:
         return path
 
     return write
+
+
+@pytest.fixture(scope="session")
+def designs_made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """``out`` of ``synth --all`` on an arm that can be extended; beside it spec and stdout."""
+    place = tmp_path_factory.mktemp("all-designs")
+    (place / "arm.srg").write_text(extended_arm("[0.5, 1]"), encoding="utf-8")
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
+        assert run(["synth", str(place / "arm.srg"), "--all", "-o", str(place / "out")]) == 0
+    (place / "stdout").write_text(printed.getvalue(), encoding="utf-8")
+    return place
+
+
+@pytest.fixture
+def designs(designs_made: Path, tmp_path: Path) -> Path:
+    """A fresh copy of that result folder."""
+    target = tmp_path / "designs-made"
+    shutil.copytree(designs_made / "out", target)
+    return target

@@ -12,8 +12,9 @@ from tests.oracles.small_specs import SLIDER, replaced
 
 DESIGN_FIELDS = [
     "verdict", "reason", "task", "spec", "word", "derivation", "dofs", "parameters", "robustness",
-    "effort_peak", "step", "horizon", "path", "satisfy", "cells", "structures_tried", "iterations",
-    "seed", "least_cells", "spec_sha256", "version",
+    "effort_peak", "step", "horizon", "path", "leader", "satisfy", "reconfiguration", "cells",
+    "structures_tried", "iterations", "seed", "least_cells", "all_designs", "solver", "search",
+    "spec_sha256", "version",
 ]  # fmt: skip
 
 
@@ -28,8 +29,8 @@ def test_the_folder_of_a_found_robot(made):
     assert evidence
     assert names(folder) == sorted(
         [
-            "certificate.json", "design.json", "figures/inputs.svg", "figures/workspace.svg",
-            "log.json", "spec/turner.srg", "trajectory.csv", *evidence,
+            "certificate.json", "design.json", "evaluations.csv", "figures/inputs.svg",
+            "figures/workspace.svg", "log.json", "spec/turner.srg", "trajectory.csv", *evidence,
         ]
     )  # fmt: skip
     assert (folder / "spec/turner.srg").read_bytes() == (made("turner") / "turner.srg").read_bytes()

@@ -76,9 +76,9 @@ def test_a_kill_at_every_write(made, tmp_path, monkeypatch):
     results = []
     search = synthesis_run.synthesise
 
-    def remembered(*arguments):
+    def remembered(*arguments, **options):
         if not results:
-            results.append(search(*arguments))
+            results.append(search(*arguments, **options))
         return results[0]
 
     monkeypatch.setattr(synthesis_run, "synthesise", remembered)

@@ -1,0 +1,48 @@
+"""Random starts for a robot with unknown parameters: their values, and a motion along a path."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compiler.discretisation.float_reading import Array
+from solvers.motions.convex_step import Trajectory
+from solvers.motions.inverse_kinematics import branches
+from solvers.motions.path_following import Follower
+from solvers.motions.task_limits import input_groups, resting_inputs
+from solvers.parameters.parameter_space import parameter_space
+
+REACHED = 1e-3
+"""Metres up to which a pose counts as one at its place."""
+
+
+def random_starts(follower: Follower, count: int, seed: int) -> list[Trajectory]:
+    """Parameters uniform in their box, with motions along the way points of the path.
+
+    The motion is the inverse kinematics' from one of the branches at the start, drawn at random
+    from those that keep to all way points; where none does, that of the arm stretched to them.
+    """
+    rng = np.random.default_rng(seed)
+    space = parameter_space(follower.model)
+    draws = rng.uniform(size=(count, len(space.lower)))
+    return [_start(follower, space.from_cube(point), rng) for point in draws]
+
+
+def _start(follower: Follower, theta: Array, rng: np.random.Generator) -> Trajectory:
+    reading, limits, point = follower.reading, follower.limits, follower.effector
+    place, _ = follower.waypoints()
+    box = limits.lower, limits.upper
+    first = branches(reading, theta, point, place[0], box, follower.seed, follower.branch_count)
+    motions = [reading.track(start, theta, point, place, box) for start in first]
+    good = [q for q in motions if _gap(reading.points(q, theta).value[:, point], place) <= REACHED]
+    q = np.zeros_like(motions[0])
+    q[:, 0] = np.unwrap(np.arctan2(place[:, 1], place[:, 0]))
+    if good:
+        q = good[rng.integers(len(good))]
+    rates = np.gradient(q, float(follower.task.step), axis=0)
+    rates[0] = 0.0
+    u = resting_inputs(input_groups(follower.model, follower.task), len(q) - 1, reading.m)
+    return Trajectory(np.concatenate([q, rates], axis=1), u, theta)
+
+
+def _gap(at: Array, place: Array) -> float:
+    return float(np.max(np.linalg.norm(at - place, axis=1)))

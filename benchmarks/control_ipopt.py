@@ -1,0 +1,179 @@
+"""The same control problem as a nonlinear program for IPOPT, by multiple shooting in CasADi.
+
+Waechter & Biegler, *On the implementation of an interior-point filter line-search algorithm*
+(2006).  The Runge-Kutta step is an SX graph with our accelerations (elementary operations, no
+pivoting), mapped over the steps; derivatives are CasADi's, exact Hessian included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from compiler.discretisation.float_reading import Array
+from solvers.motions.control_problem import ControlProblem
+from solvers.motions.linear_model import PositionRows
+from solvers.motions.step_program import rate_bounds
+from solvers.motions.step_question import Weights
+from solvers.motions.trajectory import Trajectory
+
+OPTIONS = {
+    "print_time": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.max_iter": 1000,
+}
+INFINITE = 1e20
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Where IPOPT ended; ``margin`` is rho, ``status`` its own word."""
+
+    solved: bool
+    trajectory: Trajectory
+    margin: float
+    status: str
+    iterations: int
+
+
+@dataclass(frozen=True)
+class IpoptProblem:
+    """The nonlinear program, made once; ``theta`` (p,) are the parameters unless they are free."""
+
+    problem: ControlProblem
+    steps: int
+    theta: Array | None
+    solver: ca.Function
+    bounds: dict[str, Array]
+
+    def solve(self, seed: Trajectory) -> Answer:
+        """The local optimum that IPOPT finds from a seed."""
+        margin = max(0.0, min(group.margin(seed.u) for group in self.problem.groups))
+        free = seed.theta if self.theta is None else np.zeros(0)
+        start = np.concatenate([seed.x.ravel(), seed.u.ravel(), [margin], free])
+        found = self.solver(x0=start, **self.bounds)
+        stats = self.solver.stats()
+        k, size, m = self.steps, self.problem.reading.size, self.problem.reading.m
+        at = np.asarray(found["x"]).ravel()
+        x, u, rest = np.split(at, [(k + 1) * size, (k + 1) * size + k * m])
+        theta = rest[1:] if self.theta is None else self.theta
+        trajectory = Trajectory(x.reshape(k + 1, size), u.reshape(k, m), theta)
+        status, count = str(stats["return_status"]), int(stats["iter_count"])
+        return Answer(status == "Solve_Succeeded", trajectory, float(rest[0]), status, count)
+
+
+def ipopt_problem(
+    problem: ControlProblem,
+    rows: PositionRows,
+    steps: int,
+    parameters: Array | tuple[Array, Array],
+    options: Mapping[str, object] | None = None,
+) -> IpoptProblem:
+    """Minimise the peak effort, plus the square of the inputs that our convex step has.
+
+    As there, rho is the least margin of an input: the peak is the bound minus rho.  ``parameters``
+    are given, or unknowns in a box; ``options`` are IPOPT's besides the usual ones.
+    """
+    given = None if isinstance(parameters, tuple) else parameters
+    reading, weight = problem.reading, Weights().quadratic
+    x = ca.MX.sym("x", reading.size, steps + 1)
+    u = ca.MX.sym("u", reading.m, steps)
+    rho = ca.MX.sym("rho")
+    theta = ca.MX.sym("theta", reading.p if given is None else 0)
+    step, places = _step(problem, given), _places(problem, given)
+    after = step.map("steps", "serial", steps, [2], [])(x[:, :-1], u, theta)
+    at = places.map("all", "serial", steps + 1, [1], [])(x[: reading.n, :], theta)
+    halves = _half_planes(rows, reading.d, at)
+    inputs = [
+        part
+        for group in problem.groups
+        for one in [u[list(group.inputs), :]]
+        for part in (ca.vec(one) + rho - group.upper, -ca.vec(one) + rho + group.lower)
+    ]
+    below = ca.vertcat(halves, *inputs)
+    equal = ca.vec(after - x[:, 1:])
+    objective = -rho / problem.scale + weight * ca.sumsqr(u / problem.scale)
+    unknowns = ca.vertcat(ca.vec(x), ca.vec(u), rho, theta)
+    program = {"x": unknowns, "f": objective, "g": ca.vertcat(equal, below)}
+    solver = ca.nlpsol("control", "ipopt", program, {**OPTIONS, **(options or {})})
+    none = np.zeros(0), np.zeros(0)
+    lower, upper = _bounds(problem, steps, parameters if isinstance(parameters, tuple) else none)
+    bounds = {
+        "lbx": lower,
+        "ubx": upper,
+        "lbg": np.concatenate([np.zeros(equal.numel()), np.full(below.numel(), -np.inf)]),
+        "ubg": np.zeros(equal.numel() + below.numel()),
+    }
+    return IpoptProblem(problem, steps, given, solver, bounds)
+
+
+def _step(problem: ControlProblem, given: Array | None) -> ca.Function:
+    """(x, u, theta) to the state after a step: the classical Runge-Kutta method with substeps."""
+    graph, n = problem.reading.graph, problem.reading.n
+    constants = ca.DM(problem.reading.constants)
+    x, u = ca.SX.sym("x", 2 * n), ca.SX.sym("u", problem.reading.m)
+    free, theta = _parameters(problem, given)
+    h, at = problem.dt / problem.substeps, x
+
+    def slope(state: ca.SX) -> ca.SX:
+        rates = graph.acceleration(state[:n], state[n:], u, theta, constants)
+        return ca.vertcat(state[n:], rates)
+
+    for _ in range(problem.substeps):
+        first = slope(at)
+        second = slope(at + h / 2 * first)
+        third = slope(at + h / 2 * second)
+        fourth = slope(at + h * third)
+        at = at + h / 6 * (first + 2 * second + 2 * third + fourth)
+    return ca.Function("step", [x, u, free], [ca.cse(at)])
+
+
+def _parameters(problem: ControlProblem, given: Array | None) -> tuple[ca.SX, ca.SX]:
+    """What of the parameters is unknown, and all of them."""
+    if given is not None:
+        return ca.SX.sym("theta", 0), ca.SX(ca.DM(given))
+    free = ca.SX.sym("theta", problem.reading.p)
+    return free, free
+
+
+def _places(problem: ControlProblem, given: Array | None) -> ca.Function:
+    """(q, theta) to the positions of all points, in a column."""
+    reading, pose = problem.reading, ca.SX.sym("q", problem.reading.n)
+    free, theta = _parameters(problem, given)
+    at = reading.graph.points(pose, theta, ca.DM(reading.constants))
+    return ca.Function("places", [pose, free], [at])
+
+
+def _half_planes(rows: PositionRows, dimension: int, at: ca.MX) -> ca.MX:
+    """normal . p - offset of every row, for positions with a column per sample."""
+    flat, height = ca.vec(at), at.size1()
+    total = -ca.DM(rows.offset)
+    for axis in range(dimension):
+        picked = flat[(rows.sample * height + rows.point * dimension + axis).tolist()]
+        total = total + ca.DM(rows.normal[:, axis]) * picked
+    return total
+
+
+def _bounds(
+    problem: ControlProblem, steps: int, parameters: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """Bounds of all unknowns."""
+    limits, n, size = problem.limits, problem.reading.n, problem.reading.size
+    lower, upper = np.full((steps + 1, size), -np.inf), np.full((steps + 1, size), np.inf)
+    lower[:, :n], upper[:, :n] = limits.lower, limits.upper
+    lower[:, n : 2 * n], upper[:, n : 2 * n] = rate_bounds(limits, steps)
+    for sample, bound in ((0, limits.start_rates), (steps, limits.final_rates)):
+        if bound == 0.0:
+            lower[sample, n : 2 * n] = upper[sample, n : 2 * n] = 0.0
+    if limits.start_values is not None:
+        lower[0, :n] = upper[0, :n] = limits.start_values
+    inputs = np.full(steps * problem.reading.m, np.inf)
+    widest = min(group.widest_margin for group in problem.groups)
+    return (
+        np.concatenate([lower.ravel(), -inputs, [0.0], parameters[0]]),
+        np.concatenate([upper.ravel(), inputs, [widest], parameters[1]]),
+    )

@@ -1,0 +1,121 @@
+"""Jobs done by the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterable, Iterator
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
+
+from solvers.execution.any_executor import AnyExecutor
+from solvers.execution.workers import DISCONNECTED, ENDED, Job, Result, WorkersLostError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+REACHED_WITHIN = 5.0
+"""Seconds for the scheduler to answer, and for a worker to be there."""
+RETRIES = 2
+
+
+class ClusterFault(Exception):
+    """A cluster cannot be used; the text says why."""
+
+
+class DaskCluster:
+    """Does jobs on the workers of a scheduler, one at a time on each.
+
+    The scheduler gives the jobs of a worker that ends to others, and computes again what was there
+    only.
+    """
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._executor = client.get_executor(pure=False, retries=RETRIES)
+
+    @property
+    def width(self) -> int:
+        """How many workers there are now."""
+        return max(1, len(self._client.nthreads()))
+
+    def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
+        """The results in the order of the jobs."""
+        from distributed.scheduler import KilledWorker
+
+        if not self._is_connected():
+            raise WorkersLostError(DISCONNECTED)
+        executor = AnyExecutor(self._executor, self.width, alive=self._is_connected)
+        try:
+            yield from executor.map(function, jobs)
+        except KilledWorker as error:
+            # The scheduler has tried several.
+            raise WorkersLostError(ENDED) from error
+
+    def _is_connected(self) -> bool:
+        return self._client.status not in ("closing", "closed")
+
+    def close(self) -> None:
+        """Leave the cluster; jobs that are unfinished are given up."""
+        if not self._is_connected():
+            return
+        self._executor.shutdown(wait=False)
+        self._client.close()
+
+
+def join_cluster(address: str, seconds: float = REACHED_WITHIN) -> DaskCluster:
+    """The workers of the Dask scheduler at an address, such as ``tcp://10.0.0.1:8786``.
+
+    Raises:
+        ClusterFault: Dask is not installed, the address cannot be reached in that time, no worker
+            is there, or one has not this version of srgc.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ClusterFault('Dask is not installed: pip install "srgc[cluster]"') from None
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        # A client that meets no scheduler takes long to go away again.
+        asyncio.run(_knock(address, seconds))
+        client = Client(address, timeout=seconds, set_as_default=False)
+    except Exception as error:
+        # Whatever there is may answer in any way.
+        reason = " ".join(str(error).split()) or "no answer"
+        raise ClusterFault(f"the cluster at {address} cannot be reached: {reason}") from None
+    try:
+        _refuse_unfit(client, address, seconds)
+    except BaseException:
+        client.close()
+        raise
+    return DaskCluster(client)
+
+
+async def _knock(address: str, seconds: float) -> None:
+    """Shake hands with the scheduler at an address."""
+    from distributed.comm.core import connect
+
+    comm = await asyncio.wait_for(connect(address, timeout=seconds), seconds)
+    await comm.close()
+
+
+def _refuse_unfit(client: Client, address: str, seconds: float) -> None:
+    try:
+        client.wait_for_workers(1, timeout=seconds)
+    except TimeoutError:
+        raise ClusterFault(f"the cluster at {address} has no workers") from None
+    own = installed()
+    found = client.run(installed, on_error="return")
+    for worker, answer in sorted(found.items()):
+        if answer != own:
+            there = "no srgc" if isinstance(answer, BaseException) else f"srgc {answer}"
+            raise ClusterFault(f"the worker {worker} has {there}; srgc {own} is needed there")
+
+
+def installed() -> str:
+    """The version of srgc that is installed here."""
+    try:
+        return version("srgc")
+    except PackageNotFoundError:
+        return "of unknown version"

@@ -1,0 +1,118 @@
+"""Results in the order of their jobs from an executor that finishes them in any order."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from dataclasses import dataclass
+from typing import Generic, Protocol
+
+from solvers.execution.workers import DISCONNECTED, ENDED, Job, Result, WorkersLostError
+
+ATTEMPTS = 3
+"""A job is given up when it was unfinished so many times as its worker ended."""
+AHEAD = 4
+"""In units of the width: how many jobs may be drawn beyond the one whose result is due."""
+
+PULSE = 2.0
+"""After so many seconds without a result it is asked whether there can be one."""
+
+
+class Source(Protocol):
+    """Starts jobs, and makes good what ended with its workers."""
+
+    @property
+    def width(self) -> int:
+        """How many jobs are done at once."""
+        ...
+
+    def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
+        """Begin a job."""
+        ...
+
+    def is_lost(self, error: BaseException) -> bool:
+        """Whether an error says that the worker ended, not that the job failed."""
+        ...
+
+    def is_alive(self) -> bool:
+        """Whether unfinished jobs may still be finished."""
+        ...
+
+
+@dataclass(slots=True)
+class _Started(Generic[Job, Result]):
+    """A job with its future; ``attempts`` counts how often it was started."""
+
+    job: Job
+    future: Future[Result]
+    attempts: int = 1
+
+
+def in_order(
+    source: Source, function: Callable[[Job], Result], jobs: Iterable[Job]
+) -> Iterator[Result]:
+    """The results in the order of the jobs; see :meth:`Workers.map`.
+
+    Raises:
+        WorkersLostError: see there.
+    """
+    remaining, width = iter(jobs), source.width
+    begun: deque[_Started[Job, Result]] = deque()
+    try:
+        while True:
+            _begin_more(source, function, remaining, begun, width)
+            if not begun:
+                return
+            lost = [one for one in begun if _is_lost(source, one.future)]
+            for one in lost:
+                _begin_again(source, function, one)
+            unfinished = [one.future for one in begun if not one.future.done()]
+            if begun[0].future in unfinished:
+                finished = wait(unfinished, PULSE, FIRST_COMPLETED).done
+                if not finished and not source.is_alive():
+                    raise WorkersLostError(DISCONNECTED)
+            elif not _is_lost(source, begun[0].future):
+                yield begun.popleft().future.result()
+    finally:
+        for one in begun if source.is_alive() else ():
+            one.future.cancel()
+
+
+def _begin_more(
+    source: Source,
+    function: Callable[[Job], Result],
+    remaining: Iterator[Job],
+    begun: deque[_Started[Job, Result]],
+    width: int,
+) -> None:
+    """Draw jobs until as many are unfinished as can be done at once, unless a result is there."""
+    while len(begun) < AHEAD * width and not (begun and begun[0].future.done()):
+        if sum(not one.future.done() for one in begun) >= width:
+            return
+        for job in remaining:
+            begun.append(_Started(job, source.start(function, job)))
+            break
+        else:
+            return
+
+
+def _begin_again(
+    source: Source, function: Callable[[Job], Result], lost: _Started[Job, Result]
+) -> None:
+    if lost.attempts >= ATTEMPTS:
+        raise WorkersLostError(ENDED) from _error(lost.future)
+    lost.attempts += 1
+    lost.future = source.start(function, lost.job)
+
+
+def _is_lost(source: Source, future: Future[Result]) -> bool:
+    error = _error(future) if future.done() else None
+    return error is not None and source.is_lost(error)
+
+
+def _error(future: Future[Result]) -> BaseException | None:
+    try:
+        return future.exception()
+    except CancelledError as cancelled:
+        return cancelled

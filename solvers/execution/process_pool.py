@@ -1,0 +1,147 @@
+"""Jobs done by other processes on this machine."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection, wait
+from threading import Thread, current_thread, main_thread
+
+from solvers.execution.in_order import in_order
+from solvers.execution.one_thread import ONE_THREAD
+from solvers.execution.workers import Job, Result
+
+PATIENCE = 1.0
+"""Seconds of jobs done in this process before others are started: a short run needs none."""
+
+
+class ProcessPool:
+    """Does jobs in so many processes, which are started once it is worth it.
+
+    Until they are ready, jobs are done in this process, one after the other.  Processes that end in
+    the middle of a job are replaced, and it is done again.
+    """
+
+    def __init__(self, jobs: int, patience: float | None = None) -> None:
+        if jobs < 1:
+            raise ValueError("at least one process does jobs")
+        self._jobs, self._patience = jobs, PATIENCE if patience is None else patience
+        self._executor: ProcessPoolExecutor | None = None
+        self._lifeline: Connection | None = None
+        self._ready: list[Future[None]] = []
+        self._closed = False
+
+    @property
+    def width(self) -> int:
+        """How many jobs are done at once."""
+        return self._jobs
+
+    def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
+        """The results in the order of the jobs."""
+        remaining = iter(jobs)
+        while not self._is_ready():
+            begun = time.monotonic()
+            for job in remaining:
+                result = function(job)
+                break
+            else:
+                return
+            self._patience -= time.monotonic() - begun
+            yield result
+        yield from in_order(self, function, remaining)
+
+    def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
+        """Begin a job; processes that have ended are replaced first."""
+        try:
+            return self._running().submit(function, job)
+        except BrokenExecutor:
+            self._end()
+            return self._running().submit(function, job)
+
+    def is_lost(self, error: BaseException) -> bool:
+        """Whether a process ended."""
+        return isinstance(error, BrokenExecutor)
+
+    def is_alive(self) -> bool:
+        """Always: processes that have ended are noticed as their jobs are lost."""
+        return True
+
+    def close(self) -> None:
+        """End the processes at once."""
+        self._closed = True
+        self._end()
+
+    def _is_ready(self) -> bool:
+        """Whether the processes are there; they are started when patience ends."""
+        if self._patience > 0:
+            return False
+        self._running()
+        return all(ready.done() for ready in self._ready)
+
+    def _running(self) -> ProcessPoolExecutor:
+        """The executor, started if it is not there."""
+        if self._closed:
+            raise RuntimeError("the processes have been ended")
+        if self._executor is None:
+            context = get_context("spawn")
+            theirs, self._lifeline = context.Pipe(duplex=False)
+            self._executor = ProcessPoolExecutor(
+                self._jobs, mp_context=context, initializer=_prepare, initargs=(theirs,)
+            )
+            with _as_workers_start():
+                # Every job that finds no idle process starts one.
+                self._ready = [self._executor.submit(_nothing) for _ in range(self._jobs)]
+        return self._executor
+
+    def _end(self) -> None:
+        """End the processes: they do so when their end of the pipe says that ours is closed."""
+        executor, lifeline = self._executor, self._lifeline
+        self._executor = self._lifeline = None
+        if lifeline is not None:
+            lifeline.close()
+        if executor is not None:
+            executor.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _as_workers_start() -> Iterator[None]:
+    """Processes started in the block have libraries with one thread, and ignore interrupts.
+
+    Those are for their parent to handle.
+    """
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    in_main = current_thread() is main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if in_main else None
+    os.environ.update(ONE_THREAD)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+        if in_main:
+            signal.signal(signal.SIGINT, handler)
+
+
+def _prepare(lifeline: Connection) -> None:
+    """What a process does first."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+
+
+def _end_with(lifeline: Connection) -> None:
+    """End this process when its parent is gone or closes the pipe, whatever is being done here."""
+    parent = parent_process()
+    wait([lifeline] if parent is None else [lifeline, parent.sentinel])
+    os._exit(1)
+
+
+def _nothing() -> None:
+    """A job that only makes a process start."""

@@ -1,0 +1,32 @@
+"""What the search of parameters has evaluated, for tables and pictures; no proof rests on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One evaluation: ``theta`` (p,) in SI units, as the robot orders its parameters.
+
+    ``robustness`` is rho (Definition 7); where the motion is not ``feasible`` it is negative, by
+    how much the constraints are violated.
+    """
+
+    theta: tuple[float, ...]
+    robustness: float
+    feasible: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PathSamples:
+    """All samples of one cell path: the ``path``-th (from 0) that was tried for a structure.
+
+    ``structure`` is the number of the structure in order, ``names`` are its parameters as
+    ``symbol.name``, the symbol being an index into its word.
+    """
+
+    structure: int
+    path: int
+    names: tuple[str, ...]
+    samples: tuple[Sample, ...]

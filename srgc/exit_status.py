@@ -1,0 +1,7 @@
+"""The exit statuses of the commands."""
+
+from __future__ import annotations
+
+FOUND, REFUSED, USAGE, IMPOSSIBLE, UNKNOWN, SPEC_ERRORS = 0, 1, 2, 3, 4, 5
+INTERNAL, INTERRUPTED = 70, 130
+VERDICT_STATUS = {"found": FOUND, "impossible": IMPOSSIBLE, "unknown": UNKNOWN}

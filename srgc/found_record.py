@@ -1,0 +1,95 @@
+"""What ``design.json`` says of a found design beside its certificate, held against that."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from compiler.geometry.abstraction import Abstraction, abstract
+from compiler.geometry.refinement import Cut
+from compiler.maps.map_fault import MapFault
+from compiler.maps.obstacle_pieces import expanded
+from grammar_lang import ir
+from solvers.claims.certificate import CertificateError, exact_cuts
+from solvers.claims.design_agreement import disagreement
+from srgc.found_design import FoundDesign
+from srgc.session import UsageFault
+
+
+@dataclass(frozen=True, slots=True)
+class FoundRecord:
+    """How a design was found.
+
+    ``structure`` is its number among those tried, ``leader`` the effector that followed its cell
+    path, ``robustness`` its rho; ``cells`` are those that the path names.
+    """
+
+    seed: int
+    structure: int
+    leader: int
+    robustness: float
+    cells: Abstraction
+
+
+def found_record(folder: Path, found: FoundDesign) -> FoundRecord:
+    """What ``design.json`` in a result folder says.
+
+    Raises:
+        UsageFault: there is none, it is of another version, or it and the certificate differ.
+    """
+    content = _content(folder)
+    ours, theirs = version("srgc"), content.get("version")
+    if theirs != ours:
+        raise UsageFault(
+            f"{folder} holds results of srgc {theirs}; this is {ours}: run `srgc synth` again"
+        )
+    try:
+        program, task = expanded(found.program, found.task)
+        cells = _cells(found, program, task)
+        reason = disagreement(folder, found.claim, program, task, cells, found.model)
+    except (CertificateError, MapFault, ValueError) as error:
+        raise UsageFault(f"{folder}: {error}") from None
+    if reason is not None:
+        raise UsageFault(f"{folder}: {reason}")
+    return _record(folder, content, cells, len(found.model.effectors))
+
+
+def _content(folder: Path) -> dict[str, Any]:
+    path = folder / "design.json"
+    try:
+        content = json.loads(path.read_bytes())
+    except OSError as error:
+        raise UsageFault(f"{path}: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise UsageFault(f"{path} is not JSON") from None
+    if not isinstance(content, dict):
+        raise UsageFault(f"{path} is no JSON object")
+    return content
+
+
+def _cells(found: FoundDesign, program: ir.Program, task: ir.Task) -> Abstraction:
+    """The cells of the claim: those of the workspace, cut as it says."""
+    cuts = [Cut(cell, half_space) for cell, half_space in exact_cuts(found.claim.cuts)]
+    return abstract(program.workspaces[task.workspace]).cut(cuts)
+
+
+def _record(
+    folder: Path, content: dict[str, Any], cells: Abstraction, effectors: int
+) -> FoundRecord:
+    try:
+        verdicts = [each["verdict"] for each in content["structures_tried"]]
+        record = FoundRecord(
+            int(content["seed"]),
+            verdicts.index("found"),
+            int(content["leader"]),
+            float(content["robustness"]),
+            cells,
+        )
+    except (KeyError, TypeError, ValueError):
+        record = None
+    if record is None or not 0 <= record.leader < effectors or record.seed < 0:
+        raise UsageFault(f"{folder / 'design.json'} does not say how the design was found")
+    return record

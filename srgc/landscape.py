@@ -1,0 +1,158 @@
+"""Rho over one or two parameters of a robot that was found (the paper's Figure 4).
+
+The robot keeps its structure, its cell path and the steps at which cells are entered; its other
+parameters stay as designed.  Each value is found as those of the search are, with the margin that a
+search begins with and the timing free, from its seeds along the path and from the design's motion.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, product
+from pathlib import Path
+
+import numpy as np
+
+from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.maps.obstacle_pieces import expanded
+from solvers.claims.certificate import decimal, exact
+from solvers.design_follower import PathTask
+from solvers.execution.workers import Workers
+from solvers.motions.control_problem import ControlOutcome
+from solvers.motions.path_following import Follower
+from solvers.motions.trajectory import Trajectory
+from solvers.parameters.evaluation import Evaluator
+from solvers.parameters.sample import Sample
+from solvers.parameters.solve_request import SolveRequest
+from solvers.synthesis import task_on_samples
+from srgc.evaluations_file import last_samples
+from srgc.found_design import FoundDesign
+from srgc.found_record import FoundRecord
+from srgc.landscape_request import Axis, Mark, parameter_name
+from srgc.session import UsageFault
+
+
+@dataclass(frozen=True, slots=True)
+class Landscape:
+    """What was evaluated.
+
+    ``grid`` is in the order of the axes, the last one fastest; ``marked`` are the evaluations at
+    the marks; ``samples`` are those of the search, ``design`` is the design with its rho.
+    """
+
+    axes: tuple[Axis, ...]
+    grid: tuple[Sample, ...]
+    marks: tuple[Mark, ...]
+    marked: tuple[Sample, ...]
+    samples: tuple[Sample, ...]
+    design: Sample
+
+    def at(self, sample: Sample) -> tuple[float, ...]:
+        """Where a sample is on the axes."""
+        return tuple(sample.theta[axis.place] for axis in self.axes)
+
+    @property
+    def best(self) -> Sample:
+        """The best of the grid."""
+        return max(self.grid, key=lambda sample: sample.robustness)
+
+
+def landscape(
+    found: FoundDesign,
+    record: FoundRecord,
+    folder: Path,
+    axes: tuple[Axis, ...],
+    marks: tuple[Mark, ...],
+    workers: Workers,
+    told: Callable[[int, int], None],
+) -> Landscape:
+    """Evaluate a grid over the axes, and the marks.
+
+    ``told`` is called with the number of points that are evaluated and that of all.
+
+    Raises:
+        UsageFault: the design has no path to follow, or its table of evaluations is none.
+    """
+    names = [parameter_name(parameter) for parameter in found.model.parameters]
+    try:
+        searched = last_samples(folder / "evaluations.csv", record.structure, names)
+    except (OSError, ValueError) as error:
+        raise UsageFault(str(error)) from None
+    follower = follower_of(found, record)
+    motion = motion_of(found, follower)
+    theta = [float(value) for value in found.theta]
+    points = [*product(*(axis.values for axis in axes)), *(mark.values for mark in marks)]
+    seeds = [_seeds(follower, motion, _moved(theta, axes, point)) for point in points]
+    outcomes = Evaluator(follower, workers).solutions(
+        [SolveRequest(seed, released=True) for each in seeds for seed in each]
+    )
+    samples = []
+    for each in seeds:
+        samples.append(_best(each, islice(outcomes, len(each))))
+        told(len(samples), len(seeds))
+    count = len(points) - len(marks)
+    design = Sample(tuple(theta), record.robustness, feasible=True)
+    return Landscape(axes, tuple(samples[:count]), marks, tuple(samples[count:]), searched, design)
+
+
+def follower_of(found: FoundDesign, record: FoundRecord) -> Follower:
+    """The control problem of a design's path.
+
+    Raises:
+        UsageFault: it has none.
+    """
+    if not found.model.dofs:
+        raise UsageFault("the robot cannot move: it has no motion whose robustness could vary")
+    program, task = expanded(found.program, found.task)
+    reading = FloatReading(robot_graph(found.model, task.gravity))
+    place = PathTask(program, task, reading, task_on_samples(task), record.seed)
+    effector, path = found.claim.effector, found.claim.path
+    follower = place.along(record.cells, effector, record.leader, path)
+    if follower is None:
+        raise UsageFault(f"the cells of effector {record.leader + 1} in the design are no path")
+    return follower
+
+
+def motion_of(found: FoundDesign, follower: Follower) -> Trajectory:
+    """The motion of a design on the samples, by simulation."""
+    theta = np.array([float(value) for value in found.theta])
+    u = np.array([[float(exact(text)) for text in row] for row in found.claim.inputs])
+    u = u.reshape(len(found.claim.inputs), follower.reading.m)
+    start = np.concatenate([[float(value) for value in found.start], follower.limits.own_start])
+    step = float(found.task.step)
+    x = follower.reading.simulate(start, u, theta, step, follower.substeps)
+    return Trajectory(x, u, theta)
+
+
+def _seeds(follower: Follower, motion: Trajectory, theta: Array) -> list[Trajectory]:
+    """Where evaluations begin: along the path, as the search does, and with the design's motion."""
+    return [*follower.seeds(theta), replace(motion, theta=theta)]
+
+
+def _best(seeds: Sequence[Trajectory], outcomes: Iterable[ControlOutcome]) -> Sample:
+    best = max(outcomes, key=lambda outcome: outcome.robustness)
+    theta = tuple(float(value) for value in seeds[0].theta)
+    return Sample(theta, best.robustness, best.feasible)
+
+
+def _moved(theta: Sequence[float], axes: Sequence[Axis], point: Sequence[float]) -> Array:
+    moved = np.array(theta, dtype=np.float64)
+    for axis, value in zip(axes, point, strict=True):
+        moved[axis.place] = value
+    return moved
+
+
+def landscape_csv(found: FoundDesign, content: Landscape) -> str:
+    """A row per point of the grid: all parameters in SI units, ``rho``, ``feasible`` (0 or 1)."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    names = [parameter_name(parameter) for parameter in found.model.parameters]
+    writer.writerow([*names, "rho", "feasible"])
+    for sample in content.grid:
+        theta = [decimal(value) for value in sample.theta]
+        writer.writerow([*theta, decimal(sample.robustness), int(sample.feasible)])
+    return buffer.getvalue()

@@ -1,0 +1,107 @@
+"""The command about rho over the parameters of a found robot: ``landscape``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from srgc.output_file import write_output
+from srgc.session import UsageFault
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option(
+    "--over",
+    metavar="NAME[,NAME]",
+    help="One or two parameters, as in 4.length,8.length: the index of a symbol in the word and a "
+    "name.  Default: the first two that may vary.",
+)
+@click.option(
+    "--range",
+    "ranges",
+    metavar="NAME=LOW:HIGH",
+    multiple=True,
+    help="Values of a parameter to look at, SI; default: all.  May be repeated.",
+)
+@click.option(
+    "--points",
+    type=click.IntRange(2, 1000),
+    help="Values per axis; default 11, and 41 on a single one.  Finite sets are taken whole.",
+)
+@click.option(
+    "--mark", "marks", metavar="X[,Y]", multiple=True, help="Mark this point.  May be repeated."
+)
+@click.option("--label", "labels", multiple=True, help="The name of a mark, in their order.")
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True)
+@click.option(
+    "-o",
+    "output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Draw here, as SVG.  Default: DIR/figures/landscape.svg.",
+)
+@click.option(
+    "--csv",
+    "table",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the grid here.  Default: DIR/landscape.csv.",
+)
+def landscape(
+    folder: Path,
+    over: str | None,
+    ranges: tuple[str, ...],
+    points: int | None,
+    marks: tuple[str, ...],
+    labels: tuple[str, ...],
+    jobs: int,
+    output: Path | None,
+    table: Path | None,
+) -> int:
+    """Evaluate and draw the robustness of a robot over two of its parameters.
+
+    FOLDER is one that `srgc synth` has written with the verdict found.  The path of cells, when
+    they are entered and all other parameters are those of the design.
+    """
+    from srgc.found_design import found_design
+    from srgc.found_record import found_record
+    from srgc.landscape_request import LandscapeRequest, axes_of, marks_of
+
+    picture = output or folder / "figures" / "landscape.svg"
+    if picture.suffix.lower() != ".svg":
+        raise UsageFault(f"{picture}: a landscape is drawn as SVG; let the name end in .svg")
+    found = found_design(folder)
+    record = found_record(folder, found)
+    request = LandscapeRequest(over, ranges, points, marks, labels)
+    axes = axes_of(found.model, request)
+    marked = marks_of(axes, request)
+    from srgc.landscape import landscape as evaluated
+    from srgc.landscape import landscape_csv
+    from srgc.landscape_figure import landscape_svg
+    from srgc.landscape_text import landscape_text, title
+    from srgc.workers import workers_for
+
+    with workers_for(jobs) as workers:
+        content = evaluated(found, record, folder, axes, marked, workers, _told)
+    for path in (picture, table or folder / "landscape.csv"):
+        _make_room(path)
+    write_output(picture, landscape_svg(content, title(found, content)))
+    write_output(table or folder / "landscape.csv", landscape_csv(found, content))
+    click.echo(landscape_text(found, content))
+    click.echo(f"picture: {picture}\ntable:   {table or folder / 'landscape.csv'}")
+    return 0
+
+
+def _told(done: int, count: int) -> None:
+    """Progress: a line that is overwritten, on a terminal only."""
+    if sys.stderr.isatty():
+        click.echo(f"\r{done} of {count} points", err=True, nl=done == count)
+
+
+def _make_room(path: Path) -> None:
+    """Make the folder of a file."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageFault(f"{path.parent}: {error.strerror}") from None

@@ -1,0 +1,99 @@
+"""The command that searches for a robot: ``synth``."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from pathlib import Path
+
+import click
+
+from srgc.arguments import FILE
+from srgc.exit_status import VERDICT_STATUS
+from srgc.session import UsageFault, chosen, program_of, refuse_cycles, refuse_unsupported
+
+
+def _finite(
+    _context: click.Context, parameter: click.Parameter, value: float | None
+) -> float | None:
+    """Refuse nan, which every comparison lets through."""
+    if value is not None and math.isnan(value):
+        raise click.BadParameter("a number of seconds is due", param=parameter)
+    return value
+
+
+@click.command()
+@FILE
+@click.option("--task", help="The task, where the file has several.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Default: out/TASK.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
+@click.option(
+    "--cluster", metavar="ADDRESS", help="Search on the workers of this Dask scheduler instead."
+)
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(0, sys.float_info.max, min_open=True),
+    callback=_finite,
+    help="Seconds.",
+)
+@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
+@click.option(
+    "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
+)
+@click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
+@click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default), or another.")
+@click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
+@click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
+def synth(
+    file: Path,
+    task: str | None,
+    output: Path | None,
+    seed: int,
+    jobs: int | None,
+    cluster: str | None,
+    time_limit: float | None,
+    cells: int | None,
+    every: bool,  # noqa: FBT001
+    solver: str | None,
+    search: str | None,
+    as_json: bool,  # noqa: FBT001
+    force: bool,  # noqa: FBT001
+) -> int:
+    """Find a robot and prove it, or prove that there is none.
+
+    Exit 0 found, 3 impossible, 4 unknown.
+    """
+    if jobs is not None and cluster is not None:
+        raise UsageFault("--jobs does not go with --cluster, which has its own workers")
+    from solvers.execution.one_thread import ONE_THREAD
+
+    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    program = program_of(file)
+    chosen_task = chosen(program.tasks, task, "task")
+    refuse_cycles(program, program.grammars[chosen_task.grammar])
+    refuse_unsupported(program, chosen_task)
+    from srgc.named_search import named_search
+    from srgc.named_solver import named_solver
+    from srgc.reconfiguration_report import change_of
+    from srgc.synthesis_report import synthesis_text
+    from srgc.synthesis_run import SynthesisOptions, run_synthesis
+
+    folder = output or Path("out") / chosen_task.name
+    options = SynthesisOptions(
+        folder, seed, jobs or 1, time_limit, force, as_json, cells, cluster, every,
+        named_solver(solver), named_search(search),
+    )  # fmt: skip
+    result = run_synthesis(file, program, chosen_task, options)
+    table = ""
+    if result.designs and every:
+        from srgc.pareto_table import pareto_rows, pareto_text
+
+        table = pareto_text(pareto_rows(result, program, chosen_task), result.ended)
+    if as_json:
+        click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)
+    else:
+        change = change_of(program, chosen_task, result.design)
+        click.echo(synthesis_text(result, str(folder), table, change))
+    return VERDICT_STATUS[result.verdict]
