@@ -24,6 +24,7 @@ from solvers.claims.certificate import (
     exact_decimal,
     to_text,
 )
+from solvers.claims.effort_check import square_root
 from solvers.claims.formula_agreement import satisfied_formulas
 from solvers.conclusion import StructureRecord
 from solvers.design import Design
@@ -37,13 +38,15 @@ def proof_name(index: int) -> str:
 
 
 def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
-    """Peak effort and robustness as exact decimals (rounded towards caution for a norm)."""
+    """Peak effort and robustness as exact decimals; the norm of inputs that is none is rounded."""
     peak, margins = Fraction(0), list[Fraction]()
     inputs = [tuple(Fraction(text) for text in row) for row in design.inputs]
     for bound in input_bounds(design.model, task):
         if bound.norm2:
             squares = [sum((row[i] ** 2 for i in bound.inputs), Fraction(0)) for row in inputs]
-            largest = Fraction(decimal(float(max(squares)) ** 0.5))
+            largest = square_root(max(squares))
+            if largest**2 != max(squares):
+                largest = Fraction(decimal(float(largest)))
             margins.append(bound.upper - largest)
         else:
             largest = max(abs(row[i]) for row in inputs for i in bound.inputs)

@@ -68,7 +68,7 @@ def _held(bound: InputBound, motion: Motion) -> _Held:
     if bound.norm2:
         squares = [sum((row[i] ** 2 for i in bound.inputs), Fraction(0)) for row in motion.inputs]
         square = max(squares)
-        root = _square_root(square)
+        root = square_root(square)
         holds, margin = square <= bound.upper**2, bound.upper - root
         return _Held(holds, margin, squares.index(square), root, root**2 == square)
     margins = [bound.margin(row) for row in motion.inputs]
@@ -86,7 +86,7 @@ def _states(stated: Fraction, true: Fraction, *, exactly: bool) -> bool:
     return stated == true if exactly else abs(stated - true) <= NOT_A_DECIMAL
 
 
-def _square_root(value: Fraction) -> Fraction:
+def square_root(value: Fraction) -> Fraction:
     """The square root, exact where rational, else rounded up far below any margin."""
     scale = 10**60
     return Fraction(
