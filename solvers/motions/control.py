@@ -46,9 +46,11 @@ NEEDED = 1e-6
 """Fictitious inputs beyond this part of the effort bound were needed."""
 STUCK = 0.9
 """A step that leaves more of the unavoidable violation than this has hardly helped."""
-PATIENCE = 3
+PATIENCE = 2
 LANDED = 1e-10
 """A defect in SI at which no landing is needed."""
+NEAR = 0.1
+"""Metres up to which a seed that breaks its half-planes is tried without fictitious inputs."""
 NOT_FINITE = "not finite"
 CONVEX_STEP = "convex step"
 """The status begins so where a convex step was not solved last."""
@@ -196,7 +198,8 @@ def synthesise_control(
         return _hopeless(problem, start)
     question = StepQuestion(problem.limits, problem.groups, theta_box, weights or Weights())
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
-    iteration = _Iteration(problem, step, effort, region, current)
+    # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
+    iteration = _Iteration(problem, step, effort, region, current, fictitious=current.excess > NEAR)
     iteration.run()
     return _outcome(problem, iteration.current, iteration.used, iteration.status)
 

@@ -95,7 +95,7 @@ class Separation:
         return first, first + 1
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PositionPlan:
     """All that binds positions; ``margin`` (m) shrinks dwells and widens separations.
 
@@ -113,7 +113,7 @@ class PositionPlan:
 
     def rows(self, positions: Array) -> PositionRows:
         """The half-planes about reference positions of shape (k + 1, m, d)."""
-        parts = [self._dwell(dwell) for dwell in self.dwells]
+        parts = list(self._dwell_rows)
         about = self._anchored(positions)
         near = self._near(about)
         parts += [self._separate(separation, about, *spans) for separation, spans in near]
@@ -124,6 +124,11 @@ class PositionPlan:
             np.concatenate([part[i] for part in parts]) for i in range(4)
         )
         return PositionRows(sample, point, normal, offset)
+
+    @cached_property
+    def _dwell_rows(self) -> tuple[tuple[Indices, Indices, Array, Array], ...]:
+        """The half-planes of the dwells, which are those of the sets wherever the reference is."""
+        return tuple(self._dwell(dwell) for dwell in self.dwells)
 
     def _anchored(self, positions: Array) -> Array:
         """The reference with the anchored point brought back where it has left its dwells."""
