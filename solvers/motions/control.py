@@ -43,10 +43,9 @@ CHEAPER = 0.3
 FREE_STEPS = 2
 """Steps that are taken whatever their defects, to get away from the seed."""
 NEEDED = 1e-6
-"""Fictitious inputs beyond this part of the effort bound were needed."""
+"""Steps that concede more than this, relative to the effort bound or in metres, need help."""
 STUCK = 0.9
 """A step that leaves more of the unavoidable violation than this has hardly helped."""
-PATIENCE = 2
 LANDED = 1e-10
 """A defect in SI at which no landing is needed."""
 NEAR = 0.1
@@ -149,10 +148,10 @@ class _Iteration:
         conceded = _conceded(result, scale)
         self.stuck = self.stuck + 1 if conceded > STUCK * self.conceded > STUCK * NEEDED else 0
         self.conceded, self.margin = conceded, result.margin
-        self.fictitious = result.largest_fictitious > NEEDED * scale
+        self.fictitious = conceded > NEEDED
         if conceded > DEFECT:
             self.status = "violations remain"
-            return self.stuck >= PATIENCE
+            return self.stuck > self.effort.quiet
         self.status = "fixpoint"
         if abs(gained) >= self.effort.tolerance or trial.infeasibility(scale) >= FUNNEL:
             self.quiet = 0

@@ -48,7 +48,8 @@ class Effort:
 
     A landing is a convex step that hardly moves: it leaves defects of second order only.  The
     iteration ends when so many steps in a row have gained nothing (``quiet``), moves being cheaper
-    from one to the next: while they are dear, a small gain says little.
+    from one to the next: while they are dear, a small gain says little.  With violations that
+    remain, it ends after one more.
     """
 
     iterations: int
