@@ -46,8 +46,10 @@ NEEDED = 1e-6
 """Steps that concede more than this, relative to the effort bound or in metres, need help."""
 STUCK = 0.9
 """A step that leaves more of the unavoidable violation than this has hardly helped."""
-LANDED = 1e-10
+LANDED = 1e-9
 """A defect in SI at which no landing is needed."""
+COARSE = 1e-5
+"""The accuracy of programs whose steps cause larger errors themselves; landings have the full."""
 NEAR = 0.1
 """Metres up to which a seed that breaks its half-planes is tried without fictitious inputs."""
 NOT_FINITE = "not finite"
@@ -90,7 +92,7 @@ class _Iteration:
     def advance(self) -> bool:
         """One convex step; whether another one is due."""
         self.used += 1
-        result = self.solved(self.region)
+        result = self.solved(self.region, max(COARSE, self.effort.accuracy))
         if result is None:
             return self.region.radius >= SMALLEST_RADIUS
         trial = measured(self.problem, result.trajectory)
@@ -102,12 +104,10 @@ class _Iteration:
         self.adapt(trial, gained)
         return not self.ended(result, trial, gained)
 
-    def solved(self, region: TrustRegion) -> StepResult | None:
+    def solved(self, region: TrustRegion, accuracy: float) -> StepResult | None:
         """The convex step about where we are; what is tried next changes where there is none."""
         at = self.current
-        result = self.step.solve(
-            at.model, at.rows, region, self.effort.accuracy, fictitious=self.fictitious
-        )
+        result = self.step.solve(at.model, at.rows, region, accuracy, fictitious=self.fictitious)
         if isinstance(result, StepResult):
             return result
         self.status = f"{CONVEX_STEP}: {result.text}"
@@ -167,7 +167,7 @@ class _Iteration:
         for _ in range(self.effort.landings):
             if self.current.defect <= LANDED:
                 break
-            result = self.solved(region)
+            result = self.solved(region, self.effort.accuracy)
             trial = None if result is None else measured(self.problem, result.trajectory)
             if trial is None:
                 break
