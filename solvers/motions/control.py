@@ -29,12 +29,16 @@ from solvers.motions.trajectory import Trajectory
 SMALLEST_RADIUS = 1e-4
 PROXIMAL = 2e-4
 CHEAPEST, DEAREST = 1e-5, 10.0
-"""The range of the price of moves, per rad^2 or m^2 and sample."""
+"""The range of the price of moves, per rad^2 or m^2."""
+SAMPLES = 100
+"""The price is that of so many samples that move alike, whatever the grid."""
 LANDING = 100.0
 """The price of moves in a landing."""
 FUNNEL = 0.05
 """Defects up to this part of the effort bound are taken for good steps' own."""
 SINKING = 0.9
+SMALL = 1e-4
+"""Gains below this part of the effort bound are small."""
 PRICES = ((0.2, 0.25), (1.0, 0.5), (4.0, 2.0))
 DEARER = 4.0
 """By how much the price of moves changes where defects are so many times their level; else."""
@@ -79,6 +83,7 @@ class _Iteration:
     fictitious: bool = True
     stuck: int = 0
     quiet: int = 0
+    level: float = FUNNEL
     conceded: float = np.inf
     margin: float = -np.inf
 
@@ -130,11 +135,13 @@ class _Iteration:
         self.region = TrustRegion(self.region.radius / 2, dearer)
 
     def adapt(self, after: MeasuredMotion, gained: float) -> None:
-        """Price moves so that their defects come down to a level that sinks from step to step.
+        """Price moves so that their defects come down to a level that sinks as gains get small.
 
         A step that loses was too long.
         """
-        level = max(DEFECT, FUNNEL * SINKING**self.used)
+        if gained < SMALL:
+            self.level = max(DEFECT, SINKING * self.level)
+        level = self.level
         caused = after.infeasibility(self.problem.scale)
         factor = next((f for times, f in PRICES if caused <= times * level), DEARER)
         if self.used > FREE_STEPS and gained < -self.effort.tolerance:
