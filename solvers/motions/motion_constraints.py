@@ -8,14 +8,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from compiler.discretisation.float_reading import FloatReading
 from compiler.geometry.abstraction import Abstraction
+from compiler.geometry.polytope import polytope_of
 from compiler.robots.robot import RobotModel
 from compiler.specifications.obligations import Obligation
 from grammar_lang import ir
 from solvers.motions.avoidances import Avoidances, convex_set
 from solvers.motions.path_timing import Entries
 from solvers.motions.position_rows import ConvexSet, Dwell, Separation
+
+CELL_SHARE = 0.25
+"""The part of the margin that samples keep from the facets between cells of the path."""
+ON_FACET = 1e-9
+"""Metres, and cosines of angles, up to which two facets are one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +68,14 @@ class MotionConstraints:
         k = self.task.steps
         stays = [(self.cells[0], 0, 0)] if self.starts_in_its_cell else []
         stays.append((self.cells[-1], k, k))
-        if entries is not None:
-            ends = [*(entry - 1 for entry in entries[1:]), k]
-            stays = list(zip(self.cells, entries, ends, strict=True))
         found = [
             Dwell(self.effector, first, last, convex_set(self.abstraction.cells[cell].polytope))
             for cell, first, last in stays
         ]
+        if entries is not None:
+            ends = [*(entry - 1 for entry in entries[1:]), k]
+            path = zip(self.cells, entries, ends, strict=True)
+            found += [self._stay(cell, first, last) for cell, first, last in path]
         found += self._within_bounds(with_own=entries is None)
         found += self._ends()
         found += [
@@ -75,6 +84,18 @@ class MotionConstraints:
             if item.inside
         ]
         return tuple(found)
+
+    def _stay(self, cell: int, first: int, last: int) -> Dwell:
+        """A stay in a cell of the path, near enough to the facets that it is entered through.
+
+        Only samples lie in cells, for the proof; the bounds hold all the time.
+        """
+        region = convex_set(self.abstraction.cells[cell].polytope)
+        bounds = convex_set(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
+        alike = region.normals @ bounds.normals.T > 1 - ON_FACET
+        level = np.abs(region.offsets[:, None] - bounds.offsets) < ON_FACET
+        shares = np.where(np.any(alike & level, axis=1), 1.0, CELL_SHARE)
+        return Dwell(self.effector, first, last, region, shares)
 
     def _within_bounds(self, *, with_own: bool) -> Iterator[Dwell]:
         """Effectors, and bodies where the task says so, stay inside the bounds."""

@@ -62,12 +62,16 @@ class ConvexSet:
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """A point stays in a convex set at the samples ``first`` to ``last`` (included)."""
+    """A point stays in a convex set at the samples ``first`` to ``last`` (included).
+
+    ``shares`` (m,) says what part of the margin is kept from each facet; None: all of it.
+    """
 
     point: int
     first: int
     last: int
     region: ConvexSet
+    shares: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +154,8 @@ class PositionPlan:
         sample = np.repeat(np.arange(dwell.first, dwell.last + 1), facets)
         point = np.full(samples * facets, dwell.point)
         normal = np.tile(region.normals, (samples, 1))
-        return sample, point, normal, np.tile(region.offsets - self.margin, samples)
+        margins = self.margin if dwell.shares is None else self.margin * dwell.shares
+        return sample, point, normal, np.tile(region.offsets - margins, samples)
 
     def _near(self, positions: Array) -> list[tuple[Separation, tuple[Indices, Indices]]]:
         """The separations with the spans of samples that they bind.

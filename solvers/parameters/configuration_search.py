@@ -26,7 +26,7 @@ from solvers.parameters.searches.registry import DEFAULT, SEARCHES
 from solvers.parameters.solve_request import SolveRequest
 from solvers.progress import Conduct
 
-EVALUATIONS = 14
+EVALUATIONS = 12
 """Parameters that are evaluated for a path, shorter robots' not counted."""
 BATCH = 2
 BASINS = 4
