@@ -39,7 +39,8 @@ def workspace_figure(
     reading = FloatReading(robot_graph(design.model, task.gravity))
     points = reading.points(trajectory.x[:, :n], trajectory.theta).value[..., :2]
     with mpl.rc_context(SETTINGS):
-        figure = Figure(figsize=(6.6, 6.2), layout="constrained")
+        figure = Figure(figsize=(6.6, 6.2))
+        figure.subplots_adjust(left=0.09, right=0.98, bottom=0.08, top=0.92)
         FigureCanvasSVG(figure)
         axes = figure.add_subplot()
         _draw_cells(axes, result, design)
@@ -194,7 +195,11 @@ def input_figure(design: Design, task: ir.Task) -> str:
     time: Array = np.arange(task.steps + 1, dtype=np.float64) * float(task.step)
     with mpl.rc_context(SETTINGS):
         bounds = input_bounds(design.model, task)
-        figure = Figure(figsize=(7.2, 2.6 * max(1, len(bounds)) + 0.6), layout="constrained")
+        height = 2.6 * max(1, len(bounds)) + 0.6
+        figure = Figure(figsize=(7.2, height))
+        figure.subplots_adjust(
+            left=0.11, right=0.98, bottom=0.5 / height, top=1 - 0.35 / height, hspace=0.3
+        )
         FigureCanvasSVG(figure)
         panels = figure.subplots(max(1, len(bounds)), 1, squeeze=False)[:, 0]
         for axes, bound in zip(panels, bounds, strict=False):
