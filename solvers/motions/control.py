@@ -36,7 +36,7 @@ LANDING = 100.0
 """The price of moves in a landing."""
 FUNNEL = 0.05
 """Defects up to this part of the effort bound are taken for good steps' own."""
-SINKING = 0.9
+SINKING = 0.7
 SMALL = 1e-4
 """Gains below this part of the effort bound are small."""
 PRICES = ((0.2, 0.25), (1.0, 0.5), (4.0, 2.0))
@@ -160,7 +160,7 @@ class _Iteration:
             self.status = "violations remain"
             return self.stuck > self.effort.quiet
         self.status = "fixpoint"
-        if abs(gained) >= self.effort.tolerance or trial.infeasibility(scale) >= FUNNEL:
+        if abs(gained) >= self.effort.tolerance or trial.infeasibility(scale) >= self.effort.calm:
             self.quiet = 0
             return False
         self.quiet += 1

@@ -48,7 +48,8 @@ class Effort:
 
     A landing is a convex step that hardly moves: it leaves defects of second order only.  The
     iteration ends when so many steps in a row have gained nothing (``quiet``), moves being cheaper
-    from one to the next: while they are dear, a small gain says little.  With violations that
+    from one to the next: while they are dear, a small gain says little.  Nor is it the end while
+    steps cause defects beyond ``calm``, relative to the effort bound.  With violations that
     remain, it ends after one more.
     """
 
@@ -57,9 +58,10 @@ class Effort:
     accuracy: float
     landings: int
     quiet: int = 1
+    calm: float = 0.05
 
 
-FULL = Effort(60, 1e-5, 1e-9, 6, 2)
+FULL = Effort(60, 1e-5, 1e-9, 6, 2, 2e-3)
 SURVEY = Effort(8, 2e-3, 1e-6, 2)
 """Enough to compare parameters with each other."""
 
