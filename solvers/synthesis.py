@@ -99,6 +99,8 @@ class _Run:
     samples: list[PathSamples] = field(default_factory=list[PathSamples])
     in_vain: int = 0
     stopped: str | None = None
+    search: StructureSearch | None = None
+    """The search that is under way."""
 
     # --- structures -----------------------------------------------------------------------------
 
@@ -181,12 +183,14 @@ class _Run:
             self.program, self.task, self.conduct, self.abstraction, self.formula, self.counts,
             derivation, ahead.reading(candidate), candidate.number, key, inherited,
         )  # fmt: skip
+        self.search = search
         try:
             design, reason = self.motion(search, self.effectors(model, answer))
         finally:
             self.samples += search.samples
         design, lack = handed_on(search, design)
         self.remember(search, model, design)
+        self.search = None
         if design is None:
             self.in_vain += 1
             self.record(derivation, "unresolved", reason + lack)
@@ -259,10 +263,21 @@ def synthesise(
     try:
         run.structures()
     except OutOfTimeError:
-        return _result(run, "unknown", OUT_OF_TIME, cells, unfinished=True)
+        reason = OUT_OF_TIME + _under_way(run.search)
+        return _result(run, "unknown", reason, cells, unfinished=True)
     if run.designs:
         return _result(run, "found", None, cells)
     return _result(run, *conclude(run.records, family, task, run.stopped), cells)
+
+
+def _under_way(search: StructureSearch | None) -> str:
+    """What the time limit interrupted, to follow its name."""
+    if search is None:
+        return ""
+    word = " ".join(search.derivation.word)
+    if search.top is None or search.top[0] < 0:
+        return f" while a motion of {word} was searched"
+    return f" while a motion of {word}, of robustness {search.top[0]:.4g}, was proved or improved"
 
 
 def _result(

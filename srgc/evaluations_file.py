@@ -54,6 +54,8 @@ def last_samples(path: Path, structure: int, names: Sequence[str]) -> tuple[Samp
         rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
     except FileNotFoundError:
         return ()
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} is no table of evaluations") from None
     try:
         own = [row for row in rows if int(row["structure"]) == structure]
         last = max((int(row["path"]) for row in own), default=0)

@@ -71,6 +71,8 @@ def landscape(
     picture = output or folder / "figures" / "landscape.svg"
     if picture.suffix.lower() != ".svg":
         raise UsageFault(f"{picture}: a landscape is drawn as SVG; let the name end in .svg")
+    if table is not None and table.resolve() == picture.resolve():
+        raise UsageFault(f"{picture} cannot be the picture and the table")
     found = found_design(folder)
     record = found_record(folder, found)
     request = LandscapeRequest(over, ranges, points, marks, labels)

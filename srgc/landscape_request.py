@@ -71,6 +71,8 @@ def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
     if len(chosen) > 2 or len(set(chosen)) < len(chosen):
         raise UsageFault("--over names one parameter, or two different ones")
     ranges = dict(_range(text) for text in request.ranges)
+    if len(ranges) < len(request.ranges):
+        raise UsageFault("--range is given twice for one parameter")
     for name in (*chosen, *ranges):
         if name not in named:
             raise UsageFault(f"the robot has no parameter `{name}`: it has {', '.join(named)}")
@@ -130,6 +132,8 @@ def _axis(
     low, high = _ends(parameter.domain)
     name = parameter_name(parameter)
     first, last = (low, high) if asked is None else asked
+    if not first < last:
+        raise UsageFault(f"--range {name}={first:g}:{last:g}: the lower end comes first")
     if not low <= first < last <= high:
         raise UsageFault(f"--range {name}={first:g}:{last:g} is not within [{low:g}, {high:g}]")
     if isinstance(parameter.domain, ir.Choices):

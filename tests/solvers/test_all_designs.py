@@ -71,3 +71,17 @@ def test_out_of_time_before_the_first_design_is_unknown(tmp_path: Path) -> None:
     result = search(program, Conduct(out_of_time=out_of_time), every=True)
     assert (result.verdict, result.designs, result.unfinished) == ("unknown", (), True)
     assert result.reason == "the time limit was reached"
+
+
+def test_out_of_time_says_what_was_under_way(tmp_path: Path) -> None:
+    asked = 0
+
+    def out_of_time() -> bool:
+        nonlocal asked
+        asked += 1
+        return asked > 4
+
+    program = program_of(tmp_path, extended_arm("[0, 1]"))
+    result = search(program, Conduct(out_of_time=out_of_time), every=True)
+    assert result.verdict == "unknown"
+    assert str(result.reason).startswith("the time limit was reached while a motion of B eps JO")
