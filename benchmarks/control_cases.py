@@ -22,7 +22,6 @@ from compiler.languages.structures import derivations_of
 from compiler.planning.specification import planning_problem
 from compiler.semantics.family import family_of
 from grammar_lang.load import load_text
-from solvers.backends.verdict import Holds
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import ControlOutcome, ControlProblem
 from solvers.motions.linear_model import PositionRows
@@ -31,6 +30,7 @@ from solvers.motions.path_timing import Entries
 from solvers.motions.seed_choice import hopeful
 from solvers.motions.trajectory import Trajectory
 from solvers.planner import Planner
+from solvers.verifier.verdict import Holds
 from srgc.session import check_loaded
 
 SPEC = Path(__file__).resolve().parents[1] / "specs" / "planar_arm.srg"

@@ -40,8 +40,8 @@ class Peer:
 def ours(world: World, formula: Any = None) -> tuple[list[int], tuple[int, ...] | None]:
     """The cells in order, and when they are entered."""
     from compiler.planning.specification import PlannedEffector, PlanningProblem
-    from solvers.backends.verdict import Holds
     from solvers.planner import Planner
+    from solvers.verifier.verdict import Holds
 
     none: frozenset[str] = frozenset()
     marked = {} if formula is None else marks(world)

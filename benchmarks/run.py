@@ -54,13 +54,13 @@ def measure_convex_step(runs: int) -> list[Line]:
     from compiler.languages.structures import derivations_of
     from compiler.planning.specification import planning_problem
     from compiler.semantics.family import family_of
-    from solvers.backends.verdict import Holds
     from solvers.motions.convex_step import ConvexStep
     from solvers.motions.measured_motion import measured
     from solvers.motions.path_following import Follower
     from solvers.motions.reference_step import ReferenceStep
     from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
     from solvers.planner import Planner
+    from solvers.verifier.verdict import Holds
     from srgc.session import program_of
 
     program = program_of(SPEC)
@@ -94,10 +94,10 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
     from compiler.arithmetic.balls import working_precision
     from compiler.geometry.abstraction import abstract
     from compiler.semantics.family import family_of
-    from solvers.claims.certificate import FoundClaim, from_text
-    from solvers.proofs.enclosure import TubeSegment, tube
-    from solvers.proofs.trajectory_proof import Motion, prove_motion, scene_of
-    from solvers.proofs.tube_checks import Status
+    from solvers.verifier.claims.certificate import FoundClaim, from_text
+    from solvers.verifier.proofs.enclosure import TubeSegment, tube
+    from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
+    from solvers.verifier.proofs.tube_checks import Status
     from srgc.session import program_of
 
     claim = from_text((folder / "certificate.json").read_text(encoding="utf-8"))
@@ -122,7 +122,7 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
         asked.append(arguments)
         return tube(*arguments)
 
-    with mock.patch("solvers.proofs.trajectory_proof.tube", recorded):
+    with mock.patch("solvers.verifier.proofs.trajectory_proof.tube", recorded):
         findings = prove_motion(scene, motion)
     if not findings or any(finding.status is not Status.HOLDS for finding in findings):
         raise SystemExit(f"{folder}: the motion is not proved")

@@ -17,12 +17,12 @@ from compiler.geometry.abstraction import abstract
 from compiler.planning.specification import planning_problem
 from compiler.semantics.family import family_of
 from grammar_lang.load import load
-from solvers.backends.verdict import Holds
 from solvers.design_follower import PathTask
 from solvers.motions.path_following import Follower
 from solvers.parameters.evaluation import evaluate
 from solvers.parameters.parameter_space import ParameterSpace, parameter_space
 from solvers.planner import Planner
+from solvers.verifier.verdict import Holds
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from compiler.geometry.abstraction import Abstraction
 from compiler.grammars.derivation import Derivation
 from compiler.robots.parameter_values import stated_value
 from compiler.robots.robot import RobotModel
-from solvers.claims.certificate import ParameterClaim
 from solvers.parameters.configuration_search import Configuration
-from solvers.proofs.finding import Finding
-from solvers.proofs.trajectory_proof import Motion
+from solvers.verifier.claims.certificate import ParameterClaim
+from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.trajectory_proof import Motion
 
 
 @dataclass(frozen=True, slots=True)

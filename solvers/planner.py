@@ -14,7 +14,7 @@ from typing import TypeAlias
 from compiler.planning.plan_encoding import plan_encoding
 from compiler.planning.specification import PlanningProblem
 from solvers.backends.sat import SatSolver
-from solvers.backends.verdict import Fails, Holds, Unknown
+from solvers.verifier.verdict import Fails, Holds, Unknown
 
 CONFLICTS = 200_000
 

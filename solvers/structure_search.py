@@ -18,8 +18,6 @@ from compiler.grammars.derivation import Derivation
 from compiler.planning.specification import PlanningProblem, planning_problem
 from compiler.specifications.word_formula import SampledFormula
 from grammar_lang import ir
-from solvers.backends.verdict import Holds, Unknown
-from solvers.claims.certificate import ParameterClaim, decimal
 from solvers.design import Design, motion_of
 from solvers.design_follower import PathTask
 from solvers.inheritance import Inherited
@@ -42,8 +40,10 @@ from solvers.parameters.sample import PathSamples
 from solvers.parameters.standing_robot import standing_configurations
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.progress import Conduct
-from solvers.proofs.trajectory_proof import prove_motion, scene_of
-from solvers.proofs.tube_checks import Status
+from solvers.verifier.claims.certificate import ParameterClaim, decimal
+from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
+from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.verdict import Holds, Unknown
 
 PLANS = (6, 3)
 """How many plans are tried, and how many after each cut of a cell."""

@@ -24,8 +24,6 @@ from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.task_formula import recorded_effector
 from compiler.specifications.word_formula import SampledFormula, every
 from grammar_lang import ir
-from solvers.claims.certificate import SeparationClaim
-from solvers.claims.disconnection import disconnected, separation_text
 from solvers.conclusion import (
     DEFAULT_DESIGNS,
     MOTION_SEARCHES,
@@ -41,8 +39,10 @@ from solvers.inheritance import Inheritance, Searched
 from solvers.look_ahead import LookAhead
 from solvers.parameters.sample import PathSamples
 from solvers.progress import Conduct, OutOfTimeError
+from solvers.refutation.disconnection import disconnected, separation_text
 from solvers.refutation.structure_refutation import Refutation
 from solvers.structure_search import StructureSearch
+from solvers.verifier.claims.certificate import SeparationClaim
 
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
 OUT_OF_TIME = "the time limit was reached"

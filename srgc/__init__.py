@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from grammar_lang.ir import Program
     from solvers.synthesis import Synthesis
-    from solvers.verifier import Report
+    from solvers.verifier.verification import Report
 
 __all__ = ["graph", "load", "synthesise", "verify"]
 
@@ -108,6 +108,6 @@ def verify(
     folder: str | Path, *, spec: str | Path | None = None, trust: str | None = None
 ) -> Report:
     """Check a result folder independently of the search (see ``solvers.verifier``)."""
-    from solvers.verifier import verify_directory
+    from solvers.verifier.verification import verify_directory
 
     return verify_directory(Path(folder), None if spec is None else Path(spec), trust)

@@ -244,7 +244,7 @@ def plan(
 @click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
 def verify(folder: Path, spec: Path | None, trust: str | None) -> int:
     """Check a result independently.  Exit 0 valid, 1 refuted, 4 undecided."""
-    from solvers.verifier import Outcome, verify_directory
+    from solvers.verifier.verification import Outcome, verify_directory
     from srgc.verification_report import verification_text
 
     if not folder.is_dir():

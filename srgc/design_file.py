@@ -14,7 +14,10 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
-from solvers.claims.certificate import (
+from solvers.conclusion import StructureRecord
+from solvers.design import Design
+from solvers.synthesis import Synthesis
+from solvers.verifier.claims.certificate import (
     FoundClaim,
     ImpossibleClaim,
     SeparationClaim,
@@ -24,11 +27,8 @@ from solvers.claims.certificate import (
     exact_decimal,
     to_text,
 )
-from solvers.claims.effort_check import square_root
-from solvers.claims.formula_agreement import satisfied_formulas
-from solvers.conclusion import StructureRecord
-from solvers.design import Design
-from solvers.synthesis import Synthesis
+from solvers.verifier.claims.effort_check import square_root
+from solvers.verifier.claims.formula_agreement import satisfied_formulas
 from srgc.result_folder import Identity
 
 

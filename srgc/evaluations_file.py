@@ -7,8 +7,8 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from solvers.claims.certificate import decimal
 from solvers.parameters.sample import PathSamples, Sample
+from solvers.verifier.claims.certificate import decimal
 
 FIXED = ("structure", "path", "rho", "feasible")
 

@@ -16,8 +16,8 @@ from compiler.robots.state_and_input import robot_inputs
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import family_of
 from grammar_lang import ir
-from solvers.claims.certificate import CertificateError, FoundClaim, exact, from_text
-from solvers.claims.spec_copy import read_copy
+from solvers.verifier.claims.certificate import CertificateError, FoundClaim, exact, from_text
+from solvers.verifier.claims.spec_copy import read_copy
 from srgc.session import UsageFault
 
 

@@ -13,8 +13,8 @@ from compiler.geometry.refinement import Cut
 from compiler.maps.map_fault import MapFault
 from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
-from solvers.claims.certificate import CertificateError, exact_cuts
-from solvers.claims.design_agreement import disagreement
+from solvers.verifier.claims.certificate import CertificateError, exact_cuts
+from solvers.verifier.claims.design_agreement import disagreement
 from srgc.found_design import FoundDesign
 from srgc.session import UsageFault
 

@@ -19,7 +19,6 @@ import numpy as np
 from compiler.discretisation.float_reading import Array, FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.maps.obstacle_pieces import expanded
-from solvers.claims.certificate import decimal, exact
 from solvers.design_follower import PathTask
 from solvers.execution.workers import Workers
 from solvers.motions.control_problem import ControlOutcome
@@ -29,6 +28,7 @@ from solvers.parameters.evaluation import Evaluator
 from solvers.parameters.sample import Sample
 from solvers.parameters.solve_request import SolveRequest
 from solvers.synthesis import task_on_samples
+from solvers.verifier.claims.certificate import decimal, exact
 from srgc.evaluations_file import last_samples
 from srgc.found_design import FoundDesign
 from srgc.found_record import FoundRecord

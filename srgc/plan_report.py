@@ -14,9 +14,9 @@ from compiler.planning.specification import PlanningProblem, planning_problem
 from compiler.specifications.task_formula import recorded_effector
 from compiler.specifications.word_formula import holds
 from grammar_lang import ir
-from solvers.backends.verdict import Holds, Unknown
 from solvers.motions.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
+from solvers.verifier.verdict import Holds, Unknown
 
 Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]
 """An effector, its cells, and the samples at which it enters them."""

@@ -11,11 +11,11 @@ from pathlib import Path
 
 from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
-from solvers.claims.certificate import spec_digest
-from solvers.claims.spec_copy import files_of
 from solvers.execution.workers import Workers
 from solvers.progress import Conduct
 from solvers.synthesis import Proved, Synthesis, synthesise
+from solvers.verifier.claims.certificate import spec_digest
+from solvers.verifier.claims.spec_copy import files_of
 from srgc.design_file import certificate_text, design_text, proof_name, trajectory_csv
 from srgc.evaluations_file import evaluations_csv
 from srgc.progress_display import progress

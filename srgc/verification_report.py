@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import isfinite
 
-from solvers.proofs.finding import Finding
-from solvers.verifier import Outcome, Report
+from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.verification import Outcome, Report
 
 LEAST_WIDTH = 34
 """Of the column of names."""

@@ -99,7 +99,7 @@ def test_the_verifier_loads_no_searcher(made, spec):
     folder = made(spec) / "out"
     loaded = loaded_after(
         "from pathlib import Path\n"
-        "from solvers.verifier import verify_directory\n"
+        "from solvers.verifier.verification import verify_directory\n"
         f"report = verify_directory(Path({str(folder)!r}), trust='z3')\n"
         "assert report.outcome.value == 'valid', report"
     )

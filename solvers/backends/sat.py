@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pysat.solvers import Cadical195
 
-from solvers.backends.verdict import Fails, Holds, Reason, Unknown, Verdict
+from solvers.verifier.verdict import Fails, Holds, Reason, Unknown, Verdict
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import z3
 
-from solvers.backends.verdict import Fails, Holds, Reason, Unknown, Verdict
+from solvers.verifier.verdict import Fails, Holds, Reason, Unknown, Verdict
 
 LOGIC = "QF_NRA"
 # Refuted structures of the test suite took 2,000 to 270,000 units (milliseconds); one unit can

@@ -17,10 +17,10 @@ from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.backends.smt import RESOURCES, solve_script
-from solvers.backends.verdict import Fails
 from solvers.progress import Conduct
 from solvers.refutation.clear_poses import clear_poses
 from solvers.refutation.pose_search import PoseWitness, find_poses
+from solvers.verifier.verdict import Fails
 
 REFUTED = 1.0
 BOTH_POSES = 400_000

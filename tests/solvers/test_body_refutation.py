@@ -17,12 +17,12 @@ from compiler.languages.structures import structures
 from compiler.robots.robot import RobotModel
 from compiler.semantics.family import family_of
 from grammar_lang import ir
-from solvers.claims.certificate import ImpossibleClaim, StructureClaim
-from solvers.claims.impossibility_check import check_impossible
 from solvers.progress import Conduct
 from solvers.refutation import structure_refutation
 from solvers.refutation.clear_poses import clear_poses
 from solvers.refutation.structure_refutation import Refutation, refute_structure
+from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
+from solvers.verifier.refutations.impossibility_check import check_impossible
 from tests.oracles.formulas import program, spec
 
 START, TARGET, BOTH = ("start",), ("target",), ("start", "target")

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grammar_lang import ir
-from solvers.claims.certificate import (
+from solvers.verifier.claims.certificate import (
     CertificateError,
     FoundClaim,
     ImpossibleClaim,

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from compiler.geometry.abstraction import abstract
-from solvers.claims.certificate import ImpossibleClaim, SeparationClaim, from_text, to_text
-from solvers.claims.disconnection import disconnected, misstated_separation, separation_text
-from solvers.verifier import Outcome, verify_directory
+from solvers.refutation.disconnection import disconnected, separation_text
+from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, from_text, to_text
+from solvers.verifier.refutations.separation_check import misstated_separation
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.formulas import TWO_ARMS, program, spec
 

@@ -17,7 +17,7 @@ from compiler.arithmetic.balls import ball, constant_ball, working_precision
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.dynamics.tape import tape
 from compiler.robots.robot import WORLD
-from solvers.proofs.enclosure import (
+from solvers.verifier.proofs.enclosure import (
     Accuracy,
     EnclosureFailure,
     TubeSegment,

@@ -16,14 +16,14 @@ import pytest
 import z3
 from pysat.solvers import Cadical195
 
-import solvers.backends.smt_subprocess
+import solvers.verifier.refutations.z3_process
 from grammar_lang.load import load
 from solvers.backends.conic import Status
 from solvers.execution.process_pool import ProcessPool
 from solvers.execution.workers import WorkersLostError
 from solvers.progress import Conduct
 from solvers.synthesis import OUT_OF_TIME, synthesise
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from srgc.result_folder import ResultFolder
 from tests.oracles.faulty_solvers import CLAIMS, GARBAGE, PLAUSIBLE, RAISED, claims, inject
@@ -259,7 +259,7 @@ def test_z3_that_fails_refutes_nothing(
 )
 def test_a_z3_process_that_fails_verifies_nothing(process: str, result, monkeypatch) -> None:
     command = [sys.executable, "-c", f"import os, signal, sys; sys.stdin.read(); {process}"]
-    monkeypatch.setattr(solvers.backends.smt_subprocess, "z3_command", lambda *_a: command)
+    monkeypatch.setattr(solvers.verifier.refutations.z3_process, "z3_command", lambda *_a: command)
     assert verify_directory(result("beyond_reach"), None, "z3").outcome is not Outcome.VALID
 
 

@@ -19,8 +19,8 @@ from compiler.arithmetic.balls import working_precision
 from compiler.specifications.monitor import AtomKey
 from compiler.specifications.task_formula import task_formula
 from grammar_lang import ir
-from solvers.proofs.formula_proof import FormulaProof, FormulaVerdict
-from solvers.proofs.tube_checks import Status
+from solvers.verifier.proofs.formula_proof import FormulaProof, FormulaVerdict
+from solvers.verifier.proofs.tube_checks import Status
 from tests.oracles.driven_tips import (
     ACCURACY,
     FINE,

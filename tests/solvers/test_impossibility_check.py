@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.result_files import alter, alter_spec, read
 from tests.oracles.small_specs import BEYOND_REACH, SLIDER, replaced

@@ -27,8 +27,8 @@ from solvers.motions.motion_limits import InputGroup, MotionLimits
 from solvers.motions.reference_step import ReferenceStep
 from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
 from solvers.motions.trajectory import Trajectory
-from solvers.proofs.enclosure import Accuracy, VectorField, tube
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.proofs.enclosure import Accuracy, VectorField, tube
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.driven_robots import driven
 from tests.oracles.result_files import alter, alter_spec
 from tests.oracles.robots import Builder, rod_chain

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter_spec, read
 from tests.oracles.two_rods import simulated
 

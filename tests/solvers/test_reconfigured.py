@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter, alter_spec, read, write
 
 TURNER = ["B", "eps", "JO", "eps", "L", "eps", "EN"]

@@ -11,8 +11,8 @@ import shapely
 from compiler.arithmetic.balls import ball, working_precision
 from compiler.geometry.polytope import Polytope, polytope_of
 from grammar_lang import ir
-from solvers.proofs.region_cover import box_around, may_be
-from solvers.proofs.tube_checks import Slice
+from solvers.verifier.proofs.region_cover import box_around, may_be
+from solvers.verifier.proofs.tube_checks import Slice
 
 F = Fraction
 

@@ -14,8 +14,8 @@ from scipy.optimize import nnls
 from compiler.arithmetic.balls import ball, working_precision
 from compiler.geometry.polytope import Polytope, polytope_of
 from grammar_lang import ir
-from solvers.proofs.region_distance import Gap, region_distance
-from solvers.proofs.tube_checks import Slice
+from solvers.verifier.proofs.region_distance import Gap, region_distance
+from solvers.verifier.proofs.tube_checks import Slice
 
 F = Fraction
 

@@ -9,7 +9,7 @@ import pytest
 from flint import arb
 
 from compiler.arithmetic.balls import ball, working_precision
-from solvers.proofs.tube_checks import Apart, Inside, Row, Slice, row
+from solvers.verifier.proofs.tube_checks import Apart, Inside, Row, Slice, row
 
 
 def rows_of_box(low: list[int], high: list[int]) -> tuple[Row, ...]:

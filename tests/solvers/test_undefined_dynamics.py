@@ -17,7 +17,7 @@ from grammar_lang.findings.diagnostics import Severity
 from grammar_lang.load import load_text
 from solvers.progress import Conduct
 from solvers.synthesis import Synthesis, synthesise
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.formulas import program
 from tests.oracles.result_files import alter_spec

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter_spec
 
 

@@ -19,8 +19,8 @@ from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.refinement import Cut
 from grammar_lang import ir
 from grammar_lang.load import load
-from solvers.proofs.tube_checks import Status
-from solvers.verifier import Outcome, Report, verify_directory
+from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.verification import Outcome, Report, verify_directory
 from tests.oracles import result_files
 from tests.oracles.formulas import FAMILY, ONE_ARM
 from tests.oracles.found_folders import claim_found
@@ -183,7 +183,7 @@ def test_robots_without_a_named_effector_are_refused(tmp_path: Path) -> None:
 
 def test_the_proof_itself_refuses_them_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Points of bodies follow the effectors in the robot's graph: one of them must not stand in."""
-    monkeypatch.setattr("solvers.verifier.missing_effector", lambda *_: None)
+    monkeypatch.setattr("solvers.verifier.found_check.missing_effector", lambda *_: None)
     clauses = "satisfy eventually Half by effector 1 or A by effector 2;"
     report = judged(tmp_path / "out", clauses, by="by effector 1")
     assert report.outcome is Outcome.REFUTED

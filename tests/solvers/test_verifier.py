@@ -9,7 +9,7 @@ import pytest
 
 from compiler.geometry.abstraction import abstract
 from grammar_lang.load import load
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.result_files import alter, alter_spec, read, write
 

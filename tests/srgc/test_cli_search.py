@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.small_specs import TURNER
 
 NAMES = ["gp-ucb", "nelder-mead", "particle-swarm", "simulated-annealing", "random"]

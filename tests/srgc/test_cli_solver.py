@@ -8,7 +8,7 @@ import json
 import pytest
 
 import solvers.backends.cvxpy_solvers
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.small_specs import SLIDER
 
 

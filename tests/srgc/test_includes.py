@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.small_specs import SLIDER
 
@@ -214,7 +214,7 @@ def test_maps_and_images_are_copied(srgc, tree, tmp_path):
     ran = srgc("check", tree)
     assert (ran.status, ran.out.count("error[")) == (0, 0)
     from grammar_lang.load import load
-    from solvers.claims.spec_copy import files_of
+    from solvers.verifier.claims.spec_copy import files_of
 
     program = load(tree).program
     assert sorted(files_of(program.sources)) == sorted([*FILES, "lib/maps/hall.geojson"])

@@ -11,8 +11,8 @@ import time
 import pytest
 
 from grammar_lang.load import load
-from solvers.claims.certificate import spec_digest
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.claims.certificate import spec_digest
+from solvers.verifier.verification import Outcome, verify_directory
 from srgc import figures, result_folder, synthesis_run
 from srgc.result_folder import Identity, open_folder
 from srgc.synthesis_run import SynthesisOptions, run_synthesis

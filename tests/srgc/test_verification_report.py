@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from solvers.proofs.finding import Finding
-from solvers.proofs.tube_checks import Status
-from solvers.verifier import Outcome, Report
+from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.verification import Outcome, Report
 from srgc.verification_report import verification_text
 
 

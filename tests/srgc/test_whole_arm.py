@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import shapely
 
-from solvers.verifier import Outcome, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.result_files import alter_spec
 from tests.srgc.conftest import ROOT, Ran

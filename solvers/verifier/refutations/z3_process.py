@@ -10,7 +10,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from solvers.backends.verdict import Fails, Holds, Reason, Unknown, Verdict
+from solvers.verifier.verdict import Fails, Holds, Reason, Unknown, Verdict
 
 # As much again as the searchers spend, so that what they decided is decided here too.
 RESOURCES = 2_000_000

@@ -21,7 +21,7 @@ from flint import arb, arb_series, ctx
 from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic, ball
 from compiler.dynamics.tape import Tape
 from compiler.geometry.polytope import Polytope
-from solvers.proofs.enclosure import TubeSegment, VectorField
+from solvers.verifier.proofs.enclosure import TubeSegment, VectorField
 
 MOST_SPLITS = 12
 MOST_UNBOUNDED_SPLITS = 5

@@ -10,7 +10,7 @@ from typing import Any
 
 from compiler.specifications.formula_text import formula_text
 from grammar_lang import ir
-from solvers.proofs.finding import Finding
+from solvers.verifier.proofs.finding import Finding
 
 CLOSELY = 1e-9
 """How far a stated robustness may be from the proved one, in metres: balls depend on libraries."""

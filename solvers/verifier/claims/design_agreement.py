@@ -12,7 +12,7 @@ from compiler.geometry.abstraction import Abstraction
 from compiler.robots.robot import RobotModel
 from compiler.semantics.family import family_of
 from grammar_lang import ir
-from solvers.claims.certificate import Claim, FoundClaim, ImpossibleClaim, exact
+from solvers.verifier.claims.certificate import Claim, FoundClaim, ImpossibleClaim, exact
 
 
 def disagreement(

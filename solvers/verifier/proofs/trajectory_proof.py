@@ -34,13 +34,13 @@ from compiler.specifications.monitor import key
 from compiler.specifications.subformulas import atoms
 from compiler.specifications.task_formula import missing_effector
 from grammar_lang import ir
-from solvers.proofs.cell_path import cell_path
-from solvers.proofs.defined_checks import Defined
-from solvers.proofs.enclosure import Accuracy, EnclosureFailure, VectorField, tube
-from solvers.proofs.finding import Finding, inside, least
-from solvers.proofs.formula_proof import FormulaProof
-from solvers.proofs.region_distance import region_distance
-from solvers.proofs.tube_checks import (
+from solvers.verifier.proofs.cell_path import cell_path
+from solvers.verifier.proofs.defined_checks import Defined
+from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, VectorField, tube
+from solvers.verifier.proofs.finding import Finding, inside, least
+from solvers.verifier.proofs.formula_proof import FormulaProof
+from solvers.verifier.proofs.region_distance import region_distance
+from solvers.verifier.proofs.tube_checks import (
     Apart,
     Inside,
     PointReading,

@@ -14,7 +14,7 @@ from flint import arb
 from compiler.geometry.partition import remainder
 from compiler.geometry.polytope import Polytope
 from grammar_lang import ir
-from solvers.proofs.tube_checks import Slice
+from solvers.verifier.proofs.tube_checks import Slice
 
 THICKNESS = Fraction(1, 2**60)
 """Metres by which a box is widened along an axis along which a point does not move at all."""

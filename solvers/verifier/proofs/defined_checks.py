@@ -9,8 +9,8 @@ from flint import arb
 
 from compiler.arithmetic.balls import BallArithmetic
 from compiler.dynamics.tape import Tape
-from solvers.proofs.enclosure import TubeSegment
-from solvers.proofs.tube_checks import MOST_SPLITS, Status
+from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.tube_checks import MOST_SPLITS, Status
 
 
 @dataclass(slots=True)

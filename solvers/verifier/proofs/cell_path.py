@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from flint import arb
 
 from compiler.geometry.abstraction import Abstraction
-from solvers.proofs.finding import Finding, inside
-from solvers.proofs.tube_checks import Status
+from solvers.verifier.proofs.finding import Finding, inside
+from solvers.verifier.proofs.tube_checks import Status
 
 
 def cell_path(

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from compiler.encodings.reachability_smt import refutation_script
-from solvers.backends import smt_subprocess
 from solvers.backends.smt import solve_script
-from solvers.backends.smt_subprocess import run_z3_subprocess, z3_command
-from solvers.backends.verdict import Fails, Holds, Reason, Unknown
+from solvers.verifier.refutations import z3_process
+from solvers.verifier.refutations.z3_process import run_z3_subprocess, z3_command
+from solvers.verifier.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.arms import planar_arm
 from tests.oracles.questions import question, random_robot
 
@@ -26,8 +26,8 @@ def test_the_answers_of_the_process():
 
 
 def test_without_the_executable_the_package_answers(monkeypatch, tmp_path):
-    monkeypatch.setattr(smt_subprocess.sysconfig, "get_path", lambda _: str(tmp_path))
-    monkeypatch.setattr(smt_subprocess.Path, "is_file", lambda _: False)
+    monkeypatch.setattr(z3_process.sysconfig, "get_path", lambda _: str(tmp_path))
+    monkeypatch.setattr(z3_process.Path, "is_file", lambda _: False)
     assert z3_command()[0] == sys.executable
     assert run_z3_subprocess(SCRIPT.format("2.0")) == Holds(None)
     assert run_z3_subprocess(SCRIPT.format("(- 2.0)")) == Fails(None)
@@ -82,7 +82,7 @@ def test_the_verifier_loads_no_solver():
     program = """
 import sys
 from compiler.encodings.reachability_smt import refutation_script
-from solvers.backends.smt_subprocess import run_z3_subprocess
+from solvers.verifier.refutations.z3_process import run_z3_subprocess
 from compiler.encodings.pose_questions import PoseQuestion
 from tests.oracles.arms import planar_arm
 from tests.oracles.planes import box_rows

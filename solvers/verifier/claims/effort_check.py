@@ -12,11 +12,11 @@ from math import isqrt
 from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kinds
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from solvers.claims.certificate import FoundClaim, exact, exact_decimal
-from solvers.claims.outcome import Refused
-from solvers.proofs.finding import Finding
-from solvers.proofs.trajectory_proof import Motion
-from solvers.proofs.tube_checks import Status
+from solvers.verifier.claims.certificate import FoundClaim, exact, exact_decimal
+from solvers.verifier.claims.outcome import Refused
+from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.trajectory_proof import Motion
+from solvers.verifier.proofs.tube_checks import Status
 
 NOT_A_DECIMAL = Fraction(1, 10**9)
 """How closely a claim must state a value that no finite decimal states."""

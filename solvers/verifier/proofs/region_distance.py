@@ -16,7 +16,7 @@ from flint import arb
 
 from compiler.arithmetic.balls import ball
 from compiler.geometry.polytope import Polytope
-from solvers.proofs.tube_checks import Row, Slice, rows_of
+from solvers.verifier.proofs.tube_checks import Row, Slice, rows_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from flint import arb
 
 from compiler.geometry.polytope import Polytope
-from solvers.proofs.tube_checks import Status, rows_of
+from solvers.verifier.proofs.tube_checks import Status, rows_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,10 +22,10 @@ from compiler.specifications.subformulas import atoms
 from compiler.specifications.time_set import TimeSet
 from compiler.specifications.trace_robustness import Monitored, Piece, Trace
 from grammar_lang import ir
-from solvers.proofs.enclosure import TubeSegment
-from solvers.proofs.region_cover import box_around, may_be
-from solvers.proofs.region_distance import UNKNOWN, Gap, RegionDistance
-from solvers.proofs.tube_checks import (
+from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.region_cover import box_around, may_be
+from solvers.verifier.proofs.region_distance import UNKNOWN, Gap, RegionDistance
+from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
     MOST_UNBOUNDED_SPLITS,
     REFINEMENT,

@@ -12,7 +12,7 @@ from pathlib import Path
 from grammar_lang import ir
 from grammar_lang.load import load
 from grammar_lang.source import Source
-from solvers.claims.certificate import CertificateError, spec_digest, spec_files
+from solvers.verifier.claims.certificate import CertificateError, spec_digest, spec_files
 
 
 def files_of(sources: Iterable[Source]) -> dict[str, bytes]:

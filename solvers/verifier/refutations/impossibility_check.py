@@ -17,10 +17,10 @@ from compiler.languages.structures import InfiniteAmbiguityError
 from compiler.robots.robot_key import robot_key
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
-from solvers.backends.smt_subprocess import run_z3_subprocess
-from solvers.backends.verdict import Fails
-from solvers.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
-from solvers.claims.disconnection import misstated_separation
+from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
+from solvers.verifier.refutations.separation_check import misstated_separation
+from solvers.verifier.refutations.z3_process import run_z3_subprocess
+from solvers.verifier.verdict import Fails
 
 
 class FalseClaim(Exception):

@@ -1,0 +1,1 @@
+"""The independent verifier: what decides whether a verdict is believed; it loads no searcher."""

@@ -1,0 +1,148 @@
+"""The check of ``found``: this robot, so started and so driven, does the task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from compiler.candidates.kept_parameters import robot_in_task
+from compiler.geometry.abstraction import Abstraction
+from compiler.grammars.derivation import BadDerivation, Derivation
+from compiler.robots.parameter_values import ExactValue, stated_value
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_inputs
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import RobotFamily, family_of
+from compiler.specifications.task_formula import missing_effector, recorded_effector
+from grammar_lang import ir
+from solvers.verifier.claims.certificate import FoundClaim, exact
+from solvers.verifier.claims.effort_check import check_efforts
+from solvers.verifier.claims.outcome import Refused
+from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
+from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.report import Report, concluded
+
+
+def check_found(
+    claim: FoundClaim, program: ir.Program, task: ir.Task, cells: Abstraction
+) -> tuple[RobotModel, Report]:
+    """The robot of a claim, and the report on what is claimed of it.
+
+    ``cells`` are those of the workspace after the cuts of the claim.
+
+    Raises:
+        Refused: the claim is false before anything is integrated.
+    """
+    family = family_of(program, task)
+    derivation = _derivation(claim, family)
+    try:
+        model = robot_in_task(family, task.origin, derivation)
+    except SemanticsError as error:
+        raise Refused(f"the derivation defines no robot: {error}") from None
+    _modules(derivation, program, task)
+    motion = _motion(claim, model, task)
+    findings = [*check_efforts(claim, model, motion, task)]
+    _claimed_path(claim, model, task)
+    _path_avoids(claim, task, cells)
+    if all(finding.status is Status.HOLDS for finding in findings):
+        findings += prove_motion(scene_of(program, task, model, cells), motion)
+    return model, concluded(findings)
+
+
+def _derivation(claim: FoundClaim, family: RobotFamily) -> Derivation:
+    """The claimed derivation, of the claimed word, which is accepted."""
+    try:
+        derivation = family.replay(claim.derivation)
+    except BadDerivation as error:
+        raise Refused(f"the derivation is none of the grammar: {error}") from None
+    if derivation.word != claim.word:
+        raise Refused("the derivation does not derive the word")
+    # Replaying has shown that the grammar derives the word; the condition remains.
+    if not family.language.accept.accepts(claim.word):
+        raise Refused(f"the word is not accepted: {' '.join(claim.word)}")
+    return derivation
+
+
+def _modules(derivation: Derivation, program: ir.Program, task: ir.Task) -> None:
+    count = sum(program.is_module(symbol) for symbol in derivation.word)
+    if task.modules is not None and count > task.modules:
+        raise Refused(f"the robot has {count} modules, the task allows {task.modules}")
+
+
+def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
+    """The claim's numbers, exact, of the right shapes, with every parameter in its domain."""
+    n, m = len(model.dofs), len(robot_inputs(model))
+    if claim.steps != task.steps or exact(claim.step) != task.step:
+        raise Refused("the horizon is not the task's")
+    if len(claim.inputs) != task.steps or any(len(row) != m for row in claim.inputs):
+        raise Refused(f"the inputs are not {task.steps} rows of {m}")
+    if len(claim.start) != 2 * n:
+        raise Refused(f"the start is not {n} coordinates and {n} rates")
+    if not 0 <= claim.effector < len(model.effectors):
+        raise Refused(f"the robot has no effector {claim.effector + 1}")
+    wanted = recorded_effector(task)
+    if wanted is not None and wanted != claim.effector:
+        raise Refused(f"the task names effector {wanted + 1}, the claim {claim.effector + 1}")
+    missing = missing_effector(task, len(model.effectors))
+    if missing is not None:
+        raise Refused(f"the robot has no effector {missing}, which the task names")
+    return Motion(
+        _theta(claim, model),
+        tuple(exact(text) for text in claim.start),
+        tuple(tuple(exact(text) for text in row) for row in claim.inputs),
+        claim.effector,
+        claim.path,
+    )
+
+
+def _theta(claim: FoundClaim, model: RobotModel) -> tuple[ExactValue, ...]:
+    expected = [(p.symbol, p.name) for p in model.parameters]
+    if [(p.symbol, p.name) for p in claim.parameters] != expected:
+        raise Refused("the parameters are not those of the robot")
+    theta = list[ExactValue]()
+    for claimed, parameter in zip(claim.parameters, model.parameters, strict=True):
+        value = stated_value(parameter.domain, exact(claimed.value))
+        if value is None:
+            raise Refused(
+                f"`{parameter.module}.{parameter.name}` = {claimed.value} "
+                f"at symbol {parameter.symbol} is outside its range"
+            )
+        theta.append(value)
+    return tuple(theta)
+
+
+def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:
+    shape_fits = len(claim.path) == len(model.effectors) and all(
+        len(names) == task.steps + 1 for names in claim.path
+    )
+    if not shape_fits:
+        raise Refused(f"the path is not {task.steps + 1} cells per effector")
+
+
+def _path_avoids(claim: FoundClaim, task: ir.Task, cells: Abstraction) -> None:
+    """The path starts and ends where the task says and keeps out of what effectors avoid."""
+    known = {cell.name: index for index, cell in enumerate(cells.cells)}
+    forbidden = cells.within(
+        name for avoid in task.avoid if avoid.subject == "effector" for name in avoid.regions
+    )
+    for effector, names in enumerate(claim.path):
+        for sample, name in enumerate(names):
+            if name not in known:
+                raise Refused(f"the path names an unknown cell `{name}`")
+            if known[name] in forbidden:
+                raise Refused(
+                    f"the path of effector {effector + 1} goes through `{name}` "
+                    f"at sample {sample}, which the task avoids"
+                )
+    first, last = claim.path[claim.effector][0], claim.path[claim.effector][-1]
+    if known[first] not in _start_cells(task, cells, claim.effector):
+        raise Refused(f"the path starts in `{first}`, not in the start region")
+    if task.reach is not None and known[last] not in cells.within([task.reach.region]):
+        raise Refused("the path does not end in the target")
+
+
+def _start_cells(task: ir.Task, cells: Abstraction, effector: int) -> Sequence[int]:
+    """The cells in which an effector may start; all where its pose or another one is given."""
+    start = task.start
+    if isinstance(start, ir.StartIn) and start.effector in (None, effector + 1):
+        return cells.within([start.region])
+    return range(len(cells.cells))
