@@ -62,6 +62,7 @@ bench: .venv/compared
 	$(BIN)/python benchmarks/search.py --seeds 5
 	$(BIN)/python benchmarks/control.py -o out/control/growth.svg
 	$(BIN)/python benchmarks/codesign.py
+	$(BIN)/python benchmarks/verify.py
 	$(BIN)/python benchmarks/run.py
 
 # Needs pip-tools and the network; every other target uses what it wrote.

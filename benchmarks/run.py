@@ -122,12 +122,12 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
         asked.append(arguments)
         return tube(*arguments)
 
-    with mock.patch("solvers.verifier.proofs.trajectory_proof.tube", recorded):
+    with mock.patch("solvers.verifier.proofs.tube_proof.tube", recorded):
         findings = prove_motion(scene, motion)
     if not findings or any(finding.status is not Status.HOLDS for finding in findings):
         raise SystemExit(f"{folder}: the motion is not proved")
     arguments = asked[-1]
-    accuracy = arguments[-1]
+    accuracy = arguments[4]
     # A first accuracy that decides nothing would be paid for by the proof alone.
     attempts = f"{len(asked)} accuracies tried, order {accuracy.order}"
 

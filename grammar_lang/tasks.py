@@ -322,6 +322,17 @@ def _check_family(reader: _Reader, robot: t.Robot) -> None:
             sink.error(Code.OUT_OF_PLANE, use.message, use.span, hint, notes)
 
 
+def _places(task: t.Task) -> dict[str, Span]:
+    """Where the clauses stand that are plain numbers in the task."""
+    kinds = {
+        t.Horizon: "horizon",
+        t.Gravity: "gravity",
+        t.Modules: "modules",
+        t.BoundsBody: "bounds_body",
+    }
+    return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
+
+
 def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None:
     """The task; None where a required clause is missing or wrong, which is reported."""
     reader = _Reader(task, around, sink)
@@ -361,4 +372,5 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         origin=origin,
         satisfy=satisfy,
         robust=robust,
+        clauses=_places(task),
     )

@@ -27,7 +27,10 @@ StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "sa
 
 @dataclass(frozen=True, slots=True)
 class StructureRecord:
-    """What became of one structure; ``script`` is its refutation in SMT-LIB 2."""
+    """What became of one structure.
+
+    ``script`` is its refutation in SMT-LIB 2, ``boxes`` one by a covering.
+    """
 
     word: tuple[str, ...]
     derivation: tuple[str, ...]
@@ -35,6 +38,7 @@ class StructureRecord:
     reason: str
     script: str | None = None
     same_robot_as: int | None = None
+    boxes: str | None = None
 
 
 def module_bound(task: ir.Task) -> int:

@@ -7,6 +7,7 @@ cut in two and the planning goes on, with the counterexamples that say nothing o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,10 +23,10 @@ from solvers.design import Design, motion_of
 from solvers.design_follower import PathTask
 from solvers.inheritance import Inherited
 from solvers.motions.control import CONVEX_STEP, NOT_FINITE
-from solvers.motions.counterexample import infeasible_prefix
+from solvers.motions.counterexample import infeasible_prefix, infeasible_sample
 from solvers.motions.fine_check import seems_to_satisfy
 from solvers.motions.fine_motion import fine_motion
-from solvers.motions.path_following import LEAST_MARGIN, Follower
+from solvers.motions.path_following import BEYOND, LEAST_MARGIN, OVERSHOOT, Follower
 from solvers.motions.path_timing import gentle_entries, polyline, smooth_timing
 from solvers.motions.task_limits import motion_limits, parameter_bounds
 from solvers.parameters.configuration_search import (
@@ -41,6 +42,7 @@ from solvers.parameters.standing_robot import standing_configurations
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.progress import Conduct
 from solvers.verifier.claims.certificate import ParameterClaim, decimal
+from solvers.verifier.proofs.finding import Finding, decisive
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verdict import Holds, Unknown
@@ -48,6 +50,8 @@ from solvers.verifier.verdict import Holds, Unknown
 PLANS = (6, 3)
 """How many plans are tried, and how many after each cut of a cell."""
 MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2, 0.1)
+WIDEST = 1.0
+"""Metres; no disturbances are worth a wider margin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +81,10 @@ class StructureSearch:
     """What shorter robots hand on."""
     obstacle: str = ""
     """What stood in the way of the last motion that was tried."""
+    lacking: float = 0.0
+    """How much wider its margin has to be for what the task says of disturbances."""
+    stuck: str = ""
+    """Where the most robust motion that was found for a path could not go on."""
     best: float = -np.inf
     known: list[CounterExample] = field(default_factory=list[CounterExample])
     """The counterexamples found, of cells as they are now."""
@@ -227,8 +235,12 @@ class StructureSearch:
         if not found.outcome.feasible:
             if found.outcome.status.startswith(CONVEX_STEP):
                 self.obstacle = f"; {found.outcome.status}"
-            prefix = infeasible_prefix(follower, found.outcome, found.entries)
+            sample = infeasible_sample(follower, found.outcome, found.entries)
+            prefix = infeasible_prefix(sample, found.entries)
             robustness = found.outcome.robustness
+            names = [cells.cells[cell].name for cell in leader.cells]
+            if robustness > self.best and sample is not None:
+                self.stuck = stuck_text(names[:prefix], sample, self.task)
             excluded = CounterExample(
                 leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
             )
@@ -245,7 +257,8 @@ class StructureSearch:
 
     def widened(self, follower: Follower, found: Configuration) -> Attempt:
         """A proved design from a feasible configuration, with margins as wide as that takes."""
-        for margin in MARGINS:
+        margin: float | None = MARGINS[0]
+        while margin is not None:
             wider = follower.with_margin(margin).refined(found.outcome.trajectory)
             if (wider.margin, wider.substeps) != (follower.margin, follower.substeps):
                 follower = wider
@@ -253,13 +266,15 @@ class StructureSearch:
             follower, found = within_limits(follower, found)
             if not found.outcome.feasible:
                 break
-            if margin < MARGINS[-1] and not seems_to_satisfy(follower, found.outcome.trajectory):
+            self.lacking = 0.0
+            if margin >= MARGINS[-1] or seems_to_satisfy(follower, found.outcome.trajectory):
+                design = self.certified(follower, found)
+                if design is not None:
+                    return Attempt(design, found.outcome.robustness)
+                self.conduct.reporter.note("the proof did not go through; trying a wider margin")
+            else:
                 self.obstacle = "; a formula fails between the samples"
-                continue
-            design = self.certified(follower, found)
-            if design is not None:
-                return Attempt(design, found.outcome.robustness)
-            self.conduct.reporter.note("the proof did not go through; trying a wider margin")
+            margin = wider_margin(margin, self.lacking)
         return Attempt(None, found.outcome.robustness)
 
     def certified(self, follower: Follower, found: Configuration) -> Design | None:
@@ -280,19 +295,49 @@ class StructureSearch:
             found,
             follower.abstraction,
         )
-        scene = scene_of(self.program, self.task, model, follower.abstraction)
+        scene = scene_of(self.program, self.task, model, follower.abstraction, self.derivation)
         motion = motion_of(design)
         if motion is None:
             return None
         findings = prove_motion(scene, motion, self.conduct.check_time)
-        unproved = [f for f in findings if f.status is not Status.HOLDS]
-        if unproved:
-            self.obstacle = f"; last proof tried: {unproved[0].name}: {unproved[0].status.value}"
+        obstacle = decisive(findings)
+        if obstacle is not None:
+            self.obstacle = f"; last proof tried: {obstacle.reason}"
+            self.lacking = 0.0 if self.task.robust is None else shortfall(findings)
             return None
         fine = fine_motion(follower.reading, trajectory, float(self.task.step))
         outcome = replace(found.outcome, trajectory=fine)
         configuration = replace(found, outcome=outcome)
         return replace(design, configuration=configuration, findings=findings)
+
+
+def shortfall(findings: Sequence[Finding]) -> float:
+    """The margin that a motion lacks, in metres; that of limits widens faster with it.
+
+    It is infinite where the enclosure of the disturbed motions ends.
+    """
+    lacking = [
+        -finding.margin / (1.0 if finding.unit == "m" else OVERSHOOT)
+        for finding in findings
+        if finding.status is not Status.HOLDS
+    ]
+    return max([0.0, *lacking])
+
+
+def wider_margin(margin: float, lacking: float) -> float | None:
+    """The margin to try after one, which is wider by what a proof has lacked; None: no other."""
+    following = next((item for item in MARGINS if item > margin), None)
+    if lacking <= 0:
+        return following
+    wanted = max(following or 0.0, margin + BEYOND * lacking)
+    return wanted if wanted <= WIDEST else None
+
+
+def stuck_text(names: Sequence[str], sample: int, task: ir.Task) -> str:
+    """Where a motion cannot go on, in words: the cells up to there, and the time."""
+    what = "cannot go on at" if sample < task.steps else "does not get there by"
+    time = float(min(sample, task.steps) * task.step)
+    return f"; nearest, through {' > '.join(names)}, {what} {time:.4g} s"
 
 
 def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:

@@ -3,7 +3,8 @@
     S.Synthesis -> P.Planning -> P.Synthesis -> certificate, counterexamples flowing back.
 
 ``found`` is claimed only for a motion that the verifier's own proof accepts; ``impossible`` only if
-every structure up to an explicit bound is refuted by a script that a solver answered ``unsat``.
+every structure up to an explicit bound is refuted: by a script that a solver answered ``unsat``,
+by a covering that the verifier's own replay accepts, or by both.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ from solvers.inheritance import Inheritance, Searched
 from solvers.look_ahead import LookAhead
 from solvers.parameters.sample import PathSamples
 from solvers.progress import Conduct, OutOfTimeError
+from solvers.refutation.box_evidence import covered, out_of_reach_of_drives
 from solvers.refutation.disconnection import disconnected, separation_text
 from solvers.refutation.structure_refutation import Refutation
 from solvers.structure_search import StructureSearch
@@ -160,10 +162,10 @@ class _Run:
         reason: str,
         script: str | None = None,
         same: int | None = None,
+        boxes: str | None = None,
     ) -> None:
-        self.records.append(
-            StructureRecord(derivation.word, derivation.labels, verdict, reason, script, same)
-        )
+        word, labels = derivation.word, derivation.labels
+        self.records.append(StructureRecord(word, labels, verdict, reason, script, same, boxes))
 
     def structure(
         self, ahead: LookAhead, candidate: Candidate, model: RobotModel, key: str
@@ -173,7 +175,7 @@ class _Run:
         answer = examined.refutation
         self.counts["smt"] += answer.solver_calls
         if answer.refuted:
-            self.record(derivation, "refuted", answer.reason, answer.script)
+            self.record(derivation, "refuted", answer.reason, answer.script, boxes=answer.boxes)
             return None
         if examined.inadmissible is not None:
             self.record(derivation, "inadmissible", examined.inadmissible)
@@ -192,6 +194,10 @@ class _Run:
         self.remember(search, model, design)
         self.search = None
         if design is None:
+            late = out_of_reach_of_drives(candidate, self.program, self.task, self.conduct)
+            if late is not None:
+                self.record(derivation, "refuted", late.reason, boxes=late.boxes)
+                return None
             self.in_vain += 1
             self.record(derivation, "unresolved", reason + lack)
             return None
@@ -207,7 +213,7 @@ class _Run:
             design, reason = search.design(effector)
             if design is not None:
                 return design, "proved"
-        return None, reason + search.obstacle
+        return None, reason + (search.obstacle or search.stuck)
 
     def remember(self, search: StructureSearch, model: RobotModel, design: Design | None) -> None:
         """Keep the best of a search for robots that extend this one."""
@@ -267,7 +273,10 @@ def synthesise(
         return _result(run, "unknown", reason, cells, unfinished=True)
     if run.designs:
         return _result(run, "found", None, cells)
-    return _result(run, *conclude(run.records, family, task, run.stopped), cells)
+    verdict, reason = conclude(run.records, family, task, run.stopped)
+    if verdict == "impossible":
+        run.records = covered(run.records, family, task, conduct)
+    return _result(run, verdict, reason, cells)
 
 
 def _under_way(search: StructureSearch | None) -> str:

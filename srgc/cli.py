@@ -46,6 +46,7 @@ from srgc.session import (
     refuse_unsupported,
 )
 from srgc.synthesis_cli import synth
+from srgc.why_cli import why
 
 PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
 """Of the statuses of several files the first of these is that of the command."""
@@ -118,7 +119,7 @@ def explain(codes: tuple[str, ...]) -> int:
     return 0
 
 
-for _command in (words, accepts, language, compare, model, export, synth, landscape):
+for _command in (words, accepts, language, compare, model, export, synth, landscape, why):
     cli.add_command(_command)
 
 
@@ -235,6 +236,8 @@ def plan(
     if output is not None:
         write_output(output, report.picture(f"{file.name}, task {chosen_task.name}"))
     click.echo(report.text)
+    if chosen_task.robust is not None:
+        click.echo("note: a plan is not about motions: `robust` is left out", err=True)
     return VERDICT_STATUS[report.verdict]
 
 
@@ -242,17 +245,18 @@ def plan(
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--spec", type=click.Path(path_type=Path), help="Also: it is about this file.")
 @click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
-def verify(folder: Path, spec: Path | None, trust: str | None) -> int:
+@click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+def verify(folder: Path, spec: Path | None, trust: str | None, as_json: bool) -> int:  # noqa: FBT001
     """Check a result independently.  Exit 0 valid, 1 refuted, 4 undecided."""
     from solvers.verifier.verification import Outcome, verify_directory
-    from srgc.verification_report import verification_text
+    from srgc.verification_report import verification_json, verification_text
 
     if not folder.is_dir():
         raise UsageFault(f"{folder} is not a folder")
     if spec is not None and not spec.is_file():
         raise UsageFault(f"{spec} is not a file")
     report = verify_directory(folder, spec, trust)
-    click.echo(verification_text(report))
+    click.echo(verification_json(report) if as_json else verification_text(report))
     return {Outcome.VALID: 0, Outcome.REFUTED: REFUSED}.get(report.outcome, UNKNOWN)
 
 

@@ -33,8 +33,13 @@ from srgc.result_folder import Identity
 
 
 def proof_name(index: int) -> str:
-    """The file of the refutation of the structure with that index."""
+    """The file of the script that refutes the structure with that index."""
     return f"proofs/{index:04d}.smt2"
+
+
+def boxes_name(index: int) -> str:
+    """The file of the covering that refutes the structure with that index."""
+    return f"proofs/{index:04d}.boxes"
 
 
 def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
@@ -98,28 +103,33 @@ def certificate_text(
         return to_text(ImpossibleClaim(task.name, spec, spec_sha256, None, (), separation))
     if result.verdict == "impossible":
         claims = tuple(
-            StructureClaim(r.word, r.derivation, _evidence(result, i), r.same_robot_as)
+            StructureClaim(r.word, r.derivation, *_evidence(result, i))
             for i, r in enumerate(result.records)
         )
         return to_text(ImpossibleClaim(task.name, spec, spec_sha256, modules, claims))
     return None
 
 
-def _evidence(result: Synthesis, index: int) -> str | None:
+def _evidence(result: Synthesis, index: int) -> tuple[str | None, int | None, str | None]:
+    """The script of a structure, the structure whose robot it is again, and its covering."""
     record = result.records[index]
-    if record.same_robot_as is not None:
-        return _evidence(result, record.same_robot_as)
-    return proof_name(index) if record.script is not None else None
+    first = index if record.same_robot_as is None else record.same_robot_as
+    judged = result.records[first]
+    script = proof_name(first) if judged.script is not None else None
+    boxes = boxes_name(first) if judged.boxes is not None else None
+    return script, record.same_robot_as, boxes
 
 
 def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[str, Any]:
     first = result.records[record.same_robot_as] if record.same_robot_as is not None else record
+    script, same, boxes = _evidence(result, index)
     return {
         "word": list(record.word),
         "derivation": list(record.derivation),
         "verdict": first.verdict,
-        "evidence": _evidence(result, index) or first.reason,
-        "same_robot_as": record.same_robot_as,
+        "evidence": script or boxes or first.reason,
+        "same_robot_as": same,
+        "boxes": boxes,
     }
 
 

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import os
-import sys
 from pathlib import Path
 
 import click
 
-from srgc.arguments import FILE
+from srgc.arguments import FILE, limit_of_time
 from srgc.exit_status import VERDICT_STATUS
 from srgc.session import UsageFault, chosen, program_of, refuse_cycles, refuse_unsupported
-
-
-def _finite(
-    _context: click.Context, parameter: click.Parameter, value: float | None
-) -> float | None:
-    """Refuse nan, which every comparison lets through."""
-    if value is not None and math.isnan(value):
-        raise click.BadParameter("a number of seconds is due", param=parameter)
-    return value
 
 
 @click.command()
@@ -32,12 +21,7 @@ def _finite(
 @click.option(
     "--cluster", metavar="ADDRESS", help="Search on the workers of this Dask scheduler instead."
 )
-@click.option(
-    "--time-limit",
-    type=click.FloatRange(0, sys.float_info.max, min_open=True),
-    callback=_finite,
-    help="Seconds.",
-)
+@limit_of_time("Seconds.")
 @click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
 @click.option(
     "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
@@ -96,4 +80,11 @@ def synth(
     else:
         change = change_of(program, chosen_task, result.design)
         click.echo(synthesis_text(result, str(folder), table, change))
+        if result.design is None:
+            from solvers.explanation.posed_task import PosedTask
+            from solvers.progress import Conduct
+            from srgc.why_report import ending
+
+            posed = PosedTask(program, chosen_task)
+            click.echo(ending(result, posed, Conduct(seed), str(folder)))
     return VERDICT_STATUS[result.verdict]

@@ -16,7 +16,13 @@ from solvers.progress import Conduct
 from solvers.synthesis import Proved, Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.claims.spec_copy import files_of
-from srgc.design_file import certificate_text, design_text, proof_name, trajectory_csv
+from srgc.design_file import (
+    boxes_name,
+    certificate_text,
+    design_text,
+    proof_name,
+    trajectory_csv,
+)
 from srgc.evaluations_file import evaluations_csv
 from srgc.progress_display import progress
 from srgc.reconfiguration_report import change_of
@@ -166,6 +172,8 @@ def _write(
     for index, record in enumerate(result.records):
         if record.script is not None:
             folder.write(proof_name(index), record.script)
+        if record.boxes is not None:
+            folder.write(boxes_name(index), record.boxes)
     if result.samples:
         folder.write("evaluations.csv", evaluations_csv(result.samples))
     design = result.design

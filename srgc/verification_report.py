@@ -1,7 +1,8 @@
-"""The verifier's answer as plain text."""
+"""The verifier's answer as plain text, and as JSON."""
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -9,35 +10,71 @@ from dataclasses import replace
 from math import isfinite
 
 from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
 
 LEAST_WIDTH = 34
 """Of the column of names."""
+ORDER = (Status.FAILS, Status.UNDECIDED, Status.HOLDS)
 
 
 def verification_text(report: Report) -> str:
-    """The verifier's answer with all margins."""
+    """The verifier's answer with all margins, the smallest first."""
     head = report.outcome.value
     if report.verdict is not None and report.outcome in (Outcome.VALID, Outcome.ASSUMING_Z3):
         level = f", level {report.level}" if report.level else ""
         head = f"{head}: {report.verdict}{level}"
     if report.reason:
         head = f"{head}: {report.reason}"
-    lines = [head]
-    shown = list(_by_map(sorted(report.findings, key=lambda f: f.margin)))
+    shown = list(_by_map(_in_order(report.findings)))
     width = max([LEAST_WIDTH, *(len(finding.name) for finding in shown)])
-    for finding in shown:
-        where = "" if finding.time is None else f"  at {finding.time:.3f} s"
-        if finding.place:
-            where += " (" + ", ".join(f"{x:.4f}" for x in finding.place) + ")"
+    lines = [
+        f"  {finding.status.value:<9} {finding.name:<{width}} {_said(finding)}".rstrip()
+        for finding in shown
+    ]
+    return "\n".join([head, *lines])
+
+
+def verification_json(report: Report) -> str:
+    """The verifier's answer for other programs: every finding, none taken together."""
+    content = {
+        "outcome": report.outcome.value,
+        "verdict": report.verdict,
+        "level": report.level,
+        "reason": report.reason,
+        "findings": [
+            {
+                "name": finding.name,
+                "status": finding.status.value,
+                "margin": finding.margin if isfinite(finding.margin) else None,
+                "unit": finding.unit,
+                "time": finding.time,
+                "place": list(finding.place) or None,
+                "level": finding.level if finding.status is Status.HOLDS else None,
+            }
+            for finding in _in_order(report.findings)
+        ],
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False)
+
+
+def _in_order(findings: Sequence[Finding]) -> list[Finding]:
+    """What is violated, what is open, what holds; each by its margin, those without one last."""
+    return sorted(findings, key=lambda f: (ORDER.index(f.status), f.margin))
+
+
+def _said(finding: Finding) -> str:
+    """The margin of a finding, when and where it is, and that it is exact where it is."""
+    parts = list[str]()
+    if isfinite(finding.margin):
         unit = "" if finding.unit == "1" else f" {finding.unit}"
-        margin = f"margin {finding.margin:.6g}{unit}"
-        if not isfinite(finding.margin):
-            margin, where = "", where.lstrip()
-        lines.append(
-            f"  {finding.status.value:<9} {finding.name:<{width}} {margin}{where}".rstrip()
-        )
-    return "\n".join(lines)
+        parts.append(f"margin {finding.margin:.6g}{unit}")
+    if finding.time is not None:
+        place = ", ".join(f"{x:.4f}" for x in finding.place)
+        parts.append(f"at {finding.time:.3f} s" + (f" ({place})" if place else ""))
+    if finding.exact:
+        parts.append("exact")
+    return "  ".join(parts)
 
 
 _PIECE = re.compile(r"(?P<what>.* to \w+)\.\d+")

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.oracles import small_specs
+from tests.oracles.spatial_arm import SPATIAL
 
 ROOT = Path(__file__).parents[1]
 WAIT_SECONDS = 900
@@ -27,6 +28,7 @@ SPECS = {
     "good_as_it_is": small_specs.GOOD_AS_IT_IS.encode(),
     "without_link": small_specs.WITHOUT_LINK.encode(),
     "too_short": small_specs.TOO_SHORT.encode(),
+    "spatial": SPATIAL.encode(),
 }
 
 

@@ -5,9 +5,11 @@ Every ball contains the exact value; nothing here compares floats with a toleran
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from typing import Any
 
 from flint import arb, arb_series, ctx, fmpq
 
@@ -74,7 +76,7 @@ def _sign(a: arb) -> arb:
 
 
 _UNARY: Mapping[str, Callable[[arb], arb]] = {
-    "neg": lambda a: -a,
+    "neg": operator.neg,
     "abs": abs,
     "fabs": abs,
     "sign": _sign,
@@ -87,7 +89,7 @@ _UNARY: Mapping[str, Callable[[arb], arb]] = {
     "tan": arb.tan,
 }
 _SERIES: Mapping[str, Callable[[arb_series], arb_series]] = {
-    "neg": lambda a: -a,
+    "neg": operator.neg,
     "sq": lambda a: a * a,
     "inv": lambda a: 1 / a,
     "twice": lambda a: a + a,
@@ -168,6 +170,30 @@ class SeriesArithmetic:
         if name == "sub":
             return left - right
         return left * right if name == "mul" else left / right
+
+
+_BINARY: Mapping[str, Callable[..., Any]] = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "div": operator.truediv,
+}
+BALLS: Mapping[str, Callable[..., Any]] = {
+    **_UNARY,
+    **_BINARY,
+    "sin_cos": arb.sin_cos,
+    "integer": arb,
+}
+"""The operations of ``BallArithmetic`` by name."""
+SERIES: Mapping[str, Callable[..., Any]] = {
+    **_SERIES,
+    **_BINARY,
+    "fabs": _absolute,
+    "sign": _slope,
+    "sin_cos": arb_series.sin_cos,
+    "integer": lambda value: arb_series([value]),
+}
+"""The operations of ``SeriesArithmetic`` by name."""
 
 
 def scalar_balls(nodes: Sequence[ScalarNode], theta: Sequence[arb]) -> list[arb]:

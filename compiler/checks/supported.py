@@ -40,6 +40,3 @@ def _needed_by(task: ir.Task) -> tuple[tuple[Span, str], ...]:
 def _clauses(task: ir.Task) -> Iterator[tuple[str, Span]]:
     if task.avoid_self is not None:
         yield "`avoid self`", task.avoid_self.span
-    if task.robust is not None:
-        for span in task.robust.spans:
-            yield "`robust`", span

@@ -212,6 +212,8 @@ def _expansion(
             outer = tape(ca.Function("outer", inputs, [ca.cse(ca.vertcat(*layer.values()))]))
         except ValueError:  # derivatives with constants that are not integers
             break
+        if any(name == "sign" for name, _, _ in inner.instructions):
+            break  # beyond a kink only the first order holds, with both slopes
         best = Expansion((*powers, *layer), inner, outer)
         known += layer.values()
         powers += layer

@@ -84,8 +84,12 @@ class IntervalArithmetic:
                 return _root(argument)
             case "fabs":
                 return _magnitude(argument)
-            case _:
+            case "sign":
+                return _sign(argument)
+            case "sin" | "cos" | "tan":
                 return _trigonometric(name, argument)
+            case _:
+                raise ValueError(f"no interval reading of {name}")
 
     def binary(self, name: str, left: Ends, right: Ends) -> Ends:
         """An operation on two intervals."""
@@ -131,6 +135,13 @@ def _magnitude(argument: Ends) -> Ends:
     if argument.undefined:
         return UNDEFINED
     return Ends(ZERO, argument.high if argument.high > -argument.low else -argument.low)
+
+
+def _sign(argument: Ends) -> Ends:
+    """The slopes of the absolute value: both, and all between, where zero is in the interval."""
+    if argument.undefined:
+        return UNDEFINED
+    return Ends(ONE if argument.low > 0 else -ONE, -ONE if argument.high < 0 else ONE)
 
 
 def _square(argument: Ends) -> Ends:

@@ -67,6 +67,8 @@ class RobotGraph:
       without the graph's own divisions;
     - ``variation(q, w, a, u, theta, k)``: the Jacobian of (tau - c - g - M a, own derivatives) in
       (q, w) for given accelerations a, column by column ((n + r) * (2n + r),);
+    - ``input_slopes(q, w, u, theta, k)``: the Jacobian of (tau - c - g, own derivatives) in u,
+      column by column ((n + r) * m,);
     - ``conditions(q, w, u, theta, k)``: what must not be zero (the first ``divisors`` entries), and
       what must not be negative, for the values above to exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
@@ -143,6 +145,13 @@ class RobotGraph:
         residual = ca.vertcat(self._drive - p.mass @ a, p.derivatives)
         jacobian = ca.jacobian(residual, ca.vertcat(p.q, p.w))
         return self._function("variation", [p.q, p.w, a, p.u], ca.vec(ca.densify(jacobian)))
+
+    @cached_property
+    def input_slopes(self) -> ca.Function:
+        """The Jacobian in the inputs of what drives the robot."""
+        p = self.parts
+        jacobian = ca.jacobian(ca.vertcat(p.forces, p.derivatives), p.u)
+        return self._function("input_slopes", [p.q, p.w, p.u], ca.vec(ca.densify(jacobian)))
 
     @cached_property
     def conditions(self) -> ca.Function:

@@ -12,6 +12,7 @@ import casadi as ca
 from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.absolute_angles import Coordinates
 from compiler.dynamics.kinematics import ConstantInputs, Kinematics
+from compiler.dynamics.planar_products import has_turned_columns, planar_products
 from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody
 
 
@@ -70,13 +71,19 @@ def mass_matrix(
 ) -> ca.SX:
     """M, the Hessian of the kinetic energy in the rates."""
     total = ca.SX.zeros(len(model.dofs), len(model.dofs))
+    turned = has_turned_columns(model, coordinates)
     for body in model.bodies:
         mass, com, inertia = inertia_of(body, at, constants)
         linear = ca.jacobian(com, q)
         angular = angular_jacobian(model, at, body.frame, coordinates)
         if model.dimension == 2:
             spin = angular[2, :]
-            total += mass * (linear.T @ linear) + inertia[2, 2] * (spin.T @ spin)
+            products = (
+                planar_products(linear[:2, :], q, coordinates.absolute)
+                if turned
+                else linear.T @ linear
+            )
+            total += mass * products + inertia[2, 2] * (spin.T @ spin)
         else:
             total += mass * (linear.T @ linear) + angular.T @ inertia @ angular
     return total
@@ -125,9 +132,16 @@ def gravitational_forces(
     """g, the gradient of the potential energy."""
     if not any(gravity):
         return ca.SX.zeros(len(model.dofs))
+    return ca.gradient(potential_energy(model, at, gravity, constants), q)
+
+
+def potential_energy(
+    model: RobotModel, at: Kinematics, gravity: tuple[Fraction, ...], constants: ConstantInputs
+) -> ca.SX:
+    """The potential energy of all bodies in a uniform field of gravity, J."""
     pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
     potential = ca.SX(0)
     for body in model.bodies:
         mass, com, _ = inertia_of(body, at, constants)
         potential -= mass * ca.dot(pull, com[: len(gravity)])
-    return ca.gradient(potential, q)
+    return potential

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from functools import cached_property
+from typing import Any, Protocol, TypeVar
 
 import casadi as ca
+
+from compiler.dynamics.tape_plan import Plan, plan_of
 
 Number = TypeVar("Number")
 
@@ -51,7 +54,7 @@ class UndefinedValueError(ValueError):
     """A graph that has no value anywhere."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Tape:
     """A straight-line program.
 
@@ -62,6 +65,25 @@ class Tape:
     instructions: tuple[tuple[str, int, tuple[int, ...]], ...]
     registers: int
     outputs: int
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The same program, ready to be run many times."""
+        return plan_of(self.instructions, self.outputs)
+
+    def first(self, outputs: int) -> Tape:
+        """The program of the first outputs alone."""
+        kept = (item for item in self.instructions if item[0] != "output" or item[1] < outputs)
+        return Tape(tuple(kept), self.registers, outputs)
+
+    def evaluate(
+        self, inputs: Sequence[Number], operations: Mapping[str, Callable[..., Any]]
+    ) -> list[Number]:
+        """The same as ``run`` where numbers are computed by plain functions, named as there.
+
+        Besides, ``integer`` makes a constant, and ``sin_cos`` gives both of one argument.
+        """
+        return self.plan.run(inputs, operations)
 
     def run(self, inputs: Sequence[Number], arithmetic: Arithmetic[Number]) -> list[Number]:
         """The outputs for the given inputs, in the given arithmetic."""

@@ -4,7 +4,7 @@ Theorem 1 says that w1 = w2 z is at least as robust as its prefix w2.  Its proof
 the best parameters of w2, with 0 for the new module z, as parameters of w1, and says that the two
 robots are then the same.  So it needs, for *every* module that may be added, values within that
 module's own range at which it adds no mass and moves no frame.  With lengths bounded below there
-are none, and the claim is false in general (row 4.9 of ``docs/differences-from-the-paper.md``).
+are none, and the claim is false in general (row 4.9 of ``docs/explanation/errata.md``).
 
 This file decides the hypothesis module by module from the semantic rules.  A production
 ``A -> A z`` changes nothing if it hands on every attribute as it received it and emits nothing:

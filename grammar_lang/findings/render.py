@@ -76,6 +76,15 @@ def _foremost(diagnostics: Sequence[Diagnostic], most: int) -> list[Diagnostic]:
     return [diagnostics[index] for index in sorted(chosen)]
 
 
+def marked_line(
+    sources: Sequence[Source], span: Span, text: str, *, colour: bool = False
+) -> list[str]:
+    """A text at a place in a source: a line that names the place, the source line and carets."""
+    source = sources[span.file]
+    excerpt = _excerpt(source, span, _FAINT, colour=colour)
+    return [f"{_place(source, span)}: {text}", *excerpt]
+
+
 def to_text(
     diagnostics: Sequence[Diagnostic],
     sources: Sequence[Source],
@@ -101,10 +110,8 @@ def to_text(
         lines.append(f"{_place(source, found.span)}: {kind}: {message}")
         lines += _excerpt(source, found.span, paint, colour=colour)
         for span, text in found.notes:
-            there = sources[span.file]
             note = _paint("note", _FAINT, colour=colour)
-            lines.append(f"{_place(there, span)}: {note}: {_brief(text)}")
-            lines += _excerpt(there, span, _FAINT, colour=colour)
+            lines += marked_line(sources, span, f"{note}: {_brief(text)}", colour=colour)
         if found.hint is not None:
             lines.append(f"  {_paint('hint', _FAINT, colour=colour)}: {_brief(found.hint)}")
     if left_out:

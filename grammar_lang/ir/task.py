@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
@@ -201,7 +202,8 @@ class Robust:
 class Task:
     """A problem: a robot family, a workspace, and what is to be done in how many steps.
 
-    ``reach`` is None only where ``satisfy`` holds a formula.
+    ``reach`` is None only where ``satisfy`` holds a formula.  ``clauses`` are the places of those
+    clauses that are plain numbers here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``.
     """
 
     name: str
@@ -222,6 +224,7 @@ class Task:
     origin: Origin | None = None
     satisfy: tuple[Satisfy, ...] = ()
     robust: Robust | None = None
+    clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
 
     @property
     def goal(self) -> Reach:

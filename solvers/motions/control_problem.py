@@ -10,7 +10,7 @@ import numpy as np
 from compiler.discretisation.float_reading import Array, FloatReading
 from solvers.motions.convex_step import ConvexStep
 from solvers.motions.linear_model import PositionRows
-from solvers.motions.motion_limits import InputGroup, MotionLimits
+from solvers.motions.motion_limits import InputGroup, MotionLimits, effort_scale
 from solvers.motions.step_solver import StepMaker
 from solvers.motions.trajectory import Trajectory
 
@@ -38,8 +38,8 @@ class ControlProblem:
 
     @property
     def scale(self) -> float:
-        """The largest margin of an input, the unit in which defects are weighed."""
-        return max((group.widest_margin for group in self.groups), default=1.0)
+        """The unit in which defects are weighed."""
+        return effort_scale(self.groups)
 
 
 @dataclass(frozen=True, slots=True)

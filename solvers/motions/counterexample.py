@@ -24,15 +24,21 @@ THRESHOLD = 1e-3
 RADIUS = 0.5
 
 
-def infeasible_prefix(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> int:
-    """The number of cells, from the start, that already cannot be followed.
-
-    All of the path's where nothing shorter is found.
-    """
+def infeasible_sample(
+    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]
+) -> int | None:
+    """The first sample that an infeasible outcome cannot be brought to; None: it is not known."""
     slacks = _slacks(follower, outcome, entries)
-    if slacks is None:
+    return None if slacks is None else zero_prefix(slacks, THRESHOLD) + 1
+
+
+def infeasible_prefix(sample: int | None, entries: tuple[int, ...]) -> int:
+    """The number of cells, from the start, that are entered up to a sample.
+
+    All of the path's where the sample is not known.
+    """
+    if sample is None:
         return len(entries)
-    sample = zero_prefix(slacks, THRESHOLD) + 1
     return int(np.searchsorted(np.array(entries), sample, side="right"))
 
 

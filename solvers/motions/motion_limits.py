@@ -36,6 +36,14 @@ class InputGroup:
         return float(np.min(gaps, initial=self.widest_margin))
 
 
+def effort_scale(groups: tuple[InputGroup, ...]) -> float:
+    """The unit in which defects and fictitious inputs are weighed: the largest margin of an input.
+
+    Where every input has one value only, it is 1.
+    """
+    return max((group.widest_margin for group in groups), default=1.0) or 1.0
+
+
 @dataclass(frozen=True, slots=True)
 class MotionLimits:
     """What binds the state apart from positions; arrays have one entry per degree of freedom.

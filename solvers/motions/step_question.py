@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from compiler.discretisation.float_reading import Array
-from solvers.motions.motion_limits import InputGroup, MotionLimits
+from solvers.motions.motion_limits import InputGroup, MotionLimits, effort_scale
 from solvers.motions.trajectory import Trajectory
 
 LEAST = 0.1
@@ -42,7 +42,7 @@ class TrustRegion:
 class StepQuestion:
     """What of a convex step stays the same from one to the next.
 
-    ``scale`` is the unit of effort.  With ``epsilon`` every step has a slack of its own under C.6.
+    With ``epsilon`` every step has a slack of its own under C.6.
     """
 
     limits: MotionLimits
@@ -53,8 +53,8 @@ class StepQuestion:
 
     @property
     def scale(self) -> float:
-        """The largest margin of an input."""
-        return max((group.widest_margin for group in self.groups), default=1.0) or 1.0
+        """The unit of effort."""
+        return effort_scale(self.groups)
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ def clear_poses(
     search = _Search(reading, workspace, task, question)
     rng = np.random.default_rng(seed)
     found: set[Poses] = set()
-    for theta in _designs(reading, rng):
+    for theta in designs(reading, rng):
         found |= search.answered(theta, rng)
         if search.poses in found:
             break
@@ -103,7 +103,7 @@ class _Search:
         return max((float(np.max(end)) for end in ends), default=0.0)
 
 
-def _designs(reading: FloatReading, rng: np.random.Generator) -> Iterator[Array]:
+def designs(reading: FloatReading, rng: np.random.Generator) -> Iterator[Array]:
     """Parameters (p,) drawn from their domains."""
     domains = [parameter.domain for parameter in reading.graph.model.parameters]
     bounds = np.array(parameter_bounds(reading.graph.model)).reshape(-1, 2)

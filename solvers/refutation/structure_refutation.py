@@ -1,13 +1,17 @@
-"""The kinematic refutation of one structure: sample poses first, then ask the solver.
+"""The kinematic refutation of one structure: sample poses first, then ask the solver, then boxes.
 
 Where the task binds bodies, the same again with the whole body clear of the obstacles.  Poses
 found by inverse kinematics answer a question "possible" for nothing; a script answered
-``unsat`` proves that no parameters whatever let the structure do the task.
+``unsat`` proves that no parameters whatever let the structure do the task.  What neither poses nor
+scripts answer is asked a covering by boxes, which sees ways between poses and weak drives too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import islice
+
+import numpy as np
 
 from compiler.discretisation.float_reading import FloatReading
 from compiler.encodings.body_demands import body_demands
@@ -18,18 +22,30 @@ from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.backends.smt import RESOURCES, solve_script
 from solvers.progress import Conduct
-from solvers.refutation.clear_poses import clear_poses
+from solvers.refutation.box_refutation import (
+    BoxRefutation,
+    box_refutation,
+    start_is_excluded,
+    way_is_seen,
+)
+from solvers.refutation.box_search import FOR_A_POSE, WITHOUT_PROOF
+from solvers.refutation.clear_poses import clear_poses, designs
+from solvers.refutation.drive_search import BEFORE_MOTIONS, drive_refutation
 from solvers.refutation.pose_search import PoseWitness, find_poses
 from solvers.verifier.verdict import Fails
 
 REFUTED = 1.0
+FEW_DOFS = 2
+"""With as few coordinates a covering is tried although poses were found."""
+DESIGNS = 6
+"""So many parameters are looked at for a way before a covering is tried."""
 BOTH_POSES = 400_000
 """z3's resources for two poses of the body with common parameters: those are hard to find."""
 
 
 @dataclass(frozen=True, slots=True)
 class Refutation:
-    """The answer for a structure: a refuting ``script``, or the effector of witness poses.
+    """The answer for a structure: a refuting ``script`` or ``boxes``, or the effector of poses.
 
     ``effector`` (from 0) is one that may start and reach, by the poses found for the first
     question; None where none were found.
@@ -39,42 +55,92 @@ class Refutation:
     script: str | None
     effector: int | None
     solver_calls: int
+    boxes: str | None = None
 
     @property
     def refuted(self) -> bool:
-        """Whether there is a script that was answered ``unsat``."""
-        return self.script is not None
+        """Whether a script was answered ``unsat``, or a covering was replayed."""
+        return self.script is not None or self.boxes is not None
 
 
 def refute_structure(
     model: RobotModel, reading: FloatReading, program: ir.Program, task: ir.Task, conduct: Conduct
 ) -> Refutation:
     """Try to prove that a structure cannot bring effectors from the start to where they must be."""
-    calls, effectors = 0, list[int | None]()
-    workspace = program.workspaces[task.workspace]
-    demands = body_demands(workspace, task)
-    for question in pose_questions(workspace, task):
-        witness = find_poses(reading, question, conduct.seed)
-        effectors.append(_recorded(task, witness))
-        if witness is None:
-            script = refutation_script(model, question)
-            calls += 1
-            if _refuted(script, conduct, RESOURCES):
-                return Refutation(_reason(question), script, None, calls)
+    asked = _Asked(model, reading, program.workspaces[task.workspace], task, conduct)
+    for question in pose_questions(asked.workspace, task):
+        refuted = asked.poses(question) or asked.bodies(question)
+        if refuted is not None:
+            return refuted
+    effector = _recorded(task, asked.witnesses[0])
+    found = asked.boxes() or asked.drives()
+    if found is not None:
+        return Refutation(found.reason, None, None, asked.calls, found.boxes)
+    if not asked.calls:
+        return Refutation("poses were found", None, effector, 0)
+    reason = "neither poses nor a refutation were found"
+    return Refutation(reason, None, effector, asked.calls)
+
+
+@dataclass(slots=True)
+class _Asked:
+    """What was asked about a robot so far; ``witnesses`` has the poses found for each question."""
+
+    model: RobotModel
+    reading: FloatReading
+    workspace: ir.Workspace
+    task: ir.Task
+    conduct: Conduct
+    witnesses: list[PoseWitness | None] = field(default_factory=list[PoseWitness | None])
+    calls: int = 0
+
+    def poses(self, question: PoseQuestion) -> Refutation | None:
+        """Poses of the effectors alone: found, refuted, or neither."""
+        witness = find_poses(self.reading, question, self.conduct.seed)
+        self.witnesses.append(witness)
+        if witness is not None:
+            return None
+        script = refutation_script(self.model, question)
+        self.calls += 1
+        if not _refuted(script, self.conduct, RESOURCES):
+            return None
+        return Refutation(_reason(question), script, None, self.calls)
+
+    def bodies(self, question: PoseQuestion) -> Refutation | None:
+        """Poses of the whole body: found, refuted, or neither."""
+        demands = body_demands(self.workspace, self.task)
         if demands is None:
-            continue
-        known = clear_poses(reading, workspace, task, question, conduct.seed)
+            return None
+        seed = self.conduct.seed
+        known = clear_poses(self.reading, self.workspace, self.task, question, seed)
         for poses in body_scripts(question):
-            body = None if poses in known else body_script(model, question, demands, poses)
+            body = None if poses in known else body_script(self.model, question, demands, poses)
             if body is None:
                 continue
-            calls += 1
+            self.calls += 1
             resources = RESOURCES if len(poses) == 1 else BOTH_POSES
-            if _refuted(body, conduct, resources):
-                return Refutation(_body_reason(question, poses), body, None, calls)
-    if not calls:
-        return Refutation("poses were found", None, effectors[0], 0)
-    return Refutation("neither poses nor a refutation were found", None, effectors[0], calls)
+            if _refuted(body, self.conduct, resources):
+                return Refutation(_body_reason(question, poses), body, None, self.calls)
+        return None
+
+    def boxes(self) -> BoxRefutation | None:
+        """A covering, where there is hope of one."""
+        robot = self.model, self.reading.graph, self.workspace, self.task
+        if start_is_excluded(*robot):
+            return box_refutation(*robot, FOR_A_POSE)
+        few = len(self.model.dofs) <= FEW_DOFS
+        if not few and not self.calls:
+            return None
+        rng = np.random.default_rng(self.conduct.seed)
+        drawn = list(islice(designs(self.reading, rng), DESIGNS))
+        if way_is_seen(*robot, self.witnesses, drawn):
+            return None
+        return box_refutation(*robot, WITHOUT_PROOF)
+
+    def drives(self) -> BoxRefutation | None:
+        """A covering that shows the drives to be far too weak."""
+        robot = self.model, self.reading.graph, self.workspace, self.task
+        return drive_refutation(*robot, BEFORE_MOTIONS)
 
 
 def _refuted(script: str, conduct: Conduct, resources: int) -> bool:

@@ -44,7 +44,8 @@ def check_found(
     _claimed_path(claim, model, task)
     _path_avoids(claim, task, cells)
     if all(finding.status is Status.HOLDS for finding in findings):
-        findings += prove_motion(scene_of(program, task, model, cells), motion)
+        scene = scene_of(program, task, model, cells, derivation)
+        findings += prove_motion(scene, motion, refute=True)
     return model, concluded(findings)
 
 

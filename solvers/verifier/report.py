@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from solvers.verifier.claims.outcome import Outcome
-from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.finding import Finding, decisive
 from solvers.verifier.proofs.tube_checks import Status
 
 
@@ -23,16 +23,8 @@ class Report:
 
 def concluded(findings: Sequence[Finding]) -> Report:
     """One violated condition refutes, one open condition leaves open."""
-    failed = next((f for f in findings if f.status is Status.FAILS), None)
-    open_one = next((f for f in findings if f.status is Status.UNDECIDED), None)
-    if failed is not None:
-        reason = f"{failed.name}: violated{_at(failed)}"
-        return Report(Outcome.REFUTED, "found", None, reason, tuple(findings))
-    if open_one is not None:
-        reason = f"{open_one.name}: not decided{_at(open_one)}"
-        return Report(Outcome.UNDECIDED, "found", None, reason, tuple(findings))
-    return Report(Outcome.VALID, "found", "validated", None, tuple(findings))
-
-
-def _at(finding: Finding) -> str:
-    return "" if finding.time is None else f" at {finding.time:.4g} s"
+    due = decisive(findings)
+    if due is None:
+        return Report(Outcome.VALID, "found", "validated", None, tuple(findings))
+    outcome = Outcome.REFUTED if due.status is Status.FAILS else Outcome.UNDECIDED
+    return Report(outcome, "found", None, due.reason, tuple(findings))

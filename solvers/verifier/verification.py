@@ -122,10 +122,18 @@ def _cut(cells: Abstraction, claim: FoundClaim) -> Abstraction:
 def _impossible(
     folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
 ) -> Report:
-    reason, proved = check_impossible(folder, claim, program, task, trust)
-    if reason is not None:
-        return Report(Outcome.REFUTED, "impossible", None, reason)
-    if proved:
-        level = "z3" if claim.separation is None else "validated"
-        return Report(Outcome.VALID, "impossible", level, None)
-    return Report(Outcome.ASSUMING_Z3, "impossible", "z3", "only z3 decided; see --trust z3")
+    found = check_impossible(folder, claim, program, task, trust)
+    if isinstance(found, str):
+        return Report(Outcome.REFUTED, "impossible", None, found)
+    if found.complete:
+        return Report(Outcome.VALID, "impossible", "validated", None)
+    shares = (
+        f"{found.by_boxes} of {found.structures} structures are proved by boxes, "
+        "the rest rest on z3"
+        if found.by_boxes
+        else None
+    )
+    if trust == "z3":
+        return Report(Outcome.VALID, "impossible", "z3", shares)
+    reason = f"{shares or 'only z3 decided'}; see --trust z3"
+    return Report(Outcome.ASSUMING_Z3, "impossible", "z3", reason)

@@ -1,4 +1,7 @@
-"""Equations of motion against formulas written by hand and a Lagrangian of point masses."""
+"""Equations of motion against formulas written by hand and a Lagrangian of point masses.
+
+Two links in closed form: ``tests/errata/test_row_4_05.py`` and ``test_row_4_06.py``.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from tests.oracles.lagrangian import PointCloud, rod_points
 from tests.oracles.mass_points import mass_points
 from tests.oracles.mixed_robots import mixed_robot
 from tests.oracles.planar_chain import chain_dynamics
-from tests.oracles.robots import Builder, evaluate, point_chain, rod_chain
+from tests.oracles.robots import Builder, evaluate, rod_chain
 
 Array = NDArray[np.float64]
 PULL = (Fraction(1, 3), Fraction(-981, 100))
@@ -25,70 +28,6 @@ PULL = (Fraction(1, 3), Fraction(-981, 100))
 
 def as_floats(values: tuple[Fraction, ...]) -> list[float]:
     return [float(value) for value in values]
-
-
-def test_mass_matrix_of_the_reference_two_link_arm() -> None:
-    graph = robot_graph(rod_chain(2))
-    mass = evaluate(graph, "mass_matrix", np.array([0.3, 0.4]), np.array([1.0, 0.5]))
-    expected = [[1.1052652485, 0.1567992909], [0.1567992909, 0.0416666667]]
-    np.testing.assert_allclose(mass, expected, atol=5e-11)
-
-
-def test_the_printed_inertia_is_not_positive_definite_and_ours_is() -> None:
-    graph, l1, l2 = robot_graph(rod_chain(2)), 1.0, 0.5
-    for angle in np.linspace(-np.pi, np.pi, 73):
-        mass = evaluate(graph, "mass_matrix", np.array([0.0, angle]), np.array([l1, l2]))
-        printed = mass.copy()
-        printed[0, 1] = printed[1, 0] = l1**3 / 3 + l1 * l2**2 / 2 * np.cos(angle)
-        assert np.linalg.eigvalsh(mass)[0] > 0
-        assert np.linalg.eigvalsh(printed)[0] < 0
-
-
-def test_two_rods_agree_with_the_corrected_closed_form() -> None:
-    graph = robot_graph(rod_chain(2), PULL)
-    rng = np.random.default_rng(1)
-    for _ in range(20):
-        (q1, q2), (w1, w2) = rng.uniform(-3, 3, 2), rng.uniform(-2, 2, 2)
-        l1, l2 = rng.uniform(0.5, 5, 2)
-        q, v, theta = np.array([q1, q2]), np.array([w1, w2]), np.array([l1, l2])
-        d12 = l2**3 / 3 + l1 * l2**2 / 2 * np.cos(q2)
-        d11 = l1**3 / 3 + l1**2 * l2 + l2**3 / 3 + l1 * l2**2 * np.cos(q2)
-        h = l1 * l2**2 / 2 * np.sin(q2)
-        gx, gy = as_floats(PULL)
-        first = np.array([-np.sin(q1), np.cos(q1)]) @ [gx, gy]
-        second = np.array([-np.sin(q1 + q2), np.cos(q1 + q2)]) @ [gx, gy]
-        g2 = -(l2**2) / 2 * second
-        g1 = -(l1**2 / 2 + l2 * l1) * first + g2
-        bias = [-h * (2 * w1 * w2 + w2**2) + g1, h * w1**2 + g2]
-        mass = evaluate(graph, "mass_matrix", q, theta)
-        np.testing.assert_allclose(mass, [[d11, d12], [d12, l2**3 / 3]], rtol=1e-12)
-        np.testing.assert_allclose(evaluate(graph, "bias", q, v, theta), bias, rtol=1e-9, atol=1e-9)
-
-
-def test_two_point_masses_agree_with_the_corrected_closed_form() -> None:
-    graph = robot_graph(point_chain(2))
-    rng = np.random.default_rng(2)
-    for _ in range(20):
-        q, v, theta = rng.uniform(-3, 3, 2), rng.uniform(-2, 2, 2), rng.uniform(0.5, 5, 2)
-        l1, l2 = theta
-        m1, m2, cosine = l1, l2, np.cos(q[1])
-        mass = np.array(
-            [
-                [m1 * l1**2 + m2 * (l1**2 + l2**2 + 2 * l1 * l2 * cosine), 0],
-                [m2 * (l2**2 + l1 * l2 * cosine), m2 * l2**2],
-            ]
-        )
-        mass[0, 1] = mass[1, 0]
-        h = m2 * l1 * l2 * np.sin(q[1])
-        bias = [-h * (2 * v[0] * v[1] + v[1] ** 2), h * v[0] ** 2]
-        u = rng.uniform(-5, 5, 2)
-        np.testing.assert_allclose(evaluate(graph, "mass_matrix", q, theta), mass, rtol=1e-11)
-        np.testing.assert_allclose(
-            evaluate(graph, "bias", q, v, theta), bias, rtol=1e-10, atol=1e-10
-        )
-        expected = np.linalg.solve(mass, u - bias)
-        found = evaluate(graph, "acceleration", q, v, u, theta)
-        np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
 @pytest.mark.parametrize("links", [1, 2, 3, 4, 5, 6])

@@ -7,10 +7,12 @@ from fractions import Fraction
 
 import casadi as ca
 import mpmath as mp
+import numpy as np
 import pytest
 from flint import arb
 
 from compiler.definiteness.boxes import domain_side, range_side
+from compiler.definiteness.enclosed_matrix import EnclosedMatrix
 from compiler.definiteness.exact_reading import ExactArithmetic, NotExact, PiLinear, exact_closed
 from compiler.definiteness.identities import symmetric_entries
 from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, between
@@ -84,6 +86,27 @@ def test_operations_contain_the_values(name: str) -> None:
                 for j in range(4):
                     left, right = over(a + c * i / 3), over(b + d * j / 3)
                     assert inside(found, Multiprecision().binary(name, left, right))
+
+
+def test_the_slopes_of_an_absolute_value() -> None:
+    sign = IntervalArithmetic().unary
+    for low, high, first, last in ((2, 3, 1, 1), (-3, -2, -1, -1), (-1, 2, -1, 1), (0, 2, -1, 1),
+                                   (-2, 0, -1, 1), (0, 0, -1, 1)):  # fmt: skip
+        assert sign("sign", Ends(arb(low), arb(high))) == Ends(arb(first), arb(last))
+    assert sign("sign", Ends(arb("nan"), arb("nan"))).undefined
+    with pytest.raises(ValueError, match="no interval reading of cosh"):
+        sign("cosh", Ends(arb(0), arb(1)))
+
+
+def test_a_kink_is_not_expanded_beyond_the_first_order() -> None:
+    # 1 - (|z| + z) is 1 left of zero and falls to -1 at z = 1; at the middle all slopes are 0.
+    z = ca.SX.sym("z")
+    matrix = EnclosedMatrix(1 - (ca.fabs(z) + z), z, ca.SX(0, 1), ())
+    one = np.eye(1)
+    for low, high, regular in ((-3, 1, False), (-5, 1, False), (-3, -1, True)):
+        box = (range_side(low, high),)
+        natural = matrix.enclosed([side.ends for side in box])
+        assert matrix.regular(box, one, one, natural, [0]) is regular
 
 
 def test_what_is_undefined_stays_so() -> None:

@@ -1,4 +1,7 @@
-"""The linearisation against the paper's E-matrices, and its exact discretisation."""
+"""The two forms of the linearisation, and its exact discretisation.
+
+Against the paper's E-matrices: ``tests/errata/test_row_4_04.py``.
+"""
 
 from __future__ import annotations
 
@@ -10,86 +13,15 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from compiler.discretisation.float_reading import FloatReading
-from compiler.discretisation.linearisation import SecondOrderForm, linearise, second_order_form
-from compiler.dynamics.absolute_angles import absolute_angles
+from compiler.discretisation.linearisation import linearise, second_order_form
 from compiler.dynamics.controlled_system import controlled_system
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
 from tests.oracles.driven_robots import driven
-from tests.oracles.e_matrices import EMatrices
-from tests.oracles.robots import Builder, point_chain, rod_chain
+from tests.oracles.robots import Builder, rod_chain
 
 Array = NDArray[np.float64]
 PULL = (Fraction(1, 3), Fraction(-981, 100))
-
-
-def form_of(links: int, q: Array, v: Array, a: Array, theta: Array) -> SecondOrderForm:
-    """The second-order form of Example 3's robot in absolute angles, at one sample."""
-    model = point_chain(links)
-    system = controlled_system(robot_graph(model, (), absolute_angles(model)))
-    return second_order_form(system, q[None, :], v[None, :], a[None, :], theta)
-
-
-def motion(links: int) -> tuple[Array, Array, Array, Array]:
-    rng = np.random.default_rng(links)
-    rates, accelerations = rng.uniform(1, 2, (2, links)) * rng.choice([-1, 1], (2, links))
-    return rng.uniform(0.5, 2, links), rng.uniform(-2, 2, links), rates, accelerations
-
-
-@pytest.mark.parametrize("links", [2, 3, 4])
-def test_mass_damping_and_bias_are_those_of_the_corrected_e_matrices(links: int) -> None:
-    lengths, angles, rates, accelerations = motion(links)
-    form = form_of(links, angles, rates, accelerations, lengths)
-    paper = EMatrices(lengths, angles, rates, accelerations)
-    np.testing.assert_allclose(form.mass[0], paper.mass(), rtol=1e-12, atol=1e-13)
-    np.testing.assert_allclose(form.damping[0], paper.damping(), rtol=1e-12, atol=1e-13)
-    np.testing.assert_allclose(form.bias[0], paper.bias(), rtol=1e-12, atol=1e-13)
-
-
-@pytest.mark.parametrize("links", [2, 3, 4])
-def test_the_printed_e_matrices_are_another_robot(links: int) -> None:
-    """Contract, 4.4: the first row of E_2 has the wrong function and sign."""
-    lengths, angles, rates, accelerations = motion(links)
-    form = form_of(links, angles, rates, accelerations, lengths)
-    printed = EMatrices(lengths, angles, rates, accelerations, printed=True)
-    for found, other in (
-        (form.mass[0], printed.mass()),
-        (form.damping[0], printed.damping()),
-        (form.bias[0], printed.bias()),
-    ):
-        assert np.abs(found - other).max() > 0.1
-
-
-@pytest.mark.parametrize("links", [2, 3])
-def test_the_stiffness_of_the_e_matrices_holds_at_rest_only(links: int) -> None:
-    """Contract, 4.4; ours are the derivatives of the forces, by differences."""
-    lengths, angles, rates, accelerations = motion(links)
-    still = np.zeros(links)
-    at_rest = form_of(links, angles, still, still, lengths)
-    paper = EMatrices(lengths, angles, still, still).stiffness()
-    np.testing.assert_allclose(at_rest.stiffness[0], paper, atol=1e-14)
-    h = 1e-4
-    for v, a in ((rates, still), (still, accelerations), (rates, accelerations)):
-        form = form_of(links, angles, v, a, lengths)
-        assert np.abs(form.stiffness[0] - EMatrices(lengths, angles, v, a).stiffness()).max() > 0.1
-        for j, unit in enumerate(np.eye(links)):
-            ahead, behind = (
-                EMatrices(lengths, angles + shift * unit, v, a).bias() for shift in (h, -h)
-            )
-            slope = (ahead - behind) / (2 * h)
-            np.testing.assert_allclose(form.stiffness[0, :, j], slope, rtol=1e-6, atol=1e-7)
-
-
-def test_the_parameter_column_of_the_second_order_form() -> None:
-    lengths, angles, rates, accelerations = motion(3)
-    form, h = form_of(3, angles, rates, accelerations, lengths), 1e-5
-    for j, unit in enumerate(np.eye(3)):
-        ahead, behind = (
-            EMatrices(lengths + shift * unit, angles, rates, accelerations).bias()
-            for shift in (h, -h)
-        )
-        slope = (ahead - behind) / (2 * h)
-        np.testing.assert_allclose(form.parameter[0, :, j], slope, rtol=1e-7, atol=1e-8)
 
 
 def test_the_two_forms_of_the_linearisation_agree() -> None:

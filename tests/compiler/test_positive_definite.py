@@ -94,7 +94,7 @@ def test_the_printed_inertia_fails_on_a_reported_box() -> None:
     assert "l1 in [" in found.text
 
 
-def test_the_printed_inertia_fails_at_the_lengths_of_the_contract() -> None:
+def test_the_printed_inertia_fails_at_given_lengths() -> None:
     box = (range_side(1, 1), range_side(HALF, HALF), TURN)
     found = positive_definite(inertia("l1"), (Constant(THIRD), Constant(HALF)), box)
     assert found.status == "fails"

@@ -163,8 +163,8 @@ def rotation(axis, angle):
     return matrix
 
 
-def effector_positions(model, q, theta):
-    """World positions of all effectors, one row each, by products of frames."""
+def frames_of(model, q, theta):
+    """Rotation (3, 3) and origin (3,) of every frame in the world, by products of frames."""
     values = scalar_values(model, theta)
     poses = [(np.eye(3), np.zeros(3))]
     for node in model.frames[1:]:
@@ -179,4 +179,10 @@ def effector_positions(model, q, theta):
             case Joint(dof, axis, sign):
                 origin = origin + turn[:, axis] * sign * q[dof]
         poses.append((turn, origin))
+    return poses
+
+
+def effector_positions(model, q, theta):
+    """World positions of all effectors, one row each."""
+    poses = frames_of(model, q, theta)
     return np.array([poses[frame][1][: model.dimension] for frame in model.effectors])

@@ -19,10 +19,11 @@ from compiler.geometry.polytope import Polytope
 from compiler.robots.robot import WORLD, RobotModel
 from compiler.specifications.monitor import AtomKey
 from grammar_lang import ir
-from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, VectorField, tube
+from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.region_distance import region_distance
 from solvers.verifier.proofs.tube_checks import PointReading
+from solvers.verifier.proofs.vector_field import VectorField
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder
 from tests.oracles.tasks import task

@@ -23,7 +23,7 @@ class EMatrices:
     """Links of given lengths at angles with rates and accelerations, each (n,).
 
     ``printed`` keeps the first row of E_2 as it is printed: ``L2 cos q02`` instead of
-    ``-L2 sin q02`` (contract, 4.4).
+    ``-L2 sin q02`` (row 4.4 of the errata).
     """
 
     lengths: Array

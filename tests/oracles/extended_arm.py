@@ -7,8 +7,13 @@ same.  Start and target are boxes, so that the angle between them depends on the
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
+from grammar_lang.load import load
+from solvers.progress import Conduct
+from solvers.synthesis import Synthesis, synthesise
 from tests.oracles.small_specs import TURNER, replaced
 
 HORIZON = 2.0
@@ -34,6 +39,16 @@ def extended_arm(extension: str, modules: int = 5) -> str:
         "accept matches B eps JO eps L (eps Z)* eps EN;",
     )
     return replaced(text, "effort <= 10 N*m;", f"effort <= 1 N*m;\n  modules <= {modules};")
+
+
+def all_designs(folder: Path, extension: str) -> Synthesis:
+    """The best designs of the arm with one link and of the longer ones."""
+    path = folder / "arm.srg"
+    path.write_text(extended_arm(extension), encoding="utf-8")
+    program = load(path).program
+    assert program is not None
+    (task,) = program.tasks.values()
+    return synthesise(program, task, Conduct(), every=True)
 
 
 def best_robustness(least: float, most: float = LONGEST) -> float:

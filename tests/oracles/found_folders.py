@@ -27,7 +27,7 @@ def claim_found(folder: Path, text: str, word: str, values: list[str]) -> Path:
     model = family.robot(derivation)
     zeros = ["0"] * len(robot_inputs(model))
     content = {
-        "format": 2,
+        "format": 3,
         "kind": "found",
         "task": task.name,
         "spec": path.name,

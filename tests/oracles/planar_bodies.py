@@ -11,30 +11,12 @@ import shapely
 from numpy.typing import NDArray
 
 from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.robots.robot import Joint, Offset, RobotModel, RodBody, SolidBody, Turn
-from tests.oracles.arms import rotation, scalar_values
+from compiler.robots.robot import RobotModel, RodBody, SolidBody
+from tests.oracles.arms import frames_of, scalar_values
 from tests.oracles.planes import hull
 
 Array = NDArray[np.float64]
 Points = list[tuple[float, float]]
-
-
-def frames_of(model: RobotModel, q: Array, theta: Array) -> list[tuple[Array, Array]]:
-    values = scalar_values(model, theta)
-    poses = [(np.eye(3), np.zeros(3))]
-    for node in model.frames[1:]:
-        turn, origin = poses[node.parent]
-        match node.step:
-            case Turn(axis, angle):
-                turn = turn @ rotation(axis, values[angle])
-            case Offset(vector):
-                origin = origin + turn @ np.array([values[i] for i in vector])
-            case Joint(dof, axis, sign) if model.dofs[dof].kind == "revolute":
-                turn = turn @ rotation(axis, sign * q[dof])
-            case Joint(dof, axis, sign):
-                origin = origin + turn[:, axis] * sign * q[dof]
-        poses.append((turn, origin))
-    return poses
 
 
 def bodies_of(model: RobotModel, q: Array, theta: Array) -> list[Points]:

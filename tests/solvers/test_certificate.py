@@ -52,7 +52,7 @@ def test_written_and_read(claim):
     assert from_text(to_text(claim)) == claim
     content = json.loads(to_text(claim))
     assert content["digest"] == result_files.digest(content)
-    assert content["format"] == 2
+    assert content["format"] == 3
 
 
 def _read(text):

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from compiler.discretisation.float_reading import FloatReading
@@ -19,75 +18,19 @@ from solvers.motions.control_problem import (
     input_margin,
 )
 from solvers.motions.linear_model import PositionRows
-from solvers.motions.motion_limits import InputGroup, MotionLimits
+from solvers.motions.motion_limits import InputGroup
 from solvers.motions.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
-
-Array = NDArray[np.float64]
-DT = 0.125
-LENGTH = 1.5
-INERTIA = LENGTH**3 / 3
-ONE = FloatReading(robot_graph(rod_chain(1)))
-ANGLE = 1.1
-
-
-def limits(n: int, final: float, **changes: Array | float) -> MotionLimits:
-    wide = np.full(n, 4.0), np.full(n, np.inf)
-    base = MotionLimits(-wide[0], wide[0], -wide[1], wide[1], 0.0, final, np.zeros(n))
-    return replace(base, **changes)
-
-
-def beyond(steps: int, angle: float, length: float = LENGTH) -> PositionRows:
-    """The tip's last position is at least as high as at an angle below a right one."""
-    return PositionRows(
-        np.array([steps]),
-        np.array([0]),
-        np.array([[0.0, -1.0]]),
-        np.array([-length * np.sin(angle)]),
-    )
-
-
-def one_link(
-    steps: int, bound: float, final: float, angle: float = ANGLE, **changes: Array | float
-) -> tuple[ControlProblem, Trajectory]:
-    rows = beyond(steps, angle)
-    problem = ControlProblem(
-        ONE,
-        DT,
-        1,
-        limits(1, final, **changes),
-        (InputGroup((0,), -bound, bound, norm2=False),),
-        lambda _: rows,
-    )
-    x = np.stack([np.linspace(0, angle, steps + 1), np.full(steps + 1, angle / steps / DT)], axis=1)
-    x[0, 1] = 0.0
-    return problem, Trajectory(x, np.zeros((steps, 1)), np.array([LENGTH]))
-
-
-def double_integrator(steps: int, rest: bool, reach: float, rate: float = np.inf) -> float:
-    """The least peak torque from rest to an angle of at least ``reach``, by an LP in the inputs.
-
-    After i steps the rate is sum_j h u_j, the angle sum_j h^2 (i - j - 1/2) u_j, by the inertia.
-    """
-    h = DT / INERTIA
-    rates = np.tril(np.ones((steps, steps))) * h
-    place = np.array([DT * h * (steps - j - 0.5) for j in range(steps)])
-    above = [np.append(-place, 0.0)]
-    level = [-reach]
-    for sign in (1, -1):
-        above += [np.append(sign * unit, -1.0) for unit in np.eye(steps)]
-        level += [0.0] * steps
-        if np.isfinite(rate):
-            above += [np.append(sign * row, 0.0) for row in rates]
-            level += [rate] * steps
-    equal = np.append(rates[-1], 0.0)[None, :] if rest else None
-    found = linprog(
-        np.append(np.zeros(steps), 1.0),
-        A_ub=np.array(above), b_ub=level, A_eq=equal, b_eq=[0.0] if rest else None,
-        bounds=[(None, None)] * (steps + 1),
-    )  # fmt: skip
-    assert found.status == 0
-    return float(found.fun)
+from tests.oracles.turning_link import (
+    ANGLE,
+    DT,
+    INERTIA,
+    LENGTH,
+    ONE,
+    double_integrator,
+    limits,
+    one_link,
+)
 
 
 @pytest.mark.parametrize("steps", [8, 9, 16])
@@ -104,6 +47,18 @@ def test_the_least_peak_torque_of_a_double_integrator(steps: int, rest: bool) ->
     assert outcome.status == "fixpoint"
     assert outcome.effort_peak == pytest.approx(peak, rel=1e-4)
     assert outcome.robustness == pytest.approx(10.0 - peak, rel=1e-4)
+
+
+def test_an_input_with_one_value_only() -> None:
+    """No margin is positive: the constant torque turns the link by u T^2 / 2 I, and rho is 0."""
+    problem, seed = one_link(8, 1.0, np.inf)
+    constant = 2 * INERTIA * 1.01 * ANGLE / (8 * DT) ** 2
+    fixed = replace(problem, groups=(InputGroup((0,), constant, constant, norm2=False),))
+    outcome = synthesise_control(fixed, seed)
+    assert outcome.feasible
+    assert outcome.trajectory.u == pytest.approx(constant)
+    assert outcome.trajectory.x[-1, 0] == pytest.approx(1.01 * ANGLE)
+    assert abs(outcome.robustness) < 1e-9
 
 
 def test_rate_limits_raise_the_peak() -> None:
@@ -173,42 +128,6 @@ def least_fictitious(steps: int, bound: float, reach: float) -> float:
     )  # fmt: skip
     assert found.status == 0
     return float(found.fun)
-
-
-def hidden_robustness(bound: float, angle: float) -> float:
-    """Definition 7 as printed, for one step from rest to rest: max of -(s_u + s_v).
-
-    The unknowns are u, v_q, v_r with (h^2/2)(u + v_q) = angle and h (u + v_r) = 0, times inertia.
-    """
-    h = DT / INERTIA
-    # minimise s_u + s_v  s.t.  |u| - bound <= s_u, |v_q|, |v_r| <= s_v.
-    rows, level = [], []
-    for column, slack, offset in ((0, 3, bound), (1, 4, 0.0), (2, 4, 0.0)):
-        for sign in (1.0, -1.0):
-            row = np.zeros(5)
-            row[column], row[slack] = sign, -1.0
-            rows.append(row)
-            level.append(offset)
-    equal = np.array([[DT * h / 2, DT * h / 2, 0, 0, 0], [h, 0, h, 0, 0]])
-    found = linprog(
-        [0, 0, 0, 1, 1], A_ub=np.array(rows), b_ub=level, A_eq=equal, b_eq=[angle, 0.0],
-        bounds=[(None, None)] * 4 + [(0, None)],
-    )  # fmt: skip
-    assert found.status == 0
-    return -float(found.fun)
-
-
-def test_a_fictitious_input_cannot_hide_in_the_sum() -> None:
-    """Row 4.8: from rest to rest elsewhere in one step needs v whatever the effort."""
-    angle, bound = 0.2, 1000.0
-    assert hidden_robustness(bound, angle) > 0  # the printed criterion calls it robust
-    problem, seed = one_link(1, bound, 0.0, angle)
-    outcome = synthesise_control(problem, seed)
-    assert not outcome.feasible
-    # u + v_q = f and u + v_r = 0 with f = 2 I angle / dt^2: the least V is f / 2.
-    least = INERTIA * angle / DT**2
-    assert outcome.robustness == pytest.approx(-least, rel=1e-3)
-    assert outcome.fictitious.max() == pytest.approx(least, rel=1e-3)
 
 
 @pytest.mark.parametrize("norm2", [False, True])

@@ -27,7 +27,8 @@ from solvers.motions.motion_limits import InputGroup, MotionLimits
 from solvers.motions.reference_step import ReferenceStep
 from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
 from solvers.motions.trajectory import Trajectory
-from solvers.verifier.proofs.enclosure import Accuracy, VectorField, tube
+from solvers.verifier.proofs.enclosure import Accuracy, tube
+from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.driven_robots import driven
 from tests.oracles.result_files import alter, alter_spec

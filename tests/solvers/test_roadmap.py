@@ -20,8 +20,8 @@ from solvers.motions.body_seeds import body_seeds, roadmap_motions
 from solvers.motions.corridor import STRAY, Corridor
 from solvers.motions.joint_timing import timed
 from solvers.motions.roadmap import JointPath, joint_paths
-from tests.oracles.arms import ArmBuilder, effector_positions
-from tests.oracles.planar_bodies import bodies_of, depth, frames_of
+from tests.oracles.arms import ArmBuilder, effector_positions, frames_of
+from tests.oracles.planar_bodies import bodies_of, depth
 from tests.oracles.planes import box, box_rows, hull, row
 from tests.oracles.tasks import task
 

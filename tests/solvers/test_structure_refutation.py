@@ -15,7 +15,7 @@ from solvers.progress import Conduct
 from solvers.refutation import structure_refutation
 from solvers.refutation.structure_refutation import Refutation, refute_structure
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
-from solvers.verifier.refutations.impossibility_check import check_impossible
+from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
 from tests.oracles.formulas import program, spec
 
 REGIONS = """
@@ -77,8 +77,14 @@ def test_one_question_suffices(clauses: str, reason: str, calls: int) -> None:
 
 def test_what_the_solver_leaves_open(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(structure_refutation, "solve_script", lambda _script, **_budget: None)
-    found = answer("start in Near; reach T; satisfy eventually Mid by effector 1;")
-    assert (found.refuted, found.solver_calls, found.effector) == (False, 1, 0)
+    clauses = "start in Near; reach T; satisfy eventually Mid by effector 1;"
+    covered = answer(clauses)
+    assert (covered.refuted, covered.solver_calls, covered.script) == (True, 1, None)
+    assert covered.boxes is not None
+    for name in ("box_refutation", "drive_refutation"):
+        monkeypatch.setattr(structure_refutation, name, lambda *_robot: None)
+    left = answer(clauses)
+    assert (left.refuted, left.solver_calls, left.effector) == (False, 1, 0)
 
 
 @pytest.mark.parametrize("other", [False, True])
@@ -91,8 +97,8 @@ def test_the_script_of_any_question_is_evidence(tmp_path: Path, other: bool) -> 
     (tmp_path / "0000.smt2").write_text(script, encoding="utf-8")
     structure = StructureClaim(derivation.word, derivation.labels, "0000.smt2", None)
     claim = ImpossibleClaim("P", "a.srg", "", 7, (structure,))
-    reason, proved = check_impossible(tmp_path, claim, found, task, "z3")
+    answered = check_impossible(tmp_path, claim, found, task, "z3")
     if other:
-        assert reason == "0000.smt2 is not the script of structure 0"
+        assert answered == "0000.smt2 is not the script of structure 0"
     else:
-        assert (reason, proved) == (None, True)
+        assert answered == Impossibility(structures=1, by_boxes=0)

@@ -98,6 +98,8 @@ def test_choices_are_claimed_exactly(tmp_path):
 def test_too_short_a_horizon_ends_with_a_reason(tmp_path):
     """Start, free space and target need one sample each; the horizon has two samples."""
     one = (ARM, "accept matches B eps JO eps L eps EN;")
-    result = run(tmp_path, edited(one, ("horizon 10 steps", "horizon 1 steps")))
+    short = (one, ("horizon 10 steps", "horizon 1 steps"))
+    assert run(tmp_path, edited(*short)).verdict == "impossible"  # by its drives
+    result = run(tmp_path, edited(*short, ("effort <= 10 N*m", "effort <= 100000 N*m")))
     assert result.verdict == "unknown"
     assert "the task has 2 samples" in result.reason

@@ -5,11 +5,15 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import product
 
+import numpy as np
 import pytest
 from flint import arb
+from scipy.optimize import minimize_scalar
+from scipy.spatial.transform import Rotation
 
 from compiler.arithmetic.balls import ball, working_precision
-from solvers.verifier.proofs.tube_checks import Apart, Inside, Row, Slice, row
+from solvers.verifier.proofs.apart import Apart
+from solvers.verifier.proofs.tube_checks import Inside, Row, Slice, row
 
 
 def rows_of_box(low: list[int], high: list[int]) -> tuple[Row, ...]:
@@ -113,3 +117,68 @@ def test_a_thick_body_keeps_its_radius_from_the_bounds() -> None:
         assert margin(disc, over) == pytest.approx(room)
         with working_precision(80):
             assert disc.violated(over) == (room < 0)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_rod_and_a_tilted_box_are_as_far_apart_as_they_are(seed: int) -> None:
+    """Never farther than a line search says, and no less in the balls' accuracy."""
+    rng = np.random.default_rng(seed)
+    turn = Rotation.random(random_state=seed).as_matrix()
+    ends = rng.uniform(1, 3, (2, 3)) * rng.choice([-1, 1], 3)
+    box = np.array(list(product((-0.5, 0.5), (-0.3, 0.3), (-0.9, 0.9))))
+    faces = [row([Fraction(float(x)) for x in a], Fraction(float(b))) for a, b in _faces(box, turn)]
+    bodies = Apart(
+        "tilted", points=(0, 1), rows=tuple(faces),
+        vertices=tuple(tuple(arb(float(x)) for x in corner) for corner in box @ turn.T),
+    )  # fmt: skip
+    over = still(*(tuple(str(Fraction(float(x))) for x in turn @ end) for end in ends))
+
+    def gap(share: float) -> float:
+        point = ends[0] + share * (ends[1] - ends[0])
+        return float(np.linalg.norm(point - np.clip(point, box.min(axis=0), box.max(axis=0))))
+
+    true = min(
+        gap(0.0), gap(1.0), minimize_scalar(gap, bounds=(0, 1), options={"xatol": 1e-12}).fun
+    )
+    assert margin(bodies, over) == pytest.approx(true, abs=1e-6)
+    assert margin(bodies, over) <= true + 1e-9
+    with working_precision(80):
+        assert not bodies.violated(over)
+        bodies.distance = arb(true + 1e-4)
+        assert bodies.violated(over)
+        assert margin(bodies, over) < 0
+
+
+def _faces(box: np.ndarray, turn: np.ndarray) -> list[tuple[np.ndarray, float]]:
+    """Outward normals and offsets of the turned box."""
+    high = box.max(axis=0)
+    return [(sign * turn[:, axis], high[axis]) for axis in range(3) for sign in (-1.0, 1.0)]
+
+
+def test_a_rod_through_an_obstacle_is_a_violation_though_its_ends_are_outside() -> None:
+    with working_precision(80):
+        assert apart(2, 2).violated(still(("-1", "0.5"), ("2", "0.6")))
+        assert apart(2, 3).violated(still(("-1", "0.5", "0.5"), ("2", "0.6", "0.4")))
+        assert not apart(2, 3).violated(still(("-1", "1.1", "0.5"), ("2", "1.2", "0.4")))
+        unbounded = Apart("wall", points=(0, 1), rows=rows_of_box([0, 0], [1, 1])[:2])
+        assert unbounded.violated(still(("-1", "0.5"), ("2", "0.6")))
+
+
+def test_the_last_direction_is_enough_where_the_margin_stays() -> None:
+    """Where nothing new is to be learned, no better direction is looked for."""
+    item = apart(1, 2)
+    over = still(("1.3", "1.4"))
+    with working_precision(80):
+        first = item.bound(over)[0]
+        item.margin = 0.4
+        again = item.bound(still(("1.31", "1.41")))[0]
+    assert 0.5 <= float(again) <= (0.31**2 + 0.41**2) ** 0.5
+    assert float(first) == pytest.approx(0.5)
+
+
+def test_the_place_of_a_rod_is_its_nearest_point() -> None:
+    item = apart(2, 2)
+    assert item.where(still(("0", "2"), ("4", "2.5"))) == pytest.approx((0, 2))
+    share = (2 * 4 + 2 * 1.6) / (4**2 + 1.6**2)
+    foot = (-1 + share * 4, 3 - share * 1.6)
+    assert item.where(still(("-1", "3"), ("3", "1.4"))) == pytest.approx(foot)

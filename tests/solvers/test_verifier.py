@@ -2,16 +2,13 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from itertools import pairwise
 
-import numpy as np
 import pytest
 
-from compiler.geometry.abstraction import abstract
-from grammar_lang.load import load
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
-from tests.oracles.result_files import alter, alter_spec, read, write
+from tests.oracles.result_files import alter, alter_spec, read
+from tests.oracles.turning_link import one_link_tips
 
 FIELDS = [
     "format", "kind", "task", "spec", "spec_sha256", "word", "derivation", "parameters",
@@ -90,8 +87,8 @@ def test_every_field_is_covered(made):
 
 
 FALSE = {
-    "of another format": (put("format", 1), "not of format 2"),
-    "a format that only equals": (put("format", True), "not of format 2"),
+    "of another format": (put("format", 1), "not of format 3"),
+    "a format that only equals": (put("format", True), "not of format 3"),
     "a kind without its fields": (put("kind", "impossible"), "`modules` is missing"),
     "no kind": (put("kind", "sure"), "unknown kind"),
     "no such task": (put("task", "Other"), "no task `Other`"),
@@ -268,49 +265,6 @@ def test_the_spec_changed(result, name):
     assert "design.json" not in report.reason
 
 
-def one_link_tips(content, per_step):
-    """The tip of one uniform link of 1 kg/m, whose acceleration is constant within a step."""
-    length = float(content["parameters"][0]["value"])
-    inertia, dt = length**3 / 3, float(Fraction(content["step"]))
-    q, rate, tips = float(content["start"][0]), 0.0, []
-    for (text,) in content["inputs"]:
-        pull = float(text) / inertia
-        for i in range(per_step):
-            t = dt * i / per_step
-            angle = q + rate * t + pull * t * t / 2
-            tips.append((length * math.cos(angle), length * math.sin(angle)))
-        q, rate = q + rate * dt + pull * dt * dt / 2, rate + pull * dt
-    return [*tips, (length * math.cos(q), length * math.sin(q))]
-
-
-def test_an_obstacle_that_is_passed_between_two_samples(result):
-    folder = result("turner")
-    (folder / "design.json").unlink()
-    content = read(folder)
-    tips = one_link_tips(content, 2)
-    samples = tips[::2]
-    gaps = [math.dist(a, b) for a, b in pairwise(samples)]
-    fastest = gaps.index(max(gaps))
-    x, y = (round(value, 3) for value in tips[2 * fastest + 1])
-    box = f"[{x - 0.01:.3f}, {x + 0.01:.3f}] x [{y - 0.01:.3f}, {y + 0.01:.3f}] m;"
-    assert all(max(abs(a - x), abs(b - y)) > 0.02 for a, b in samples)
-    alter_spec(folder, "box [1.4, 2.5] x [1.4, 2.5] m;", f"box {box}", sign=True)
-    program = load(folder / "spec" / "turner.srg").program
-    cells = abstract(program.workspaces["Table"])
-    located = [cells.locate(np.array(point)) for point in samples]
-    path = [cells.cells[index].name for index in located if index is not None]
-    assert len(path) == 11
-    assert "O" not in path
-    alter(folder, put("path", [path]), sign=True)
-    report = verify_directory(folder)
-    assert report.outcome is Outcome.REFUTED
-    assert report.reason is not None
-    assert report.reason.startswith("clearance of effector to O: violated at ")
-    (failed,) = (f for f in report.findings if f.name == "clearance of effector to O")
-    assert fastest * 0.2 < failed.time < (fastest + 1) * 0.2
-    assert failed.margin < 0
-
-
 def test_a_comment_more_is_another_spec_and_a_true_claim(result):
     folder = result("turner")
     alter_spec(folder, "edge eps;", "edge eps; // as in the paper", sign=True)
@@ -332,41 +286,6 @@ def test_the_spec_missing(result):
     report = verify_directory(folder)
     assert report.outcome is Outcome.REFUTED
     assert "`turner.srg` is missing" in str(report.reason)
-
-
-DESIGN_FIELDS = [
-    "verdict", "task", "spec", "word", "derivation", "dofs", "parameters", "robustness",
-    "effort_peak", "step", "horizon", "path", "cells", "spec_sha256",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("field", DESIGN_FIELDS)
-def test_a_design_that_says_something_else(result, field):
-    folder = result("slider")
-    design = read(folder, "design.json")
-    for other in (None, ["x"]):
-        write(folder, design | {field: other}, "design.json")
-        report = verify_directory(folder)
-        assert report.outcome is Outcome.REFUTED
-        assert report.reason == f"design.json and certificate.json differ in `{field}`"
-
-
-def test_a_design_parameter_off_by_little(result):
-    folder = result("turner")
-    design = read(folder, "design.json")
-    value = design["parameters"][0]["value"]
-    design["parameters"][0]["value"] = math.nextafter(value, 3)
-    write(folder, design, "design.json")
-    assert "differ in `parameters`" in str(verify_directory(folder).reason)
-
-
-@pytest.mark.parametrize("content", [b"", b"[]", b"\xff", b"[" * 100_000, b"3"])
-def test_a_design_that_is_none(result, content):
-    folder = result("slider")
-    (folder / "design.json").write_bytes(content)
-    report = verify_directory(folder)
-    assert report.outcome is Outcome.REFUTED
-    assert "design.json is no" in str(report.reason)
 
 
 def test_the_margins_are_those_of_an_independent_calculation(made):

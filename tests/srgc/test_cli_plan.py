@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+import z3
 from pysmt.shortcuts import Solver
 from pysmt.smtlib.parser import SmtLibParser
 
@@ -153,6 +154,21 @@ def test_a_dump_goes_to_a_file(srgc: Srgc, spec: Spec, tmp_path: Path) -> None:
     ran = srgc("plan", path, "--dump", "smt2", "-o", tmp_path / "plan.smt2")
     assert (ran.status, ran.out) == (0, "")
     assert (tmp_path / "plan.smt2").read_text(encoding="utf-8") == printed
+
+
+@pytest.mark.parametrize(("goal", "answer"), [("A", z3.sat), ("C", z3.unsat)])
+def test_z3_reads_a_dump_from_its_file(
+    srgc: Srgc, spec: Spec, tmp_path: Path, goal: str, answer: z3.CheckSatResult
+) -> None:
+    """By its own reader: what pysmt reads, as the other tests do, z3 need not take."""
+    file = tmp_path / "plan.smt2"
+    clauses = f"start in S; satisfy eventually {goal}; satisfy always not O;"
+    path = spec(written(clauses, REGIONS + WALL, horizon="40 steps of 1 s"))
+    srgc("plan", path, "--dump", "smt2", "-o", file)
+    solver = z3.Solver()
+    solver.from_file(str(file))
+    assert len(solver.assertions()) == file.read_text(encoding="utf-8").count("\n(assert ")
+    assert solver.check() == answer
 
 
 @pytest.mark.parametrize("name", ["plan.png", "missing/plan.svg"])

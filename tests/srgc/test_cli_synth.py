@@ -82,7 +82,14 @@ def test_design_fields(made):
     spec = (folder / "spec/turner.srg").read_bytes()
     assert design["spec_sha256"] == result_files.spec_digest({"turner.srg": spec})
     for structure in design["structures_tried"]:
-        assert list(structure) == ["word", "derivation", "verdict", "evidence", "same_robot_as"]
+        assert list(structure) == [
+            "word",
+            "derivation",
+            "verdict",
+            "evidence",
+            "same_robot_as",
+            "boxes",
+        ]
     assert design["structures_tried"][-1]["verdict"] == "found"
     assert all(s["verdict"] == "refuted" for s in design["structures_tried"][:-1])
 

@@ -14,7 +14,8 @@ def test_a_result_is_valid_with_margins(srgc, made, spec):
     assert (ran.status, ran.err) == (0, "")
     lines = ran.out.splitlines()
     assert lines[0] == "valid: found, level validated"
-    assert all(line.startswith("  holds ") and " margin " in line for line in lines[1:])
+    assert all(line.startswith("  holds ") and " at " in line for line in lines[1:])
+    assert [line.split("  ")[1] for line in lines[1:] if " margin " not in line] == ["holds"]
     for name in ("effort (N", "target T", "start S", "bounds", "cell path", "range of joint 1"):
         assert any(f"  {name}" in line for line in lines)
 

@@ -8,7 +8,7 @@ import srgc as api
 from srgc.session import SpecErrors
 from tests.oracles.small_specs import SLIDER
 
-CLAUSE = "robust start 1 mm;"
+CLAUSE = "avoid self with body;"
 WITH_CLAUSE = SLIDER.replace("reach T;", f"reach T; {CLAUSE}")
 
 
@@ -21,7 +21,7 @@ def test_refused(srgc, spec, command):
     assert (ran.status, ran.out) == (5, "")
     line = next(n for n, text in enumerate(WITH_CLAUSE.splitlines(), 1) if CLAUSE in text)
     column = WITH_CLAUSE.splitlines()[line - 1].index(CLAUSE) + 1
-    assert f":{line}:{column}: error[SRG0190]: `robust` cannot be compiled" in ran.err
+    assert f":{line}:{column}: error[SRG0190]: `avoid self` cannot be compiled" in ran.err
     assert not (path.parent / "out").exists()
 
 

@@ -34,8 +34,8 @@ def test_pieces_that_hold_do_not_hide_one_that_fails() -> None:
     lines = printed(
         clear("yard.1", 0.2), clear("yard.2", 0.3), clear("yard.3", 0.4, Status.UNDECIDED)
     )
-    assert [line.split()[0] for line in lines] == ["holds", "undecided"]
-    assert "yard.1 and 1 more pieces" in lines[0]
+    assert [line.split()[0] for line in lines] == ["undecided", "holds"]
+    assert "yard.1 and 1 more pieces" in lines[1]
 
 
 def test_names_are_in_one_column() -> None:

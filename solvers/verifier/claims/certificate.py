@@ -19,8 +19,8 @@ from typing import Any, TypeAlias
 
 from grammar_lang import ir
 
-FORMAT = 2
-"""2: cuts of cells, and tasks whose places are cut off from each other."""
+FORMAT = 3
+"""2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes."""
 
 _NUMBER = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,1100}|/[0-9]{1,300})?")
 """Decimals below 1e300, and quotients; no exponents, whose expansion has no bound."""
@@ -71,12 +71,16 @@ class FoundClaim:
 
 @dataclass(frozen=True, slots=True)
 class StructureClaim:
-    """One structure refuted by a script, or by being the same robot as an earlier structure."""
+    """One structure, refuted by a script (``evidence``), by a covering (``boxes``), or by both.
+
+    Paths of files; those of a structure that is the same robot as an earlier one are its.
+    """
 
     word: tuple[str, ...]
     derivation: tuple[str, ...]
     evidence: str | None
     same_robot_as: int | None
+    boxes: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -333,6 +337,7 @@ def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
             _texts(s["derivation"]),
             None if s["evidence"] is None else _text(s["evidence"]),
             None if s["same_robot_as"] is None else _number(s["same_robot_as"]),
+            None if s["boxes"] is None else _text(s["boxes"]),
         )
         for s in _objects(fields["structures"], StructureClaim)
     )

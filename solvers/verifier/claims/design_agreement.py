@@ -48,11 +48,33 @@ def disagreement(
     expected = _expected(claim, model) | {"cells": cells.describe()}
     expected["reconfiguration"] = _reconfiguration(claim, program, task)
     for key, value in expected.items():
-        if design.get(key) != value:
+        if not _says(design.get(key), value):
             return f"design.json and certificate.json differ in `{key}`"
-    if isinstance(claim, ImpossibleClaim) and _tried(design) != _claimed(claim):
+    if isinstance(claim, ImpossibleClaim) and not _says(_tried(design), _claimed(claim)):
         return "design.json and certificate.json differ in `structures_tried`"
     return None
+
+
+def _says(stated: object, meant: object) -> bool:
+    """Whether a JSON value is the one meant: 2 may stand for 2.0, neither 2.0 nor true for 2 or 1.
+
+    Readers of other languages take 2.0 for no index.
+    """
+    if isinstance(meant, dict):
+        return (
+            isinstance(stated, dict)
+            and stated.keys() == meant.keys()
+            and all(_says(stated[key], value) for key, value in meant.items())
+        )
+    if isinstance(meant, list):
+        return (
+            isinstance(stated, list)
+            and len(stated) == len(meant)
+            and all(map(_says, stated, meant))
+        )
+    if isinstance(meant, float):
+        return not isinstance(stated, bool) and stated == meant
+    return type(stated) is type(meant) and stated == meant
 
 
 def _expected(claim: Claim, model: RobotModel | None) -> dict[str, Any]:
@@ -105,16 +127,23 @@ def _float(text: str) -> float:
     return float(exact(text))
 
 
-def _claimed(claim: ImpossibleClaim) -> list[tuple[Any, ...]]:
+def _claimed(claim: ImpossibleClaim) -> list[list[Any]]:
     return [
-        (list(s.word), list(s.derivation), "refuted", s.evidence, s.same_robot_as)
+        [
+            list(s.word),
+            list(s.derivation),
+            "refuted",
+            s.evidence or s.boxes,
+            s.same_robot_as,
+            s.boxes,
+        ]
         for s in claim.structures
     ]
 
 
-def _tried(design: Mapping[str, Any]) -> list[tuple[Any, ...]]:
+def _tried(design: Mapping[str, Any]) -> list[list[Any]]:
     tried = design.get("structures_tried")
     if not isinstance(tried, list):
         return []
-    keys = ("word", "derivation", "verdict", "evidence", "same_robot_as")
-    return [tuple(s.get(key) for key in keys) if isinstance(s, dict) else () for s in tried]
+    keys = ("word", "derivation", "verdict", "evidence", "same_robot_as", "boxes")
+    return [[s.get(key) for key in keys] if isinstance(s, dict) else [] for s in tried]

@@ -37,7 +37,7 @@ def check_efforts(
         all_exact = all_exact and held.exact
         status = Status.HOLDS if held.holds else Status.FAILS
         name = f"effort ({bound.unit})" if bound.effort else bound.name
-        findings.append(Finding(name, status, float(held.margin), bound.unit, time))
+        findings.append(Finding(name, status, float(held.margin), bound.unit, time, exact=True))
         peak = max(peak, held.largest) if bound.effort else peak
         margins.append(held.margin)
     true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}

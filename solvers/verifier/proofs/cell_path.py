@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from flint import arb
 
 from compiler.geometry.abstraction import Abstraction
-from solvers.verifier.proofs.finding import Finding, inside
+from solvers.verifier.proofs.finding import NO_MARGIN, Finding, inside
 from solvers.verifier.proofs.tube_checks import Status
 
 
@@ -29,7 +30,7 @@ def cell_path(
         positions: per sample and effector where it is, m.
     """
     adjacent = set(cells.adjacency)
-    margin, undecided = float("inf"), False
+    worst = Finding("cell path", Status.HOLDS, NO_MARGIN, "m")
     for effector, names in enumerate(path):
         for sample, name in enumerate(names):
             where = f"cell path: effector {effector + 1} at sample {sample}"
@@ -38,14 +39,10 @@ def cell_path(
             except KeyError:
                 return Finding(f"{where}: no cell `{name}`", Status.FAILS, 0.0, "m", sample * dt)
             polytope = cells.cells[index].polytope
-            finding = inside(where, polytope, positions[sample][effector], sample * dt)
+            finding = inside("cell path", polytope, positions[sample][effector], sample * dt)
             if finding.status is Status.FAILS:
-                return Finding(
-                    f"{where} is not in `{name}`",
-                    Status.FAILS, finding.margin, "m", finding.time, finding.place,
-                )  # fmt: skip
-            undecided = undecided or finding.status is Status.UNDECIDED
-            margin = min(margin, finding.margin)
+                return replace(finding, name=f"{where} is not in `{name}`")
+            worst = min(worst, finding, key=_clear)
             if effector == following and sample:
                 before = cells.index(names[sample - 1])
                 pair = (min(before, index), max(before, index))
@@ -54,4 +51,9 @@ def cell_path(
                         f"{where} enters `{name}`, no neighbour of `{names[sample - 1]}`",
                         Status.FAILS, 0.0, "m", sample * dt,
                     )  # fmt: skip
-    return Finding("cell path", Status.UNDECIDED if undecided else Status.HOLDS, margin, "m")
+    return worst
+
+
+def _clear(finding: Finding) -> tuple[bool, float]:
+    """The less, the worse; what is open counts before what holds."""
+    return finding.status is Status.HOLDS, finding.margin

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from compiler.arithmetic.balls import BallArithmetic
+from compiler.arithmetic.balls import BALLS
 from compiler.dynamics.tape import Tape
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.tube_checks import MOST_SPLITS, Status
@@ -50,7 +50,7 @@ class Defined:
 
     def over(self, state: Sequence[arb], u: Sequence[arb]) -> Status:
         """The conditions on states given as balls."""
-        values = self.tape.run([*state, *u, *self.tail], BallArithmetic())
+        values = self.tape.evaluate([*state, *u, *self.tail], BALLS)
         parts = [_divisor(value) for value in values[: self.divisors]]
         parts += [_radicand(value) for value in values[self.divisors :]]
         if Status.FAILS in parts:

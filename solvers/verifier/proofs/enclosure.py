@@ -1,17 +1,17 @@
-r"""Validated integration: an enclosure of the continuous-time solution at every instant.
+r"""Validated integration: an enclosure of the continuous-time solutions at every instant.
 
-Per step, from a box [x] with midpoint m: a box W that is mapped into itself by the Taylor
-polynomial with Lagrange's remainder over W (a high-order Picard-Lindelof argument: the solution
-exists and stays in W), and the mean value form
+Per segment: a polynomial path p from the midpoint of the set of states, with a bound of its defect
+(``lohner_path.py``); a box that no deviation from it leaves (``a_priori.py``); a matrix polynomial
+P near the fundamental matrix of the deviations (``lohner_flow.py``).  Then every state is
 
 .. math::
-    x(t) \in \sum_{j<N} \bigl(x_j(m) + \partial x_j([x])\,([x] - m)\bigr)\, t^j + x_N(W)\, t^N,
-    \qquad 0 \le t \le h,
+    x(t) \in p(t) + \bigl(P(t) \pm Z(t)\bigr)\,(x(0) - p(0)) \pm y(t), \qquad 0 \le t \le h,
 
-whose Jacobian keeps the dependency between the coordinates of the box.
+with y the bound of what the defect and the disturbance of the inputs add, and the set at the end
+is a zonotope (``zonotope.py``).
 
-Source: Nedialkov, Jackson & Corliss, *Validated solutions of initial value problems for ordinary
-differential equations* (1999), sections 3-6, in ball arithmetic.
+Sources: Lohner (1987); Nedialkov, Jackson & Corliss, *Validated solutions of initial value problems
+for ordinary differential equations* (1999); Kapela & Zgliczynski (2009) for disturbed inputs.
 """
 
 from __future__ import annotations
@@ -20,25 +20,58 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import arb, arb_mat, arb_series, ctx
+from flint import arb, arb_poly
 
-from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic, UncertainSignError
-from compiler.dynamics.tape import Tape
+from compiler.arithmetic.ball_matrices import SIGNS
+from compiler.arithmetic.balls import UncertainSignError, ball, working_precision
+from solvers.verifier.proofs.a_priori import (
+    Deviation,
+    Drive,
+    NearPath,
+    deviation,
+    narrowed,
+)
+from solvers.verifier.proofs.initial_set import InitialSet, box
+from solvers.verifier.proofs.lohner_flow import Flow, flow
+from solvers.verifier.proofs.lohner_path import Path, defect, path_on, taylor_polynomials
+from solvers.verifier.proofs.step_control import (
+    LEAST_PARTS,
+    LEAST_ROUGH_PARTS,
+    WIDE,
+    OrderChoice,
+    StepControl,
+    good_length,
+)
+from solvers.verifier.proofs.vector_field import Coefficients, VectorField
+from solvers.verifier.proofs.zonotope import Zonotope, zonotope
 
-Coefficients = list[arb]
-
-MOST_HALVINGS = 9
-KINK_HALVINGS, KINK_REMAINDER = 12, 1e-6
+KINK_REMAINDER = 3e-7
 """Where an absolute value has a kink, shorter segments of order two may be less accurate."""
+REMAINDER_OF_RADIUS = 2.0**-16
+"""What a segment may add to a wide set, as a part of its radius."""
+LINEAR_BITS = 53
+KINK_LENGTH = Fraction(1, 64)
+"""The part of a step below which no smooth segment is tried on the way to a kink."""
+SLICES = 4
+"""The parts of a segment on which the closer box is computed."""
+
+ROUGH_ORDER = 2
+ROOM = 1.25
+"""A path is made for so much more time than it is needed for."""
+UNKNOWN = float("inf")
 
 
 class EnclosureFailure(ArithmeticError):
-    """No enclosure could be validated beyond a time."""
+    """No enclosure could be validated beyond a time, in seconds."""
+
+    def __init__(self, time: float) -> None:
+        super().__init__(f"no enclosure of the motion beyond {time:.4g} s")
+        self.time = time
 
 
 @dataclass(frozen=True, slots=True)
 class TubeSegment:
-    """The solution on [start, start + length] as polynomials with ball coefficients.
+    """The solutions on [start, start + length] as polynomials with ball coefficients.
 
     ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
     states) in the time since ``start``.  ``steps`` holds the exact ends of the segment in units of
@@ -57,7 +90,7 @@ class TubeSegment:
         return int(self.steps[0])
 
     def at(self, tau: arb) -> list[arb]:
-        """The state ``tau`` after the start; a ball of times gives an enclosure over it."""
+        """The states ``tau`` after the start; a ball of times gives an enclosure over it."""
         return [polynomial(coefficients, tau) for coefficients in self.states]
 
 
@@ -70,169 +103,6 @@ def polynomial(coefficients: Sequence[arb], tau: arb) -> arb:
 
 
 @dataclass(frozen=True, slots=True)
-class VectorField:
-    """q' = v, M(q) v' = b, s' = d with b, d of (q, v, s, u), as series with ball coefficients.
-
-    ``balance`` gives M, b and d, ``variation`` the Jacobian of (b - M a, d) in (q, v, s) for the
-    variational equation; ``tail`` holds the balls of theta and k; s has ``own`` entries.  The
-    linear systems are solved coefficient by coefficient with the constant term of M,
-    preconditioned: far tighter than eliminating in series.
-    """
-
-    balance: Tape
-    variation: Tape
-    dofs: int
-    tail: tuple[arb, ...]
-    own: int = 0
-
-    @property
-    def has_kinks(self) -> bool:
-        """Whether an absolute value occurs."""
-        return any(name == "fabs" for name, _, _ in self.balance.instructions)
-
-    def acceleration(self, state: Sequence[arb], u: Sequence[arb]) -> list[arb]:
-        """Accelerations for a state given as balls.
-
-        Raises:
-            ZeroDivisionError: M may be singular there.
-        """
-        flat = self.balance.run([*state, *u, *self.tail], BallArithmetic())
-        mass = _Mass(self._square(flat[: self.dofs**2]))
-        forces = flat[self.dofs**2 : self.dofs**2 + self.dofs]
-        return mass.solve(arb_mat([[item] for item in forces])).entries()
-
-    def taylor(self, state: Sequence[arb], u: Sequence[arb], order: int) -> list[Coefficients]:
-        """Taylor coefficients 0 ... order of the solution through a state.
-
-        Each pass of Picard's iteration on series fixes one more coefficient.
-
-        Raises:
-            ZeroDivisionError: M may be singular on the state.
-        """
-        x = [[item] for item in state]
-        self._extend(x, u, order)
-        return x
-
-    def jacobians(
-        self, state: Sequence[arb], u: Sequence[arb], order: int
-    ) -> list[list[Coefficients]]:
-        """Taylor coefficients of the derivative of the solution in its initial state.
-
-        Entry [i][j] belongs to the derivative of state i in initial state j.
-
-        Raises:
-            ZeroDivisionError: M may be singular on the state.
-        """
-        n, size, height = self.dofs, 2 * self.dofs + self.own, self.dofs + self.own
-        x = [[item] for item in state]
-        mass, masses, pulls = self._extend(x, u, order)
-        slopes: list[arb_mat] = []
-        s = [[[arb(1 if i == j else 0)] for j in range(size)] for i in range(size)]
-        ctx.cap = order
-        inputs = [arb_series(item) for item in (*x, *pulls)]
-        out = self.variation.run(
-            [*inputs, *(arb_series([item]) for item in (*u, *self.tail))], SeriesArithmetic()
-        )
-        table = [
-            [[series[m] for series in out[i::height]] for i in range(height)] for m in range(order)
-        ]
-        blocks = [arb_mat(rows[:n]) for rows in table]
-        own_blocks = [arb_mat(rows[n:]) for rows in table] if self.own else []
-        grown: list[arb_mat] = []
-        for length in range(1, order + 1):
-            last = length - 1
-            grown.append(arb_mat([[entry[last] for entry in row] for row in s]))
-            right = blocks[0] * grown[last]
-            for m in range(1, length):
-                right = right + blocks[m] * grown[last - m] - masses[m] * slopes[last - m]
-            slopes.append(mass.solve(right))
-            own = arb_mat(self.own, size)
-            for block, earlier in zip(own_blocks, reversed(grown), strict=False):
-                own = own + block * earlier
-            for j in range(size):
-                for i in range(n):
-                    s[i][j].append(s[n + i][j][last] / length)
-                    s[n + i][j].append(slopes[last][i, j] / length)
-                for i in range(self.own):
-                    s[2 * n + i][j].append(own[i, j] / length)
-        return s
-
-    def _extend(
-        self, x: list[Coefficients], u: Sequence[arb], order: int
-    ) -> tuple[_Mass, list[arb_mat], list[Coefficients]]:
-        """Append coefficients up to ``order``; also M factorised, its series and accelerations."""
-        n = self.dofs
-        arithmetic = SeriesArithmetic()
-        mass: _Mass | None = None
-        masses: list[arb_mat] = []
-        pulls: list[arb_mat] = []
-        for length in range(1, order + 1):
-            ctx.cap = length
-            constants = [arb_series([item]) for item in (*u, *self.tail)]
-            flat = self.balance.run([*(arb_series(item) for item in x), *constants], arithmetic)
-            last = length - 1
-            masses.append(self._square([item[last] for item in flat[: n * n]]))
-            if mass is None:
-                mass = _Mass(masses[0])
-            right = arb_mat([[item[last]] for item in flat[n * n : n * n + n]])
-            for m in range(1, length):
-                right = right - masses[m] * pulls[last - m]
-            pulls.append(mass.solve(right))
-            for i in range(n):
-                x[i].append(x[n + i][last] / length)
-                x[n + i].append(pulls[last][i, 0] / length)
-            for i in range(self.own):
-                x[2 * n + i].append(flat[n * n + n + i][last] / length)
-        if mass is None:
-            raise ValueError("an order of at least 1 is due")
-        return mass, masses, [[pull[i, 0] for pull in pulls] for i in range(n)]
-
-    def _square(self, flat: Sequence[arb]) -> arb_mat:
-        """A symmetric matrix from its entries, column by column."""
-        n = self.dofs
-        return arb_mat([[flat[j * n + i] for j in range(n)] for i in range(n)])
-
-
-class _Mass:
-    """Solves systems with one interval matrix, preconditioned by the inverse of its midpoint."""
-
-    def __init__(self, matrix: arb_mat) -> None:
-        self._inverse = matrix.mid().inv().mid()
-        self._near_identity = self._inverse * matrix
-
-    def solve(self, right: arb_mat) -> arb_mat:
-        """An enclosure of all solutions; ZeroDivisionError if the matrix may be singular."""
-        return self._near_identity.solve(self._inverse * right, algorithm="lu")
-
-
-def _span(h: arb) -> arb:
-    """A ball that contains [0, h] for every value of h."""
-    return arb(0).union(h)
-
-
-def _remainder(
-    field: VectorField, known: Sequence[Coefficients], u: Sequence[arb], h: arb, order: int
-) -> list[arb] | None:
-    """x_N(W) for a validated box W, or None.
-
-    If P([0, h]) + [0, h]^N x_N(W) lies inside W, the solution exists on [0, h] and stays in W.
-    """
-    span = _span(h)
-    reach = [polynomial(coefficients, span) for coefficients in known]
-    box = [r + arb(0, 1) * (r.rad() / 32 + arb(2) ** -40) for r in reach]
-    for _ in range(3):
-        last = [coefficients[order] for coefficients in field.taylor(box, u, order)]
-        rest = [coefficient * span**order for coefficient in last]
-        if not all(r.is_finite() for r in rest):
-            return None
-        image = [r + e for r, e in zip(reach, rest, strict=True)]
-        if all(w.contains_interior(i) for w, i in zip(box, image, strict=True)):
-            return last
-        box = [i + arb(0, 1) * (i.rad() / 8) for i in image]
-    return None
-
-
-@dataclass(frozen=True, slots=True)
 class Accuracy:
     """Taylor order, working bits, and the remainder a segment may add to a coordinate or rate."""
 
@@ -241,84 +111,230 @@ class Accuracy:
     remainder: float
 
 
-def _segment(
-    field: VectorField,
-    start: arb,
-    steps: tuple[Fraction, Fraction],
-    state: Sequence[arb],
-    u: Sequence[arb],
-    h: arb,
-    accuracy: Accuracy,
-) -> TubeSegment | None:
-    """A validated segment of length h, or None if none was found."""
-    order = accuracy.order
-    middle = [item.mid() for item in state]
-    offset = [item - m for item, m in zip(state, middle, strict=True)]
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """What is tried on a segment: a path's polynomials of an order, and the tolerance.
+
+    ``degree`` is that of the matrix polynomial P.
+    """
+
+    polynomials: tuple[arb_poly, ...]
+    order: int
+    degree: int
+    rough: bool
+    tolerance: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Passage:
+    """A validated segment: its path, bounds of the deviations, the set at the end.
+
+    ``added`` is what the set has grown by other than by the flow.
+    """
+
+    path: Path
+    radii: Sequence[arb]
+    end: Zonotope
+    added: Sequence[arb]
+
+
+def _attempt(
+    field: VectorField, states: Zonotope, drive: Drive, trial: _Trial, length: arb
+) -> tuple[float, _Passage | None]:
+    """The error of a segment over its tolerance, and the segment if it is valid.
+
+    Raises:
+        UncertainSignError: an absolute value has its kink there.
+    """
+    path = path_on(trial.polynomials, length.upper())
     try:
-        at_middle = field.taylor(middle, u, order - 1)
-        slopes = field.jacobians(state, u, order - 1)
-        known = [
-            [
-                centre + _dot([entry[j] for entry in row], offset)
-                for j, centre in enumerate(coefficients)
-            ]
-            for coefficients, row in zip(at_middle, slopes, strict=True)
-        ]
-        last = _remainder(field, known, u, h, order)
+        error = defect(field, path, drive.stated, 1 if trial.rough else trial.order)
+        # How deviations develop need not be known to more digits than floats have.
+        with working_precision(LINEAR_BITS):
+            near = NearPath(path, error.bounds, states.radii, drive)
+            found = deviation(field, near, trial.degree)
+            if found is None:
+                return UNKNOWN, None
+            added = max(map(float, found.residue)) * float(length) * error.avoidable
+            excess = added / trial.tolerance
+            if not excess <= 1:
+                return excess, None
+            moved = _moved(field, states, near, found)
+            if moved.closer is not None:
+                found = narrowed(field, near, moved.closer, trial.degree)
+                moved = _moved(field, states, near, found)
+            turn = moved.flow.at(length)
+        end = states.moved(path.at(length), turn, moved.added)
     except UncertainSignError:
-        if order <= 2:
-            return None
-        rough = Accuracy(2, accuracy.bits, max(accuracy.remainder, KINK_REMAINDER))
-        return _segment(field, start, steps, state, u, h, rough)
+        raise
     except (ZeroDivisionError, ValueError):
         # A denominator's ball contains zero: the box is too wide, not the robot at fault.
-        return None
-    if last is None:
-        return None
-    rest = [coefficient * h**order for coefficient in last]
-    if not all(item.rad() <= accuracy.remainder for item in rest):
-        return None
-    end = tuple(
-        polynomial(coefficients, h) + _dot([polynomial(entry, h) for entry in row], offset) + error
-        for coefficients, row, error in zip(at_middle, slopes, rest, strict=True)
-    )
-    states = tuple([*k, coefficient] for k, coefficient in zip(known, last, strict=True))
-    return TubeSegment(start, h, steps, states, end)
+        return UNKNOWN, None
+    radii = found.radii if moved.closer is None else moved.closer
+    if not all(item.is_finite() for item in (*radii, *end.radii)):
+        return UNKNOWN, None
+    return excess, _Passage(path, radii, end, moved.added)
 
 
-def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
-    return sum((a * b for a, b in zip(left, right, strict=True)), arb(0))
+@dataclass(frozen=True, slots=True)
+class _Moved:
+    """The flow on a segment, what is added to the moved set, and a closer box for wide ones."""
+
+    flow: Flow
+    added: list[arb]
+    closer: list[arb] | None
+
+
+def _moved(field: VectorField, states: Zonotope, near: NearPath, found: Deviation) -> _Moved:
+    """How the set moves on [0, H], by the bounds that hold in a box."""
+    path = near.path
+    transition = flow(field, path.length / 2, found)
+    added = transition.added(near.start)
+    if not any(bool(radius > WIDE) for radius in found.radii):
+        return _Moved(transition, added, None)
+    radii = [arb(0)] * field.size
+    for k in range(SLICES):
+        time = path.length * arb(k).union(arb(k + 1)) / SLICES
+        over = states.radii_under(transition.at(time))
+        radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, added, strict=True)]
+    # Both boxes hold, so that the smaller of each pair of bounds does.
+    closer = [r.min(f) for r, f in zip(radii, found.radii, strict=True)]
+    return _Moved(transition, added, closer)
 
 
 def tube(
     field: VectorField,
-    state: Sequence[arb],
+    initial: InitialSet | Sequence[arb],
     inputs: Sequence[Sequence[arb]],
     dt: arb,
     accuracy: Accuracy,
+    effort: arb | None = None,
 ) -> Iterator[TubeSegment]:
-    """The validated solution under inputs held for ``dt`` each, segment by segment.
+    """The validated solutions under inputs held for ``dt`` each, segment by segment.
 
-    A segment that cannot be validated, or whose remainder is too large, is halved, a fixed number
-    of times at most; the next input starts one halving above where the last one ended.
+    Args:
+        field: the equations of motion.
+        initial: the states at time 0; a sequence of balls stands for their box.
+        inputs: the stated inputs, a row of balls per step.
+        dt: the length of a step in seconds.
+        accuracy: order, bits, and what a segment may add.
+        effort: at every instant an input u may be any value within ``effort`` |u| of u, however it
+            varies in time (measurably); default not at all.
 
     Raises:
         EnclosureFailure: a segment has no validated enclosure however short.
+        ValueError: inputs are disturbed, but the field has no slopes in its inputs.
     """
-    start, first = arb(0), Fraction(0)
-    level = 0
-    for u in inputs:
-        level = max(0, level - 1)
-        pending = [(dt / 2**level, level)] * 2**level
-        while pending:
-            h, level = pending.pop()
-            steps = first, first + Fraction(1, 2**level)
-            segment = _segment(field, start, steps, state, u, h, accuracy)
-            if segment is not None:
-                yield segment
-                state, start, first = segment.end, start + h, steps[1]
-            elif level < (KINK_HALVINGS if field.has_kinks else MOST_HALVINGS):
-                pending += [(h / 2, level + 1)] * 2
-            else:
-                time = float(start.mid())
-                raise EnclosureFailure(f"no enclosure of the motion beyond {time:.4g} s")
+    if effort is not None and field.input_slopes is None:
+        raise ValueError("disturbed inputs need the slopes of the field in its inputs")
+    states = zonotope(initial if isinstance(initial, InitialSet) else box(initial))
+    control = StepControl(float(dt))
+    control.learn_degree(states.radii, [arb(0)] * field.size, accuracy.order)
+    start = arb(0)
+    for number, u in enumerate(inputs):
+        wander = [abs(item).upper() * effort if effort is not None else arb(0) for item in u]
+        drive = Drive(list(u), [item.upper() for item in wander])
+        first, last = Fraction(number), Fraction(number + 1)
+        while first < last:
+            found = _next(field, states, drive, dt, last - first, accuracy, control)
+            if found is None:
+                raise EnclosureFailure(float(start.mid()))
+            length, passage = found
+            seconds = dt * ball(length)
+            steps = first, first + length
+            yield TubeSegment(start, seconds, steps, _states(passage), tuple(passage.end.hull()))
+            states, first, start = passage.end, steps[1], dt * ball(steps[1])
+
+
+def _states(passage: _Passage) -> tuple[Coefficients, ...]:
+    """The polynomials of a segment: the path's, with the deviations in the constant terms."""
+    found = []
+    for item, radius in zip(passage.path.polynomials, passage.radii, strict=True):
+        coefficients = item.coeffs() or [arb(0)]
+        found.append([coefficients[0] + SIGNS * radius, *coefficients[1:]])
+    return tuple(found)
+
+
+def _next(
+    field: VectorField,
+    states: Zonotope,
+    drive: Drive,
+    dt: arb,
+    rest: Fraction,
+    accuracy: Accuracy,
+    control: StepControl,
+) -> tuple[Fraction, _Passage] | None:
+    """The next segment, ``rest`` of the step being left: its length in steps; None for failure."""
+    for rough in (False, True):
+        try:
+            wanted = ROOM * float(rest) * control.dt / control.caution
+            trial = _trial(field, states, drive, accuracy, wanted, control, rough=rough)
+            return (
+                None if trial is None else _longest(field, states, drive, dt, rest, trial, control)
+            )
+        except UncertainSignError:
+            continue
+    return None
+
+
+def _trial(
+    field: VectorField,
+    states: Zonotope,
+    drive: Drive,
+    accuracy: Accuracy,
+    wanted: float,
+    control: StepControl,
+    *,
+    rough: bool,
+) -> _Trial | None:
+    """The path from the middle of a set, of an order that suits ``wanted`` seconds."""
+    widest = max(map(float, states.radii), default=0.0)
+    tolerance = max(accuracy.remainder, KINK_REMAINDER) if rough else accuracy.remainder
+    tolerance = max(tolerance, REMAINDER_OF_RADIUS * widest)
+    choice = None if rough else OrderChoice(field.dofs, tolerance, wanted)
+    try:
+        if choice is None:
+            polynomials = taylor_polynomials(field, states.middle, drive.stated, ROUGH_ORDER)
+        else:
+            polynomials = taylor_polynomials(
+                field, states.middle, drive.stated, accuracy.order, choice
+            )
+    except UncertainSignError:
+        raise
+    except (ZeroDivisionError, ValueError):
+        return None
+    # Not the degree: of an order that is exact the last coefficients may be zero.
+    order = ROUGH_ORDER if choice is None else choice.order
+    return _Trial(polynomials, order, 0 if rough else control.degree, rough, tolerance)
+
+
+def _longest(
+    field: VectorField,
+    states: Zonotope,
+    drive: Drive,
+    dt: arb,
+    rest: Fraction,
+    trial: _Trial,
+    control: StepControl,
+) -> tuple[Fraction, _Passage] | None:
+    """The first length that is valid, from a good guess downwards."""
+    order = 1 if trial.rough else trial.order
+    rates = [item.coeffs() for item in trial.polynomials[field.dofs :]]
+    guess = good_length(rates, trial.tolerance)
+    length: Fraction | None = control.first(rest, guess)
+    while length is not None:
+        try:
+            excess, passage = _attempt(field, states, drive, trial, dt * ball(length))
+        except UncertainSignError:
+            if trial.rough or length < KINK_LENGTH:
+                raise
+            length = length / 4
+            continue
+        share = control.learn(length, guess, excess, order)
+        if passage is not None:
+            if not trial.rough:
+                control.learn_degree(states.radii, passage.added, trial.order)
+            return length, passage
+        least = LEAST_ROUGH_PARTS if field.has_kinks else LEAST_PARTS
+        length = control.shorter(length, share, least)
+    return None

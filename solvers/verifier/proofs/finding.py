@@ -10,10 +10,16 @@ from flint import arb
 from compiler.geometry.polytope import Polytope
 from solvers.verifier.proofs.tube_checks import Status, rows_of
 
+NO_MARGIN = float("inf")
+"""Of a condition that holds or fails without more or less."""
+
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One proved, disproved or undecided condition, with its margin and where it is attained."""
+    """One proved, disproved or undecided condition, with its margin and where it is attained.
+
+    One that is not proved says instead where that is seen first; its margin is not positive.
+    """
 
     name: str
     status: Status
@@ -25,6 +31,31 @@ class Finding:
     """Of a formula: the number of its ``satisfy`` in the task, from 0."""
     loose: bool = False
     """Whether a narrower tube may show a larger margin."""
+    exact: bool = False
+    """Whether it rests on rational numbers alone, not on balls."""
+    why: str = ""
+    """Why it does not hold, where more is to be said than that."""
+
+    @property
+    def level(self) -> str:
+        """How it is known."""
+        return "exact" if self.exact else "validated"
+
+    @property
+    def reason(self) -> str:
+        """Why the condition is not proved, in words."""
+        verb = "violated" if self.status is Status.FAILS else "not decided"
+        at = "" if self.time is None else f" at {self.time:.4g} s"
+        return f"{self.why or f'{self.name}: {verb}'}{at}"
+
+
+def decisive(findings: Sequence[Finding]) -> Finding | None:
+    """The first violation, else what is open earliest; None where all hold."""
+    failed = next((f for f in findings if f.status is Status.FAILS), None)
+    if failed is not None:
+        return failed
+    still_open = [f for f in findings if f.status is Status.UNDECIDED]
+    return min(still_open, key=lambda f: NO_MARGIN if f.time is None else f.time, default=None)
 
 
 def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> Finding:
@@ -44,5 +75,5 @@ def least(
         worst = min(float(gap.mid()) for gap in gaps)
         return Finding(name, Status.FAILS, worst, unit, time, place)
     status = Status.HOLDS if all(bool(gap > 0) for gap in gaps) else Status.UNDECIDED
-    margin = min((float(gap.lower()) for gap in gaps), default=float("inf"))
+    margin = min((float(gap.lower()) for gap in gaps), default=NO_MARGIN)
     return Finding(name, status, margin, unit, time, place)

@@ -50,12 +50,14 @@ class FormulaVerdict:
 
     ``robustness`` is a lower bound of the space robustness; of a formula that fails, an upper
     bound, which is not positive; zero where nothing is decided.  It is ``loose`` where the tube is
-    too wide for it to be close.
+    too wide for it to be close.  ``time`` and ``place`` are where an effector attains it.
     """
 
     status: Status
     robustness: float
     loose: bool = False
+    time: float | None = None
+    place: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,13 +102,27 @@ class FormulaProof:
 
     def verdict(self, formula: ir.Formula) -> FormulaVerdict:
         """What is proved of a formula once the tube is complete."""
-        bound, hoped = self._robustness(formula)
-        if bound is not None:
-            return FormulaVerdict(Status.HOLDS, bound, bound < LOOSE * hoped - LEAST_HOPE)
-        bound, hoped = self._robustness(ir.Not(formula))
-        if bound is not None:
-            return FormulaVerdict(Status.FAILS, -bound, bound < LOOSE * hoped - LEAST_HOPE)
+        for status, said in ((Status.HOLDS, formula), (Status.FAILS, ir.Not(formula))):
+            bound, hoped = self._robustness(said)
+            if bound is not None:
+                loose = bound < LOOSE * hoped - LEAST_HOPE
+                signed = bound if status is Status.HOLDS else -bound
+                return FormulaVerdict(status, signed, loose, *self._attained(formula, bound))
         return FormulaVerdict(self._by_cases(attained(formula)), 0.0)
+
+    def _attained(
+        self, formula: ir.Formula, bound: float
+    ) -> tuple[float | None, tuple[float, ...]]:
+        """The first time and place at which an atom is just as clear as the formula."""
+        effectors = [effector for _, effector in self.regions]
+        for part in self.parts:
+            for number in self._numbers(formula):
+                gap = part.gaps[number]
+                if bound in (gap.inside, gap.outside):
+                    time = self._over(part.segment, part.inputs, (part.first, part.last))
+                    place = () if time is None else time.middle(effectors[number] - 1)
+                    return float((part.first + part.last) / 2 * self.task.step), place
+        return None, ()
 
     def _robustness(self, formula: ir.Formula) -> tuple[float | None, float]:
         """A lower bound of the robustness, close to it if it can be; None if none is positive.

@@ -61,8 +61,9 @@ class RegionDistance:
             return Gap(0.0, inf, 0.0, inf)
         least, most = arb("inf"), inf
         for item in self.rows:
-            depth = (item.offset - time.form(item.normal, point)[0]) / item.length
-            least, most = least.min(depth), min(most, _up(depth))
+            over, middle = time.form(item.normal, point)
+            depth = (item.offset - over) / item.length
+            least, most = least.min(depth), min(most, _at_best(depth, middle / item.length))
         inside = max(0.0, _down(least))
         if inside > 0:
             return Gap(inside, 0.0, most, 0.0)
@@ -72,8 +73,10 @@ class RegionDistance:
     def _outside(self, time: Slice, point: int) -> tuple[float, float]:
         best, most = 0.0, 0.0
         for item in (*self.rows, *self._nearest(time, point)):
-            beyond = (time.form(item.normal, point)[0] - item.offset) / item.length
-            best, most = max(best, _down(beyond)), max(most, _up(beyond))
+            over, middle = time.form(item.normal, point)
+            beyond = (over - item.offset) / item.length
+            best = max(best, _down(beyond))
+            most = max(most, _at_best(beyond, middle / item.length))
         return best, most
 
     def _nearest(self, time: Slice, point: int) -> list[Row]:
@@ -127,6 +130,7 @@ def _down(value: arb) -> float:
     return -inf if isnan(least) else nextafter(least, -inf) if least < inf else inf
 
 
-def _up(value: arb) -> float:
-    most = float(value.upper())
+def _at_best(over: arb, middle: arb) -> float:
+    """The most that smaller slices may show: a wide tube is as wide in all of them."""
+    most = float(over.upper() - 2 * middle.rad())
     return inf if isnan(most) else most

@@ -14,14 +14,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
-from itertools import combinations
 
 from flint import arb, arb_series, ctx
 
-from compiler.arithmetic.balls import BallArithmetic, SeriesArithmetic, ball
+from compiler.arithmetic.balls import BALLS, SERIES, ball
 from compiler.dynamics.tape import Tape
 from compiler.geometry.polytope import Polytope
-from solvers.verifier.proofs.enclosure import TubeSegment, VectorField
+from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.vector_field import VectorField
 
 MOST_SPLITS = 12
 MOST_UNBOUNDED_SPLITS = 5
@@ -55,16 +55,42 @@ class Slice:
         square = arb(0.5, 0.5) * self.half * self.half
         return zero + one * s + two * square, zero
 
+    def middle(self, point: int) -> tuple[float, ...]:
+        """About where a point is at the middle of the slice."""
+        return tuple(float(axis[0].mid()) for axis in self.points[point])
+
 
 @dataclass(slots=True)
 class Constraint:
-    """A condition on points at every instant, with the least margin proved so far (metres)."""
+    """A condition on points at every instant, with the least margin proved so far (metres).
+
+    ``time`` and ``place`` say where that is; of one that is not proved, where it is so first, and
+    ``margin`` is then about how much a wide tube outgrows it at worst.
+    """
 
     name: str
+    points: tuple[int, ...] = ()
     margin: float = float("inf")
     time: float = 0.0
     place: tuple[float, ...] = ()
     status: Status = Status.HOLDS
+
+    def bound(self, over: Slice) -> tuple[arb, arb]:
+        """The distance to a violation: a lower bound over the slice, and at its middle."""
+        raise NotImplementedError
+
+    def violated(self, over: Slice) -> bool:
+        """Whether the condition certainly fails at the middle of the slice."""
+        raise NotImplementedError
+
+    def where(self, over: Slice) -> tuple[float, ...]:
+        """The place at the middle of the slice that its bound is about."""
+        raise NotImplementedError
+
+    def note(self, status: Status, margin: float, over: Slice) -> None:
+        """Keep what a slice shows."""
+        self.status, self.margin = status, margin
+        self.time, self.place = float(over.time.mid()), self.where(over)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +117,6 @@ def rows_of(polytope: Polytope) -> tuple[Row, ...]:
 class Inside(Constraint):
     """Points stay inside a polytope, farther than a distance from its facets."""
 
-    points: tuple[int, ...] = ()
     rows: tuple[Row, ...] = ()
     distance: arb = field(default_factory=lambda: arb(0))
 
@@ -113,133 +138,14 @@ class Inside(Constraint):
             for item in self.rows
         )
 
-
-@dataclass(slots=True)
-class Apart(Constraint):
-    """The hull of some points stays away from a convex obstacle by more than a distance.
-
-    ``vertices`` is empty for an unbounded obstacle, whose own facets are then the only candidates.
-    """
-
-    points: tuple[int, ...] = ()
-    rows: tuple[Row, ...] = ()
-    vertices: tuple[tuple[arb, ...], ...] = ()
-    distance: arb = field(default_factory=lambda: arb(0))
-
-    def bound(self, over: Slice) -> tuple[arb, arb]:
-        """The distance along the best separating direction, less what is asked."""
-        best = self._best(over, [*self.rows, *self._corners(over)])
-        planar = bool(self.rows) and len(self.rows[0].normal) == 2
-        if planar or not best[0] > 0:
-            best = max(best, self._best(over, self._along_bodies(over)), key=_lower)
-        return best
-
-    def _best(self, over: Slice, candidates: Sequence[Row]) -> tuple[arb, arb]:
-        """The largest lower bound over the candidates, and its value at the middle."""
-        best, middle = arb("-inf"), arb("-inf")
-        for item in candidates:
-            lower, centre = arb("inf"), arb("inf")
-            for point in self.points:
-                value, at = over.form(item.normal, point)
-                lower, centre = lower.min(value), centre.min(at)
-            worth = ((lower - item.offset) / item.length - self.distance).lower()
-            if bool(worth > best) or not best.is_finite():
-                best = worth
-                middle = (centre - item.offset) / item.length - self.distance
-        return best, middle
-
-    def violated(self, over: Slice) -> bool:
-        """Whether the condition certainly fails at the middle of the slice."""
-        return any(
-            all(bool(over.form(item.normal, point)[1] < item.offset) for item in self.rows)
-            or self._too_near([axis[0] for axis in over.points[point]])
+    def where(self, over: Slice) -> tuple[float, ...]:
+        """The point that is nearest to a facet, at the middle of the slice."""
+        gaps = [
+            (float(((item.offset - over.form(item.normal, point)[1]) / item.length).mid()), point)
             for point in self.points
-        )
-
-    def _too_near(self, p: Sequence[arb]) -> bool:
-        """Whether some point of the obstacle is certainly nearer to p than the distance asked.
-
-        The corners, and the feet on the facets that certainly lie in the obstacle, are tried.
-        """
-        feet = list(self.vertices)
-        for item in self.rows:
-            over = _product(item.normal, p) - item.offset
-            share = over / (item.length * item.length)
-            foot = tuple(x - share * a for x, a in zip(p, item.normal, strict=True))
-            others = (other for other in self.rows if other is not item)
-            if all(bool(_product(o.normal, foot) <= o.offset) for o in others):
-                feet.append(foot)
-        squares = (_product(gap, gap) for gap in (_minus(p, foot) for foot in feet))
-        return any(bool(square < self.distance * self.distance) for square in squares)
-
-    def _along_bodies(self, over: Slice) -> list[Row]:
-        """Directions across the segments between the points.
-
-        In the plane a segment misses a convex polygon iff a facet or the segment's own line
-        separates them; in space the planes along the segment and an edge of the obstacle, which
-        are among those along the segment and two corners, are needed too.
-        """
-        if len(self.points) < 2 or not self.vertices:
-            return []
-        normals: list[tuple[arb, ...]] = []
-        for i, j in combinations(self.points, 2):
-            along = [
-                q[0].mid() - p[0].mid() for p, q in zip(over.points[i], over.points[j], strict=True)
-            ]
-            if len(along) == 2:
-                normals.append((-along[1], along[0]))
-                continue
-            for v, w in combinations(self.vertices, 2):
-                x, y, z = ((b - a).mid() for a, b in zip(v, w, strict=True))
-                normals.append(
-                    (
-                        along[1] * z - along[2] * y,
-                        along[2] * x - along[0] * z,
-                        along[0] * y - along[1] * x,
-                    )
-                )
-        both = [item for n in normals for item in (n, tuple(-a for a in n))]
-        rows = (self._supported(normal) for normal in both)
-        return [row for row in rows if row is not None]
-
-    def _corners(self, over: Slice) -> list[Row]:
-        """The lines from the obstacle's corners to the points.
-
-        Where two corners are nearest, no other direction shows the distance.
-        """
-        found: list[Row] = []
-        for point in self.points:
-            middle = [axis[0].mid() for axis in over.points[point]]
-            for vertex in self.vertices:
-                normal = tuple(x - v.mid() for x, v in zip(middle, vertex, strict=True))
-                row = self._supported(normal)
-                if row is not None:
-                    found.append(row)
-        return found
-
-    def _supported(self, normal: tuple[arb, ...]) -> Row | None:
-        """The half-space of the obstacle in a direction; None for no direction."""
-        length = sum((a * a for a in normal), arb(0)).sqrt()
-        if not length > 0:
-            return None
-        support = arb("-inf")
-        for vertex in self.vertices:
-            value = sum((a * x for a, x in zip(normal, vertex, strict=True)), arb(0))
-            support = support.max(value)
-        return Row(normal, support, length)
-
-
-def _product(left: Sequence[arb], right: Sequence[arb]) -> arb:
-    return sum((a * b for a, b in zip(left, right, strict=True)), arb(0))
-
-
-def _minus(left: Sequence[arb], right: Sequence[arb]) -> list[arb]:
-    return [a - b for a, b in zip(left, right, strict=True)]
-
-
-def _lower(bound: tuple[arb, arb]) -> float:
-    value = float(bound[0])
-    return value if value == value else float("-inf")
+            for item in self.rows
+        ]
+        return over.middle(min(gaps)[1]) if gaps else ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,14 +159,17 @@ class PointReading:
     def positions(self, state: Sequence[arb]) -> list[list[arb]]:
         """Positions (points, d) for a state given as balls."""
         n = self.field.dofs
-        flat = self.tape.run([*state[:n], *self.field.tail], BallArithmetic())
+        flat = self.tape.evaluate([*state[:n], *self.field.tail], BALLS)
         d = self.dimension
         return [flat[i : i + d] for i in range(0, len(flat), d)]
 
     def over(
         self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb
-    ) -> tuple[Slice, list[arb]] | None:
-        """Positions over a slice of a segment, and the state over it; None where not finite."""
+    ) -> tuple[Slice, list[arb], list[arb]] | None:
+        """Positions over a slice of a segment, the state over it and at its middle.
+
+        None where they are not finite.
+        """
         n, d = self.field.dofs, self.dimension
         state = segment.at(middle + arb(0, 1) * half)
         centre = segment.at(middle)
@@ -274,19 +183,20 @@ class PointReading:
         near = self._series([[centre[i], centre[n + i]] for i in range(n)], 2)
         flat = [(near[i][0], near[i][1], wide[i][2]) for i in range(len(near))]
         points = tuple(tuple(flat[i : i + d]) for i in range(0, len(flat), d))
-        return Slice(segment.start + middle, half, points), state
+        return Slice(segment.start + middle, half, points), state, centre
 
     def _series(self, q: list[list[arb]], length: int) -> list[arb_series]:
         ctx.cap = length
         tail = [arb_series([item]) for item in self.field.tail]
-        return self.tape.run([*(arb_series(item) for item in q), *tail], SeriesArithmetic())
+        return self.tape.evaluate([*(arb_series(item) for item in q), *tail], SERIES)
 
 
 @dataclass(slots=True)
 class StateLimit:
-    """A coordinate or rate stays in an interval; None is unlimited.  Margin in rad or m (/s)."""
+    """A coordinate or rate stays in an interval; None is unlimited."""
 
     name: str
+    unit: str
     weights: tuple[int, ...]
     lower: arb | None
     upper: arb | None
@@ -304,12 +214,16 @@ class StateLimit:
             gap = gap.min(self.upper - value)
         return gap
 
+    def note(self, status: Status, margin: float, time: arb) -> None:
+        """Keep what a slice shows."""
+        self.status, self.margin, self.time = status, margin, float(time.mid())
+
 
 def check_segment(
     reading: PointReading,
     segment: TubeSegment,
     u: Sequence[arb],
-    constraints: Sequence[Inside | Apart],
+    constraints: Sequence[Constraint],
     limits: Sequence[StateLimit],
 ) -> None:
     """Hold every constraint and limit against one segment, updating their margins and status."""
@@ -319,72 +233,85 @@ def check_segment(
         middle, width, depth, open_constraints, open_limits = pending.pop()
         found = reading.over(segment, u, middle, width)
         if found is None:
+            last = depth == MOST_UNBOUNDED_SPLITS
             again, limits_again = open_constraints, open_limits
+            if last:
+                _give_up(again, limits_again, float((segment.start + middle).mid()))
         else:
-            over, state = found
+            over, state, centre = found
+            last = depth == MOST_SPLITS
             again = tuple(c for c in open_constraints if not _settle(c, over, depth))
             limits_again = tuple(
-                limit for limit in open_limits if not _settle_limit(limit, over, state, depth)
+                limit
+                for limit in open_limits
+                if not _settle_limit(limit, over.time, (state, centre), depth)
             )
-        if not again and not limits_again:
-            continue
-        if depth == MOST_SPLITS or (found is None and depth == MOST_UNBOUNDED_SPLITS):
-            for item in (*again, *limits_again):
-                item.status = _worse(item.status, Status.UNDECIDED)
+        if last or not (again or limits_again):
             continue
         quarter = width / 2
         pending += [
-            (centre, quarter, depth + 1, again, limits_again)
-            for centre in (middle + quarter, middle - quarter)
+            (at, quarter, depth + 1, again, limits_again)
+            for at in (middle + quarter, middle - quarter)
         ]
 
 
-def _worse(a: Status, b: Status) -> Status:
-    order = [Status.HOLDS, Status.UNDECIDED, Status.FAILS]
-    return max(a, b, key=order.index)
+def _give_up(constraints: Sequence[Constraint], limits: Sequence[StateLimit], time: float) -> None:
+    """Nothing finite is known at a time: whatever is not refuted is not decided."""
+    items: list[Constraint | StateLimit] = [*constraints, *limits]
+    for item in items:
+        if item.status is Status.HOLDS:
+            item.status, item.margin, item.time = Status.UNDECIDED, float("-inf"), time
 
 
-def _settle(constraint: Inside | Apart, over: Slice, depth: int) -> bool:
-    """Whether a constraint needs no smaller slices here."""
+def _settle(constraint: Constraint, over: Slice, depth: int) -> bool:
+    """Whether a constraint needs no smaller slices here.
+
+    In a wide tube the bound at the middle of a slice is as much as smaller slices may show.  What
+    is not decided at one time is only looked at for a violation later, and for how open it gets.
+    """
+    if constraint.status is Status.FAILS:
+        return True
     bound, middle = constraint.bound(over)
-    lower, centre = float(bound.lower()), float(middle.mid())
+    lower = float(bound.lower())
     if not lower > 0:
         if constraint.violated(over):
-            constraint.status = Status.FAILS
-            constraint.time = float(over.time.mid())
-            constraint.place = _place(over, constraint.points)
-            constraint.margin = min(constraint.margin, centre)
+            constraint.note(Status.FAILS, min(constraint.margin, float(middle.mid())), over)
             return True
-        return False
-    if lower >= constraint.margin:
+        if constraint.status is Status.UNDECIDED:
+            constraint.margin = min(constraint.margin, float(middle.lower()))
+            return True
+        if depth == MOST_SPLITS:
+            constraint.note(Status.UNDECIDED, lower, over)
+        return depth == MOST_SPLITS
+    if constraint.status is Status.UNDECIDED or lower >= constraint.margin:
         return True
-    if centre - lower > REFINEMENT * centre and depth < MOST_SPLITS:
+    shown = float(middle.lower())
+    if shown - lower > REFINEMENT * shown and depth < MOST_SPLITS:
         return False
-    constraint.margin = lower
-    constraint.time = float(over.time.mid())
-    constraint.place = _place(over, constraint.points)
+    constraint.note(Status.HOLDS, lower, over)
     return True
 
 
-def _place(over: Slice, points: Sequence[int]) -> tuple[float, ...]:
-    return tuple(float(axis[0].mid()) for axis in over.points[points[0]]) if points else ()
-
-
-def _settle_limit(limit: StateLimit, over: Slice, state: Sequence[arb], depth: int) -> bool:
-    """Whether a limit needs no smaller slices here."""
-    gap = limit.gap(state)
-    lower = float(gap.lower())
-    if bool(gap < 0):
-        limit.status, limit.margin, limit.time = (
-            Status.FAILS,
-            float(gap.mid()),
-            float(over.time.mid()),
-        )
+def _settle_limit(
+    limit: StateLimit, time: arb, states: tuple[Sequence[arb], Sequence[arb]], depth: int
+) -> bool:
+    """Whether a limit needs no smaller slices here; ``states`` over one and at its middle."""
+    if limit.status is Status.FAILS:
+        return True
+    over, middle = (limit.gap(state) for state in states)
+    lower, shown = float(over.lower()), float(middle.lower())
+    if bool(middle < 0):
+        limit.note(Status.FAILS, float(middle.mid()), time)
         return True
     if not lower > 0:
-        return False
-    if lower < limit.margin:
-        if float(gap.rad()) > REFINEMENT * lower and depth < MOST_SPLITS // 2:
+        if limit.status is Status.UNDECIDED:
+            limit.margin = min(limit.margin, shown)
+            return True
+        if depth == MOST_SPLITS:
+            limit.note(Status.UNDECIDED, lower, time)
+        return depth == MOST_SPLITS
+    if limit.status is Status.HOLDS and lower < limit.margin:
+        if shown - lower > REFINEMENT * shown and depth < MOST_SPLITS // 2:
             return False
-        limit.margin, limit.time = lower, float(over.time.mid())
+        limit.note(Status.HOLDS, lower, time)
     return True

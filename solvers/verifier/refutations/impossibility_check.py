@@ -1,23 +1,26 @@
-"""The check of ``impossible``: every structure up to the bound, each refuted by a script of ours.
+"""The check of ``impossible``: every structure up to the bound, each refuted by its evidence.
 
-The structures are enumerated again and every script is made again from the spec, byte for byte;
-what is left to believe is the solver's ``unsat``, unless it is run again in a process of its own.
-Where places are cut off from each other, the cells are computed again, and no solver is believed.
+The structures are enumerated again.  A covering by boxes is replayed, and no solver is believed.
+A script is made again from the spec, byte for byte; what is left to believe is the solver's
+``unsat``, unless it is run again in a process of its own.  Where places are cut off from each
+other, the cells are computed again, and no solver is believed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from compiler.candidates.candidate import candidates
 from compiler.encodings.refutation_scripts import refutation_scripts
 from compiler.geometry.abstraction import abstract
 from compiler.languages.structures import InfiniteAmbiguityError
+from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
+from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.refutations.z3_process import run_z3_subprocess
 from solvers.verifier.verdict import Fails
@@ -27,22 +30,38 @@ class FalseClaim(Exception):
     """The claim is false, or its evidence is not what it says."""
 
 
+@dataclass(frozen=True, slots=True)
+class Impossibility:
+    """How an impossibility is proved: ``by_boxes`` of all ``structures``, the rest by scripts.
+
+    A separation is about all robots, and there are no structures.
+    """
+
+    structures: int
+    by_boxes: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether no solver is left to believe."""
+        return self.by_boxes == self.structures
+
+
 def check_impossible(
     folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
-) -> tuple[str | None, bool]:
-    """The reason why the claim is refused, or None; and whether no script is left to believe.
+) -> Impossibility | str:
+    """How a claim is proved, or the reason why it is refused.
 
     ``task`` is one of ``program``, both without maps.
     """
     if claim.separation is not None:
-        return _separation(claim, claim.separation, program, task), True
+        return _separation(claim, claim.separation, program, task) or Impossibility(0, 0)
     family = family_of(program, task)
     try:
         bound = _bound(claim, family, task)
-        _structures(folder, claim, family, task, bound, trust)
+        proved = _structures(Evidence(folder, program, task, trust), claim, family, bound)
     except (FalseClaim, InfiniteAmbiguityError) as error:
-        return str(error), False
-    return None, trust == "z3" or not claim.structures
+        return str(error)
+    return Impossibility(len(proved), sum(proved))
 
 
 def _separation(
@@ -69,17 +88,13 @@ def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
 
 
 def _structures(
-    folder: Path,
-    claim: ImpossibleClaim,
-    family: RobotFamily,
-    task: ir.Task,
-    bound: int,
-    trust: str | None,
-) -> None:
-    workspace = family.program.workspaces[task.workspace]
+    evidence: Evidence, claim: ImpossibleClaim, family: RobotFamily, bound: int
+) -> list[bool]:
+    """For each structure whether it is refuted by boxes."""
     keys: list[str] = []
+    proved: list[bool] = []
     number = -1
-    for candidate in candidates(family, bound, task.origin):
+    for candidate in candidates(family, bound, evidence.task.origin):
         number, derivation = candidate.number, candidate.derivation
         if number >= len(claim.structures):
             raise FalseClaim(f"structure {number} is missing: {' '.join(derivation.word)}")
@@ -91,31 +106,80 @@ def _structures(
             raise FalseClaim(f"structure {number} is no robot: {candidate.fault}")
         keys.append(robot_key(model))
         if claimed.same_robot_as is not None:
-            _same(number, claimed, keys)
-            continue
-        _evidence(folder, number, claimed, refutation_scripts(model, workspace, task), trust)
+            proved.append(proved[_same(number, claim, keys)])
+        else:
+            proved.append(evidence.refutes(number, claimed, model))
     if number + 1 != len(claim.structures):
         raise FalseClaim("the claim lists structures that the family does not have")
+    return proved
 
 
-def _same(number: int, claimed: StructureClaim, keys: list[str]) -> None:
+def _same(number: int, claim: ImpossibleClaim, keys: list[str]) -> int:
+    """The earlier structure that is the same robot, whose evidence counts."""
+    claimed = claim.structures[number]
     first = claimed.same_robot_as
     if first is None or not 0 <= first < number or keys[first] != keys[number]:
         raise FalseClaim(f"structure {number} is not the same robot as structure {first}")
+    earlier = claim.structures[first]
+    if (claimed.evidence, claimed.boxes) != (earlier.evidence, earlier.boxes):
+        raise FalseClaim(f"structure {number} does not name the evidence of structure {first}")
+    return first
 
 
-def _evidence(
-    folder: Path, number: int, claimed: StructureClaim, scripts: Iterable[str], trust: str | None
-) -> None:
-    """The evidence is a script of this spec, and a solver process answers ``unsat`` if asked."""
-    if claimed.evidence is None:
-        raise FalseClaim(f"structure {number} has no evidence")
-    path = folder / claimed.evidence
-    if not path.resolve().is_relative_to(folder.resolve()) or not path.is_file():
-        raise FalseClaim(f"the evidence {claimed.evidence} is missing")
-    content = path.read_bytes()
-    script = next((script for script in scripts if script.encode() == content), None)
-    if script is None:
-        raise FalseClaim(f"{claimed.evidence} is not the script of structure {number}")
-    if trust == "z3" and not isinstance(run_z3_subprocess(script), Fails):
-        raise FalseClaim(f"z3 does not refute structure {number}")
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """The evidence in a folder; ``program`` and ``task`` are without maps."""
+
+    folder: Path
+    program: ir.Program
+    task: ir.Task
+    trust: str | None
+
+    @property
+    def workspace(self) -> ir.Workspace:
+        """The workspace of the task."""
+        return self.program.workspaces[self.task.workspace]
+
+    def refutes(self, number: int, claimed: StructureClaim, model: RobotModel) -> bool:
+        """Whether boxes refute a structure; else its script does, if a solver is to be believed.
+
+        Raises:
+            FalseClaim: there is no evidence, or it is not what it says.
+        """
+        if claimed.evidence is None and claimed.boxes is None:
+            raise FalseClaim(f"structure {number} has no evidence")
+        if claimed.boxes is not None:
+            self._covered(number, claimed.boxes, model)
+        if claimed.evidence is not None:
+            script = self._script(number, claimed.evidence, model)
+            if claimed.boxes is None and self.trust == "z3":
+                self._unsatisfiable(number, script)
+        return claimed.boxes is not None
+
+    def _covered(self, number: int, name: str, model: RobotModel) -> None:
+        """The boxes prove that the robot does not do the task."""
+        try:
+            covering = self._content(name).decode("ascii")
+        except UnicodeDecodeError:
+            raise FalseClaim(f"{name} is not ASCII") from None
+        reason = why_not(covering, model, self.workspace, self.task)
+        if reason is not None:
+            raise FalseClaim(f"{name} does not refute structure {number}: {reason}")
+
+    def _script(self, number: int, name: str, model: RobotModel) -> str:
+        """The script is one of this structure and task."""
+        content = self._content(name)
+        for script in refutation_scripts(model, self.workspace, self.task):
+            if script.encode() == content:
+                return script
+        raise FalseClaim(f"{name} is not the script of structure {number}")
+
+    def _unsatisfiable(self, number: int, script: str) -> None:
+        if not isinstance(run_z3_subprocess(script), Fails):
+            raise FalseClaim(f"z3 does not refute structure {number}")
+
+    def _content(self, name: str) -> bytes:
+        path = self.folder / name
+        if not path.resolve().is_relative_to(self.folder.resolve()) or not path.is_file():
+            raise FalseClaim(f"the evidence {name} is missing")
+        return path.read_bytes()

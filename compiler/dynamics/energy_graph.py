@@ -1,0 +1,126 @@
+r"""What bounds on energy and on distances need of a robot, as tapes for interval arithmetic.
+
+All in the joints' own coordinates q: efforts, rates and ranges are of those.  The bounds do not
+depend on coordinates anyway: with q = D y the forces are D' tau and the mass matrix is D' M D, so
+that tau' M^-1 tau and q' M q are the same numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import casadi as ca
+
+from compiler.arithmetic.scalars import Constant, PiConstant
+from compiler.dynamics.absolute_angles import own_coordinates
+from compiler.dynamics.composite_bodies import composite_mass_matrix
+from compiler.dynamics.drive import Motion, drive
+from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.rigid_bodies import potential_energy
+from compiler.dynamics.tape import Tape, tape
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_inputs, robot_states
+
+
+@dataclass(frozen=True, slots=True)
+class EnergyGraph:
+    """The energies of a robot, and its effectors.
+
+    Inputs of every tape: q (n), theta, then the exact ``constants``.
+
+    - ``mass``: M column by column, (n * n,), of which only the coordinates ``shape`` count;
+    - ``slopes``: its derivatives in the inputs ``active``, one after the other;
+    - ``potential``: the potential energy V (1,) and its gradient (n,); None without gravity;
+    - ``effectors``: positions (d * e,), then their Jacobian column by column (d * e * n,);
+    - ``damping``: b >= 0 or not of every joint (n,), where the forces on the joints are u - b rate;
+      None where they are anything else, or where modules have states of their own.
+    """
+
+    constants: tuple[Constant | PiConstant, ...]
+    mass: Tape
+    shape: tuple[int, ...]
+    slopes: Tape
+    active: tuple[int, ...]
+    potential: Tape | None
+    effectors: Tape
+    damping: Tape | None
+
+
+def energy_graph(model: RobotModel, gravity: tuple[Fraction, ...]) -> EnergyGraph:
+    """The graph of a robot.
+
+    Args:
+        model: the robot.
+        gravity: the acceleration in m/s^2.
+
+    Raises:
+        UndefinedValueError: a rule of the robot divides by zero everywhere.
+    """
+    n, d = len(model.dofs), model.dimension
+    q, theta = ca.SX.sym("q", n), ca.SX.sym("theta", len(model.parameters))
+    constants = ConstantInputs()
+    at = kinematics(model, q, theta, constants, own_coordinates(model))
+    mass = ca.vec(ca.densify(composite_mass_matrix(model, at, q, constants)))
+    tips = ca.vertcat(ca.SX(0, 1), *(at.origins[frame][:d] for frame in model.effectors))
+    effectors = ca.vertcat(tips, ca.vec(ca.densify(ca.jacobian(tips, q))))
+    potential = ca.SX(0, 1)
+    if any(gravity):
+        energy = potential_energy(model, at, gravity, constants)
+        potential = ca.vertcat(energy, ca.densify(ca.gradient(energy, q)))
+    damping = _damping(model, theta, constants)
+    inputs = [q, theta, constants.vector()]
+    variables = ca.vertcat(q, theta)
+    active = _dependencies(mass, variables)
+    slopes = [ca.densify(ca.jacobian(mass, variables[i])) for i in active]
+
+    def read(expression: ca.SX) -> Tape:
+        return tape(ca.Function("energy", inputs, [ca.cse(ca.densify(expression))]))
+
+    return EnergyGraph(
+        tuple(constants.symbols),
+        read(mass),
+        _dependencies(mass, q),
+        read(ca.vertcat(ca.SX(0, 1), *slopes)),
+        active,
+        read(potential) if any(gravity) else None,
+        read(effectors),
+        None if damping is None else read(damping),
+    )
+
+
+def _dependencies(expression: ca.SX, variables: ca.SX) -> tuple[int, ...]:
+    """The entries of a column of variables that occur."""
+    if not variables.numel():
+        return ()
+    columns = ca.jacobian_sparsity(expression, variables).get_triplet()[1]
+    return tuple(sorted({int(column) for column in columns}))
+
+
+def _damping(model: RobotModel, theta: ca.SX, constants: ConstantInputs) -> ca.SX | None:
+    """The b of every joint, where tau = u - b rate.
+
+    tau has this form if its Jacobian in (q, rate, s, u) is (0, -b, 0, 1) with a diagonal b that
+    none of these occurs in, and if it is zero at zero.
+    """
+    joints = [entry.dof for entry in robot_inputs(model)]
+    n, m = len(model.dofs), len(joints)
+    places = {dof: place for place, dof in enumerate(joints) if dof is not None}
+    if robot_states(model) or len(places) != m or m != n:
+        return None
+    q, v, u = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("u", m)
+    forces = drive(model, Motion(q, v, ca.SX(0, 1), u, theta), constants).forces
+    column = ca.vertcat(q, v, u)
+    slopes = ca.densify(ca.jacobian(forces, column))
+    if ca.depends_on(slopes, column):
+        return None
+    if not ca.substitute(forces, column, ca.SX.zeros(column.numel())).is_zero():
+        return None
+    wanted = ca.SX.zeros(n, column.numel())
+    for dof, place in places.items():
+        wanted[dof, 2 * n + place] = 1
+    found = []
+    for i in range(n):
+        found.append(-slopes[i, n + i])
+        wanted[i, n + i] = slopes[i, n + i]
+    return ca.vertcat(ca.SX(0, 1), *found) if (slopes - wanted).is_zero() else None

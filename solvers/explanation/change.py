@@ -1,0 +1,202 @@
+"""Changes of one line of a task that make it weaker, by a value or as a whole.
+
+A scale is a line with the values that it may take, the nearest first; each of its tasks is weaker
+than those before.  What a change says follows "with" or "without".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from grammar_lang import ir
+from grammar_lang.ir.expression_text import number_text
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.relaxation import WIDER, ends, grown_bounds, with_effort, without
+from solvers.explanation.task_line import TaskLine
+from solvers.explanation.two_digits import index_above, index_below, number_of
+
+MOST_STEPS = 160
+"""So long a horizon is made, and four times as long as it is, at most; or half as long again."""
+MOST_EFFORT = 64
+"""By this factor at most an effort bound is larger."""
+BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
+"""Percent of their width by which bounds are moved outwards."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A weaker task: the line that is changed, what is changed in words, and the value if one.
+
+    The changes of a line that differ in their value alone have the same ``way``.
+    """
+
+    line: TaskLine
+    says: str
+    posed: PosedTask
+    value: Fraction | None = None
+    way: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """The changes of a line by a value, the smallest change first.
+
+    ``posable``: more poses come with them, so that poses tell from where on they may help.
+    """
+
+    line: TaskLine
+    values: tuple[Fraction, ...]
+    at: Callable[[Fraction], Change]
+    posable: bool
+
+
+def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
+    """The scales of a line; none where it has no value to change."""
+    match line.kind:
+        case "parameter":
+            yield from _parameter(posed, line)
+        case "effort":
+            yield _effort(posed, line)
+        case "horizon":
+            yield _horizon(posed, line)
+        case "bounds":
+            yield _bounds(posed, line)
+        case _:
+            return
+
+
+def single_changes(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
+    """The changes of a line that have no value: dropped parts and names of effectors."""
+    for change in _single(posed, line):
+        yield replace(change, way=change.says)
+
+
+def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
+    task = posed.task
+    match line.kind:
+        case "start" if isinstance(task.start, ir.StartIn) and task.start.effector is not None:
+            anyone = replace(task.start, effector=None)
+            says = f"with any effector starting in `{task.start.region}`"
+            yield Change(line, says, posed.with_task(start=anyone))
+        case "reach" if task.reach is not None:
+            yield from _reach(posed, task.reach, line)
+        case "avoid":
+            yield from _avoid(posed, line)
+        case "satisfy" if task.reach is not None or len(task.satisfy) > 1:
+            yield Change(line, "without this formula", without(posed, [line]))
+        case "bounds_body":
+            yield Change(line, "without `bounds with body`", without(posed, [line]))
+        case "joint_range" | "joint_rate":
+            module, name = line.key
+            what = "a limit of" if line.kind == "joint_range" else "a limit of the rate of"
+            yield Change(line, f"without {what} `{module}.{name}`", without(posed, [line]))
+        case "fixed":
+            yield Change(line, f"with `{line.key[1]}` free", without(posed, [line]))
+        case _:
+            return
+
+
+def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:
+    """With another bound on modules."""
+    changed = posed.with_task(modules=modules)
+    return Change(line, f"with `modules <= {modules}`", changed, Fraction(modules))
+
+
+# --- values --------------------------------------------------------------------------------------
+
+
+def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
+    """A range that goes further up, and one that goes further down."""
+    module, name = (str(part) for part in line.key)
+    p = next(p for p in posed.program.modules[module].parameters if p.name == name)
+    low, high = ends(p.domain)
+    unit = "" if p.unit == "1" else f" {p.unit}"
+
+    def at(value: Fraction, way: str) -> Change:
+        says = f"with `{module}.{name}` {way} {number_text(value)}{unit}"
+        wider = _with_value(p.domain, value)
+        return Change(line, says, posed.with_domain(module, name, wider), value, way)
+
+    if high > 0:
+        indices = range(index_above(high), index_above(high * WIDER) + 1)
+        up = tuple(v for v in map(number_of, indices) if v > high)
+        yield Scale(line, up, lambda value: at(value, "up to"), posable=True)
+    if low > 0:
+        indices = range(index_below(low), index_below(low / WIDER) - 1, -1)
+        down = tuple(v for v in map(number_of, indices) if v < low)
+        yield Scale(line, down, lambda value: at(value, "down to"), posable=True)
+
+
+def _with_value(domain: ir.Interval | ir.Choices, value: Fraction) -> ir.Interval | ir.Choices:
+    """A domain that has a value besides: an interval reaches to it."""
+    number = ir.Num(value)
+    if isinstance(domain, ir.Choices):
+        return ir.Choices((*domain.values, number))
+    return (
+        replace(domain, upper=number) if value > ends(domain)[1] else replace(domain, lower=number)
+    )
+
+
+def _effort(posed: PosedTask, line: TaskLine) -> Scale:
+    index = int(line.key[0])
+    clause = posed.task.effort[index]
+    unit = "N*m" if clause.kind == "revolute" else "N"
+
+    def at(value: Fraction) -> Change:
+        changed = with_effort(posed, index, value / clause.bound)
+        return Change(line, f"with `effort <= {number_text(value)} {unit}`", changed, value)
+
+    bound = clause.bound
+    indices = range(index_above(bound), index_above(bound * MOST_EFFORT) + 1)
+    return Scale(line, tuple(v for v in map(number_of, indices) if v > bound), at, posable=False)
+
+
+def _horizon(posed: PosedTask, line: TaskLine) -> Scale:
+    steps = posed.task.steps
+
+    def at(value: Fraction) -> Change:
+        return Change(line, f"with {value} steps", posed.with_task(steps=int(value)), value)
+
+    longest = max(min(4 * steps, MOST_STEPS), steps + (steps + 1) // 2)
+    values = tuple(Fraction(value) for value in range(steps + 1, longest + 1))
+    return Scale(line, values, at, posable=False)
+
+
+def _bounds(posed: PosedTask, line: TaskLine) -> Scale:
+    def at(value: Fraction) -> Change:
+        workspace = grown_bounds(posed.workspace, value / 100)
+        says = f"with bounds wider by {value} % on every side"
+        return Change(line, says, posed.with_workspace(workspace), value)
+
+    return Scale(line, tuple(map(Fraction, BOUNDS_GROWN)), at, posable=True)
+
+
+# --- parts ---------------------------------------------------------------------------------------
+
+
+def _reach(posed: PosedTask, reach: ir.Reach, line: TaskLine) -> Iterator[Change]:
+    if reach.effector is not None:
+        anyone = posed.with_task(reach=replace(reach, effector=None))
+        yield Change(line, f"with any effector ending in `{reach.region}`", anyone)
+    if reach.at_rest:
+        moving = posed.with_task(reach=replace(reach, at_rest=False))
+        yield Change(line, "without `at rest` at the end", moving)
+
+
+def _avoid(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
+    """With no margin, with the effector alone, or without the region."""
+    index, region = int(line.key[0]), str(line.key[1])
+    clauses = posed.task.avoid
+    clause = clauses[index]
+
+    def with_clause(changed: ir.Avoid) -> PosedTask:
+        return posed.with_task(avoid=(*clauses[:index], changed, *clauses[index + 1 :]))
+
+    if clause.margin:
+        yield Change(line, "without the margin", with_clause(replace(clause, margin=Fraction(0))))
+    if clause.subject == "body":
+        alone = with_clause(replace(clause, subject="effector"))
+        yield Change(line, f"with `{region}` avoided by effectors alone", alone)
+    yield Change(line, f"without avoiding `{region}`", without(posed, [line]))

@@ -1,0 +1,163 @@
+"""Which lines of a task rule a robot out, and which rule out every robot before any is looked at.
+
+The oracle is the refuter of the synthesis, asked about the task with the other lines relaxed: a
+conflict is a set of lines that is refuted, while it is not without any one of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from compiler.candidates.candidate import Candidate
+from compiler.candidates.kept_parameters import robot_in_task
+from compiler.discretisation.float_reading import FloatReading
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.geometry.abstraction import abstract
+from compiler.grammars.derivation import Derivation
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import family_of
+from solvers.explanation.minimal_conflict import minimal_conflict
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.relaxation import without
+from solvers.explanation.task_line import TaskLine, task_lines
+from solvers.progress import Conduct, Memory
+from solvers.refutation.box_evidence import out_of_reach_of_drives
+from solvers.refutation.disconnection import disconnected
+from solvers.refutation.structure_refutation import refute_structure
+
+MOST_QUESTIONS = 1500
+"""So many questions to the refuter are asked about all structures together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """Lines that rule out robots, all of them needed; ``words`` are those robots, in order.
+
+    Without words it is all robots: two places are cut off from each other.
+    """
+
+    lines: tuple[TaskLine, ...]
+    words: tuple[tuple[str, ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Conflicts:
+    """The conflicts, those of most robots first; ``left`` robots were not explained."""
+
+    found: tuple[Conflict, ...]
+    left: int = 0
+
+    @property
+    def lines(self) -> tuple[TaskLine, ...]:
+        """All lines of all conflicts, each once."""
+        return tuple(dict.fromkeys(line for conflict in self.found for line in conflict.lines))
+
+
+def separation_conflict(posed: PosedTask) -> Conflict | None:
+    """The lines that cut start and target off from each other; None where nothing does."""
+    every = task_lines(posed)
+    lines = [
+        line for line in every if line.kind in ("start", "reach", "satisfy", "avoid", "bounds")
+    ]
+
+    def cut_off(kept: Sequence[TaskLine]) -> bool:
+        return is_cut_off(without(posed, [line for line in lines if line not in kept]))
+
+    found = minimal_conflict(lines, cut_off)
+    return None if found is None else Conflict(found)
+
+
+def is_cut_off(posed: PosedTask) -> bool:
+    """Whether places that the task joins are cut off from each other, whatever the robot."""
+    whole = posed.expanded()
+    cells = abstract(whole.workspace)
+    return disconnected(whole.program, whole.task, cells) is not None
+
+
+@dataclass(slots=True)
+class ConflictSearch:
+    """The conflicts of structures; structures ruled out by the same lines are one conflict.
+
+    ``between`` is called before every question to the refuter, and may raise to end the search.
+    With ``late``, what is not refuted otherwise is asked about as after a motion was sought in
+    vain, which takes long.
+    """
+
+    posed: PosedTask
+    conduct: Conduct
+    between: Callable[[], None] = lambda: None
+    late: bool = True
+    questions: int = 0
+    lines: tuple[TaskLine, ...] = ()
+    _found: dict[tuple[TaskLine, ...], list[tuple[str, ...]]] = field(
+        default_factory=dict[tuple[TaskLine, ...], list[tuple[str, ...]]]
+    )
+
+    def __post_init__(self) -> None:
+        self.lines = task_lines(self.posed)
+
+    def conflicts(self, derivations: Iterable[Derivation]) -> Conflicts:
+        """The conflicts of refuted structures, in the order of how many robots they rule out."""
+        left = 0
+        for derivation in derivations:
+            if self.questions >= MOST_QUESTIONS:
+                left += 1
+                continue
+            lines = self.conflict(derivation)
+            if lines is None:
+                left += 1
+            else:
+                self._found.setdefault(lines, []).append(derivation.word)
+        ranked = sorted(self._found.items(), key=lambda item: -len(item[1]))
+        return Conflicts(tuple(Conflict(lines, tuple(words)) for lines, words in ranked), left)
+
+    def conflict(self, derivation: Derivation) -> tuple[TaskLine, ...] | None:
+        """The lines that rule a structure out; None where the refuter does not refute it.
+
+        A conflict that rules another structure out is tried first.
+        """
+        found = self._conflict(derivation, late=False)
+        if found is None and self.late:
+            found = self._conflict(derivation, late=True)
+        return found
+
+    def _conflict(self, derivation: Derivation, *, late: bool) -> tuple[TaskLine, ...] | None:
+        answers: dict[frozenset[TaskLine], bool] = {}
+
+        def refuted(kept: Sequence[TaskLine]) -> bool:
+            key = frozenset(kept)
+            if key not in answers:
+                answers[key] = self.refuted(derivation, kept, late=late)
+            return answers[key]
+
+        for known in self._found:
+            if refuted(known):
+                return minimal_conflict(known, refuted)
+        return minimal_conflict(self.lines, refuted)
+
+    def refuted(
+        self, derivation: Derivation, kept: Sequence[TaskLine], *, late: bool = False
+    ) -> bool:
+        """Whether a structure is refuted by these lines alone.
+
+        ``late``: also with the effort that a synthesis makes once it has found no motion.
+        """
+        self.between()
+        self.questions += 1
+        relaxed = without(self.posed, [line for line in self.lines if line not in kept])
+        posed = relaxed.expanded()
+        family = family_of(posed.program, posed.task)
+        try:
+            model = robot_in_task(family, posed.task.origin, derivation)
+        except SemanticsError:
+            return False
+        reading = FloatReading(robot_graph(model, posed.task.gravity))
+        answer = refute_structure(model, reading, posed.program, posed.task, self.conduct)
+        if answer.refuted or not late:
+            return answer.refuted
+        candidate, conduct = (
+            Candidate(0, derivation, model),
+            replace(self.conduct, journal=Memory()),
+        )
+        return out_of_reach_of_drives(candidate, posed.program, posed.task, conduct) is not None

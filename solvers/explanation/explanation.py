@@ -1,0 +1,171 @@
+"""Why a task was not met: the conflicting lines, what was nearest, and what would help."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from compiler.candidates.kept_parameters import robot_in_task
+from compiler.grammars.derivation import Derivation, replay
+from compiler.semantics.family import family_of
+from solvers.explanation.change import Change
+from solvers.explanation.conflict import (
+    Conflict,
+    Conflicts,
+    ConflictSearch,
+    separation_conflict,
+)
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.run import MOST_RUNS, Runs, Suggestion
+from solvers.explanation.suggestions import SuggestionSearch, smallest
+from solvers.explanation.task_line import TaskLine, modules_line, task_lines
+from solvers.progress import Conduct, OutOfTimeError
+
+TELLING = ("parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "fixed")
+"""Kinds of lines that a person would change; conflicts with such lines are told first."""
+
+
+MOST_COMPARED = 100
+"""So many refuted structures, the last ones, are compared for the foremost one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Nearest:
+    """The robot that came nearest to a design, and what stood in its way.
+
+    ``robustness`` is the best that was evaluated for it, None where nothing was.
+    """
+
+    word: tuple[str, ...]
+    robustness: float | None
+    obstacle: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """What a synthesis without a design has left: its refuted structures, and the nearest one."""
+
+    verdict: Literal["impossible", "unknown"]
+    reason: str
+    refuted: tuple[tuple[str, ...], ...]
+    """Derivations, one of each different robot."""
+    nearest: Nearest | None = None
+
+
+@dataclass(slots=True)
+class Explanation:
+    """What is known so far; ``ended`` says what kept the rest from being found out.
+
+    ``bound`` is the line that bounds the modules where a longer robot has poses for the task, with
+    an example in ``beyond``.
+    """
+
+    posed: PosedTask
+    tried: Tried
+    conflicts: Conflicts = field(default_factory=lambda: Conflicts(()))
+    bound: TaskLine | None = None
+    beyond: tuple[str, ...] = ()
+    suggestions: tuple[Suggestion, ...] = ()
+    failed: tuple[Change, ...] = ()
+    runs: int = 0
+    ended: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """How far an explanation is to go; ``tell`` receives a line of progress now and then."""
+
+    conduct: Conduct = field(default_factory=Conduct)
+    runs: int = MOST_RUNS
+    tell: Callable[[str], None] = lambda _: None
+
+
+def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
+    """Explain why a task was not met; whatever is found until the limit of time is kept.
+
+    Raises:
+        MapFault: a map of obstacles cannot be used.
+    """
+    found = Explanation(posed, tried)
+    runs = Runs(asked.conduct, asked.runs, asked.tell)
+    try:
+        _conflicts(found, asked)
+        _suggestions(found, asked, runs)
+        if asked.runs and not runs.left:
+            found.ended = f"the limit of {asked.runs} runs was reached"
+    except OutOfTimeError:
+        found.ended = "the time limit was reached"
+    found.suggestions = smallest(runs.found)
+    found.failed, found.runs = tuple(runs.failed), runs.made
+    return found
+
+
+def foremost(posed: PosedTask, refuted: Sequence[tuple[str, ...]]) -> Derivation:
+    """Of refuted structures, by derivation, that with most freedom in coordinates and design."""
+    grammar, family = (
+        posed.program.grammars[posed.task.grammar],
+        family_of(posed.program, posed.task),
+    )
+
+    def freedom(derivation: Derivation) -> int:
+        model = robot_in_task(family, posed.task.origin, derivation)
+        return (len(model.dofs) + 1) * (len(model.parameters) + 1)
+
+    return max((replay(grammar, labels) for labels in refuted[-MOST_COMPARED:]), key=freedom)
+
+
+def quick_conflict(posed: PosedTask, refuted: Derivation | None, conduct: Conduct) -> Explanation:
+    """An explanation with the conflict of one structure, where that is quickly found.
+
+    Without a structure, start and target are cut off from each other.
+    """
+    found = Explanation(posed, Tried("impossible", "", ()))
+    if refuted is None:
+        _conflicts(found, Asked(conduct, 0))
+        return found
+    lines = ConflictSearch(posed, conduct, late=False).conflict(refuted)
+    found.conflicts = Conflicts(() if lines is None else (Conflict(lines, (refuted.word,)),))
+    return found
+
+
+def _conflicts(found: Explanation, asked: Asked) -> None:
+    """The conflicts, and whether the bound on modules is one of their lines."""
+    posed, tried = found.posed, found.tried
+    if not tried.refuted:
+        cut = separation_conflict(posed)
+        found.conflicts = Conflicts(() if cut is None else (cut,))
+        return
+    asked.tell(f"conflicts of {len(tried.refuted)} robots")
+    search = ConflictSearch(posed, asked.conduct, asked.conduct.check_time)
+    grammar = posed.program.grammars[posed.task.grammar]
+    conflicts = search.conflicts(replay(grammar, labels) for labels in tried.refuted)
+    ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
+    found.conflicts = Conflicts(tuple(ranked), conflicts.left)
+    if tried.verdict == "impossible":
+        _bound(found, asked)
+
+
+def _telling(conflict: Conflict) -> bool:
+    return any(line.kind in TELLING for line in conflict.lines)
+
+
+def _bound(found: Explanation, asked: Asked) -> None:
+    """Look for a longer robot with poses for the task."""
+    line = modules_line(found.posed)
+    if line is None:
+        return
+    asked.conduct.check_time()
+    longer = SuggestionSearch(found.posed, Runs(asked.conduct, 0)).longer()
+    if longer is not None:
+        found.bound, found.beyond = line, longer.word
+
+
+def _suggestions(found: Explanation, asked: Asked, runs: Runs) -> None:
+    if not asked.runs:
+        return
+    search = SuggestionSearch(found.posed, runs)
+    if found.tried.verdict == "impossible":
+        search.after_conflicts(found.conflicts.lines, found.bound)
+    else:
+        search.after_motions(task_lines(found.posed), modules_line(found.posed))

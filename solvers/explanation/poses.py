@@ -1,0 +1,89 @@
+"""Whether poses are found that a task asks of a robot: a cheap sign that the task may be possible.
+
+No poses prove nothing here, and poses do not prove that there is a motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+
+from compiler.candidates.kept_parameters import robot_in_task
+from compiler.discretisation.float_reading import FloatReading
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.encodings.body_demands import body_demands
+from compiler.encodings.body_smt import body_scripts
+from compiler.encodings.pose_questions import pose_questions
+from compiler.grammars.derivation import Derivation
+from compiler.robots.robot_key import robot_key
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import family_of
+from solvers.explanation.conflict import is_cut_off
+from solvers.explanation.posed_task import PosedTask
+from solvers.refutation.clear_poses import clear_poses
+from solvers.refutation.pose_search import find_poses
+
+MOST_ROBOTS = 6
+"""So many robots are followed when a value is searched."""
+
+
+def with_poses(
+    posed: PosedTask, derivations: Iterable[Derivation], seed: int, robots: int = MOST_ROBOTS
+) -> tuple[Derivation, ...]:
+    """The first few different robots for which all poses are found that the task asks for."""
+    if is_cut_off(posed):
+        return ()
+    return tuple(islice(_posable(posed.expanded(), derivations, seed), robots))
+
+
+def _posable(
+    posed: PosedTask, derivations: Iterable[Derivation], seed: int
+) -> Iterator[Derivation]:
+    family = family_of(posed.program, posed.task)
+    seen = set[str]()
+    for derivation in derivations:
+        try:
+            model = robot_in_task(family, posed.task.origin, derivation)
+        except SemanticsError:
+            continue
+        key = robot_key(model)
+        if key in seen:
+            continue
+        seen.add(key)
+        if _answered(FloatReading(robot_graph(model, posed.task.gravity)), posed, seed):
+            yield derivation
+
+
+def _answered(reading: FloatReading, posed: PosedTask, seed: int) -> bool:
+    """Whether poses are found for every question."""
+    workspace, task = posed.workspace, posed.task
+    demands = body_demands(workspace, task)
+    for question in pose_questions(workspace, task):
+        if find_poses(reading, question, seed) is None:
+            return False
+        if demands is None:
+            continue
+        known = clear_poses(reading, workspace, task, question, seed)
+        if any(poses not in known for poses in body_scripts(question)):
+            return False
+    return True
+
+
+def first_with_poses(
+    posed_at: Sequence[PosedTask], derivations: Sequence[Derivation], seed: int
+) -> int | None:
+    """The index of the first of ever weaker tasks for which poses are found, by bisection.
+
+    None where not even the last one has any.
+    """
+    hopeful = with_poses(posed_at[-1], derivations, seed)
+    if not hopeful:
+        return None
+    low, high = 0, len(posed_at) - 1
+    while low < high:
+        middle = (low + high) // 2
+        if with_poses(posed_at[middle], hopeful, seed, robots=1):
+            high = middle
+        else:
+            low = middle + 1
+    return low

@@ -1,0 +1,144 @@
+"""A task without some of its lines: each is replaced by one that demands next to nothing.
+
+A relaxed range is not unlimited but far wider than what is written, as refuters need ranges; a
+relaxed place is anywhere within the bounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from fractions import Fraction
+from typing import TypeAlias
+
+from compiler.geometry.polytope import polytope_of
+from grammar_lang import ir
+from grammar_lang.constants import rational, to_float
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.task_line import TaskLine
+
+WIDER = 30
+"""By this factor relaxed ranges and bounds are wider."""
+DRIVEN = 1000
+"""By this factor relaxed efforts and horizons are larger."""
+EVERYWHERE = "anywhere within the bounds"
+"""The name of a region that no region of the language can have."""
+
+Key: TypeAlias = tuple[str | int, ...]
+
+
+def without(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
+    """The task without these lines; places are relaxed last, to what is within the bounds then."""
+    places = {line for line in lines if line.kind in ("start", "reach", "satisfy")}
+    for line in lines:
+        if line not in places:
+            posed = _relaxed(posed, line)
+    return _placed(posed, places) if places else posed
+
+
+def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
+    match line.kind:
+        case "parameter" | "fixed" | "joint_range" | "joint_rate":
+            return _ranged(posed, line)
+        case "avoid":
+            return posed.without_avoided(int(line.key[0]), str(line.key[1]))
+        case "bounds":
+            return posed.with_workspace(grown_bounds(posed.workspace, Fraction(WIDER)))
+        case "bounds_body":
+            return posed.with_task(bounds_body=False)
+        case "effort":
+            return with_effort(posed, int(line.key[0]), DRIVEN)
+        case "horizon":
+            return posed.with_task(steps=posed.task.steps * DRIVEN)
+        case "gravity":
+            return posed.with_task(gravity=(Fraction(0),) * len(posed.task.gravity))
+        case _:
+            raise ValueError(f"a line of kind {line.kind} is not relaxed by itself")
+
+
+# --- ranges --------------------------------------------------------------------------------------
+
+
+def _ranged(posed: PosedTask, line: TaskLine) -> PosedTask:
+    """Without a range, a rate, or a fixed value."""
+    if line.kind == "fixed":
+        return _freed(posed, line.key)
+    module, name = (str(part) for part in line.key)
+    if line.kind == "joint_rate":
+        return posed.with_dof(module, name, rate=None)
+    if line.kind == "joint_range":
+        dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
+        slides = dof.kind == "prismatic" and dof.range is not None
+        return posed.with_dof(module, name, range=_wider(dof.range) if slides else None)
+    p = next(p for p in posed.program.modules[module].parameters if p.name == name)
+    return posed.with_domain(module, name, _wider(p.domain))
+
+
+def _freed(posed: PosedTask, key: Key) -> PosedTask:
+    """With a fixed parameter of the existing robot free."""
+    origin = posed.task.origin
+    if origin is None:
+        return posed
+    fixed = tuple(each for each in origin.fixed if (each.symbol, each.name) != key)
+    return posed.with_task(origin=replace(origin, fixed=fixed))
+
+
+def ends(domain: ir.Interval | ir.Choices) -> tuple[Fraction, Fraction]:
+    """The least and the largest value of a domain; irrational ones are rounded."""
+    values = (domain.lower, domain.upper) if isinstance(domain, ir.Interval) else domain.values
+    exact = [(rational(value), value) for value in values]
+    numbers = [Fraction(to_float(at)) if value is None else value for value, at in exact]
+    return min(numbers), max(numbers)
+
+
+def _wider(domain: ir.Interval | ir.Choices | None) -> ir.Interval:
+    """An interval that holds the domain and far more, of the same signs."""
+    low, high = (Fraction(0), Fraction(0)) if domain is None else ends(domain)
+    low = low / WIDER if low > 0 else low * WIDER
+    high = high * WIDER if high > 0 else high / WIDER
+    return ir.Interval(ir.Num(low), ir.Num(high))
+
+
+# --- bounds and efforts --------------------------------------------------------------------------
+
+
+def grown_bounds(workspace: ir.Workspace, width: Fraction) -> ir.Workspace:
+    """Bounds that are a box about the old ones, on every side wider by so many of its widths."""
+    box = polytope_of(workspace.bounds.shape, workspace.dimension).vertices
+    rows = []
+    for axis in range(workspace.dimension):
+        low, high = min(p[axis] for p in box), max(p[axis] for p in box)
+        aside = (high - low) * width
+        unit = tuple(Fraction(int(i == axis)) for i in range(workspace.dimension))
+        rows += [
+            ir.HalfSpace(unit, high + aside),
+            ir.HalfSpace(tuple(-a for a in unit), aside - low),
+        ]
+    bounds = replace(workspace.bounds, shape=ir.Inequalities(tuple(rows)))
+    return replace(workspace, bounds=bounds)
+
+
+def with_effort(posed: PosedTask, index: int, factor: int | Fraction) -> PosedTask:
+    """With an effort bound multiplied."""
+    efforts = list(posed.task.effort)
+    efforts[index] = replace(efforts[index], bound=efforts[index].bound * factor)
+    return posed.with_task(effort=tuple(efforts))
+
+
+# --- places --------------------------------------------------------------------------------------
+
+
+def _placed(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
+    """Without a start, a target or formulas: that is anywhere within the bounds."""
+    workspace, task = posed.workspace, posed.task
+    anywhere = ir.Region(EVERYWHERE, "region", workspace.bounds.shape)
+    posed = posed.with_workspace(replace(workspace, regions=(*workspace.regions, anywhere)))
+    kinds = {line.kind for line in lines}
+    start, reach = task.start, task.reach
+    if "start" in kinds:
+        start = ir.StartIn(EVERYWHERE, None, Fraction(0))
+    dropped = {line.key[0] for line in lines if line.kind == "satisfy"}
+    satisfy = tuple(clause for i, clause in enumerate(task.satisfy) if i not in dropped)
+    if "reach" in kinds or (reach is None and not satisfy):
+        reach = ir.Reach(EVERYWHERE, None, at_rest=False)
+    return posed.with_task(start=start, reach=reach, satisfy=satisfy)

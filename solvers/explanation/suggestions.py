@@ -1,0 +1,188 @@
+"""The search for changes of one line with which a robot is found, each confirmed by a run.
+
+Poses tell cheaply from which value on a change may help; runs decide.  A value for which poses say
+nothing is tried at its far end first, and then nearer, as far as a few runs go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import islice
+
+from compiler.grammars.derivation import Derivation
+from compiler.languages.structures import structures
+from compiler.semantics.family import family_of
+from solvers.conclusion import DEFAULT_MODULES, module_bound
+from solvers.explanation.change import Change, Scale, scales, single_changes, with_modules
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.poses import first_with_poses, with_poses
+from solvers.explanation.run import Runs, Suggestion
+from solvers.explanation.task_line import TaskLine
+from solvers.explanation.two_digits import rounded_up
+
+CLOSE = Fraction(11, 10)
+"""So near to an effort that was too small it is not looked any nearer."""
+LIMITS = ("joint_range", "joint_rate")
+"""Limits of joints are dropped last: real ones cannot be."""
+FURTHER = (1, Fraction(6, 5), Fraction(2))
+"""The least value with poses, and so many times that, until a run succeeds."""
+NEARER = 3
+"""So many runs look for a smaller change once one has succeeded."""
+MOST_STRUCTURES = 300
+"""Structures whose poses are looked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class SuggestionSearch:
+    """Looks for changes of a task; what was found and what not is kept by ``runs``."""
+
+    posed: PosedTask
+    runs: Runs
+
+    @property
+    def seed(self) -> int:
+        """The seed of the poses."""
+        return self.runs.conduct.seed
+
+    def after_conflicts(self, lines: Iterable[TaskLine], bound: TaskLine | None) -> None:
+        """Changes of the lines of conflicts, and of the bound on modules."""
+        derivations = self.structures(self.posed)
+        for line in lines:
+            for scale in scales(self.posed, line):
+                if scale.posable:
+                    self.posable(scale, derivations)
+                else:
+                    self.far(scale)
+            self.singles(line)
+        if bound is not None:
+            self.modules(bound)
+
+    def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
+        """Changes that may help where there are poses and no motion was found or proved."""
+        for line in sorted(lines, key=lambda line: line.kind != "effort"):
+            if line.kind in ("effort", "horizon"):
+                for scale in scales(self.posed, line):
+                    self.far(scale)
+        for line in lines:
+            if line.kind not in LIMITS:
+                self.singles(line)
+        if self.posed.task.robust is not None:
+            start = next(line for line in lines if line.kind == "start")
+            calm = self.posed.with_task(robust=None)
+            self.tried(Change(start, "without `robust`", calm))
+        if bound is not None:
+            self.modules(bound)
+        for line in () if self.runs.found else lines:
+            if line.kind in LIMITS:
+                self.singles(line)
+
+    def tried(self, change: Change) -> Suggestion | None:
+        """A run of a change, if there may be one."""
+        return self.runs.run(change) if self.runs.left else None
+
+    def singles(self, line: TaskLine) -> None:
+        """Changes without a value: the next one only where the one before does not help."""
+        for change in single_changes(self.posed, line):
+            if self.posable_at(change.posed) and self.tried(change) is not None:
+                return
+
+    def structures(self, posed: PosedTask) -> tuple[Derivation, ...]:
+        """The first structures of the family."""
+        language = family_of(posed.program, posed.task).language
+        return tuple(islice(structures(language, module_bound(posed.task)), MOST_STRUCTURES))
+
+    def posable_at(self, posed: PosedTask) -> bool:
+        """Whether poses are found for some structure of a changed task."""
+        return bool(with_poses(posed, self.structures(posed), self.seed, robots=1))
+
+    # --- values ---------------------------------------------------------------------------------
+
+    def posable(self, scale: Scale, derivations: Sequence[Derivation]) -> None:
+        """The least change for which there are poses, or a few further ones."""
+        tasks = [scale.at(value).posed for value in scale.values]
+        first = first_with_poses(tasks, derivations, self.seed) if tasks else None
+        if first is None:
+            return
+        least = scale.values[first]
+        rising = scale.values[0] < scale.values[-1]
+        wanted = [least * more if rising else least / more for more in FURTHER]
+        inside = (_nearest(scale.values, value) for value in wanted)
+        for value in dict.fromkeys(inside):
+            if self.tried(scale.at(value)) is not None:
+                return
+
+    def far(self, scale: Scale) -> None:
+        """The largest change first, and once that helps smaller ones."""
+        best = self.tried(scale.at(scale.values[-1])) if scale.values else None
+        if best is None:
+            return
+        low, high = scale.values[0], best.change.value or scale.values[-1]
+        if scale.line.kind == "effort":
+            self.by_peak(scale, best, low, high)
+        else:
+            self.by_halving(scale, low, high)
+
+    def by_peak(self, scale: Scale, best: Suggestion, low: Fraction, high: Fraction) -> None:
+        """Effort: what a motion took is tried as the bound; where that fails, more."""
+        wanted = rounded_up(Fraction(best.effort_peak))
+        for _ in range(NEARER):
+            if not low <= wanted < high:
+                return
+            found = self.tried(scale.at(wanted))
+            if found is None:
+                low = wanted
+                wanted = rounded_up(_between(low, high))
+            else:
+                high = wanted
+                wanted = rounded_up(Fraction(found.effort_peak))
+            if high < CLOSE * low:
+                return
+
+    def by_halving(self, scale: Scale, low: Fraction, high: Fraction) -> None:
+        """Steps: a number between one that was too small and the best, as often as allowed."""
+        low = low - 1
+        for _ in range(NEARER):
+            middle = Fraction(round(_between(low, high)))
+            if not low < middle < high:
+                return
+            if self.tried(scale.at(middle)) is None:
+                low = middle
+            else:
+                high = middle
+
+    def modules(self, line: TaskLine) -> None:
+        """The least bound on modules for which there are poses."""
+        longer = self.longer()
+        if longer is not None:
+            self.tried(with_modules(self.posed, line, self.size(longer)))
+
+    def longer(self) -> Derivation | None:
+        """The first structure of more modules than the task allows with poses for it."""
+        allowed = module_bound(self.posed.task)
+        posed = self.posed.with_task(modules=max(DEFAULT_MODULES, allowed + 1))
+        every = (each for each in self.structures(posed) if self.size(each) > allowed)
+        return next(iter(with_poses(posed, every, self.seed, robots=1)), None)
+
+    def size(self, derivation: Derivation) -> int:
+        """The number of modules of a structure."""
+        return sum(map(self.posed.program.is_module, derivation.word))
+
+
+def _nearest(values: Sequence[Fraction], wanted: Fraction) -> Fraction:
+    """The value of a scale that is nearest to a number."""
+    return min(values, key=lambda value: abs(value - wanted))
+
+
+def _between(low: Fraction, high: Fraction) -> Fraction:
+    """The geometric middle, rounded to a double."""
+    return Fraction((float(low) * float(high)) ** 0.5)
+
+
+def smallest(found: Sequence[Suggestion]) -> tuple[Suggestion, ...]:
+    """Of the suggestions that change one line in one way the smallest: what was found last."""
+    kept: dict[tuple[TaskLine, str], Suggestion] = {}
+    for one in found:
+        kept[one.change.line, one.change.way] = one
+    return tuple(kept.values())

@@ -1,0 +1,125 @@
+"""The lines of a task that may be in conflict: what each demands, and where it is written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from grammar_lang import ir
+from grammar_lang.source import Source, Span
+from solvers.explanation.posed_task import PosedTask
+
+LineKind: TypeAlias = Literal[
+    "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "avoid",
+    "bounds_body", "effort", "horizon", "gravity", "bounds", "modules",
+]  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class TaskLine:
+    """One demand that can be relaxed by itself; ``key`` tells it from others of its kind.
+
+    The key of a parameter, a range or a rate is the module and the name, that of an avoided region
+    the index of the clause and the name, that of an ``effort`` or ``satisfy`` its index.
+    """
+
+    kind: LineKind
+    key: tuple[str | int, ...]
+    says: str
+    span: Span = field(compare=False, repr=False)
+
+
+def task_lines(posed: PosedTask) -> tuple[TaskLine, ...]:
+    """All lines but the bound on modules, those first that are best named in an explanation."""
+    return (
+        *_ends(posed.task),
+        *_ranges(posed),
+        *_avoided(posed),
+        *_dynamics(posed.task),
+        TaskLine(
+            "bounds", (), "every effector stays within the bounds", posed.workspace.bounds.span
+        ),
+    )
+
+
+def modules_line(posed: PosedTask) -> TaskLine | None:
+    """The bound on modules, which is about the structures and not about one of them."""
+    task = posed.task
+    if task.modules is None:
+        return None
+    says = f"a robot has at most {task.modules} modules"
+    return TaskLine("modules", (), says, task.clauses.get("modules", task.span))
+
+
+def _ends(task: ir.Task) -> Iterator[TaskLine]:
+    """Where a robot starts, ends, and what it does on the way."""
+    if isinstance(task.start, ir.StartIn):
+        where = f"{_who(task.start.effector)} starts in `{task.start.region}`"
+        yield TaskLine("start", (), where, task.start.span)
+    else:
+        yield TaskLine("start", (), "the robot starts in this pose", task.start.span)
+    if task.reach is not None:
+        where = f"{_who(task.reach.effector)} ends in `{task.reach.region}`"
+        yield TaskLine("reach", (), where, task.reach.span)
+    for index, clause in enumerate(task.satisfy):
+        yield TaskLine("satisfy", (index,), "the formula holds", clause.span)
+
+
+def _who(effector: int | None) -> str:
+    return "an effector" if effector is None else f"effector {effector}"
+
+
+def _ranges(posed: PosedTask) -> Iterator[TaskLine]:
+    """Ranges of parameters, what of them is fixed, and the limits of joints."""
+    for module in posed.modules:
+        for p in module.parameters:
+            says = f"the range of `{module.name}.{p.name}`"
+            yield TaskLine("parameter", (module.name, p.name), says, p.span)
+    origin = posed.task.origin
+    for fixed in () if origin is None else origin.fixed:
+        says = f"`{fixed.name}` keeps its value"
+        yield TaskLine("fixed", (fixed.symbol, fixed.name), says, fixed.span)
+    for module in posed.modules:
+        for dof in module.dofs:
+            name = f"`{module.name}.{dof.name}`"
+            if dof.range is not None:
+                says = f"the range of {name}"
+                yield TaskLine("joint_range", (module.name, dof.name), says, dof.span)
+            if dof.rate is not None:
+                says = f"the rates of {name}"
+                yield TaskLine("joint_rate", (module.name, dof.name), says, dof.span)
+
+
+def _avoided(posed: PosedTask) -> Iterator[TaskLine]:
+    sources = posed.program.sources
+    for index, clause in enumerate(posed.task.avoid):
+        subject = "the whole body" if clause.subject == "body" else "every effector"
+        for region in clause.regions:
+            span = _mention(region, clause.span, sources)
+            yield TaskLine("avoid", (index, region), f"{subject} stays out of `{region}`", span)
+    if posed.task.bounds_body:
+        span = posed.task.clauses.get("bounds_body", posed.task.span)
+        yield TaskLine("bounds_body", (), "the whole body stays within the bounds", span)
+
+
+def _mention(name: str, clause: Span, sources: tuple[Source, ...]) -> Span:
+    """Where a clause mentions a name; the whole clause where that is not known."""
+    if clause.file >= len(sources):
+        return clause
+    text = sources[clause.file].text[clause.start : clause.end]
+    place = re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", text)
+    if place is None:
+        return clause
+    return Span(clause.start + place.start(), clause.start + place.end(), clause.file)
+
+
+def _dynamics(task: ir.Task) -> Iterator[TaskLine]:
+    """What bounds the motion."""
+    for index, effort in enumerate(task.effort):
+        yield TaskLine("effort", (index,), f"the effort of {effort.kind} joints", effort.span)
+    says = f"the motion ends after {task.steps} steps"
+    yield TaskLine("horizon", (), says, task.clauses.get("horizon", task.span))
+    if any(task.gravity):
+        yield TaskLine("gravity", (), "gravity", task.clauses.get("gravity", task.span))

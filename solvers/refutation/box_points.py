@@ -1,0 +1,123 @@
+"""Where the points of a robot are for all coordinates and parameters of a box, for many boxes.
+
+Two enclosures are intersected: the natural one, and the centred form
+f(c) + f'(box) (box - c), which is the better one for small boxes.
+
+Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapter 6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from compiler.arithmetic.balls import constant_ball
+from compiler.discretisation.float_reading import Array
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.dynamics.tape import Tape, tape
+from solvers.refutation.coordinate_cover import Numbers
+from solvers.refutation.interval_lanes import LaneArithmetic, Lanes, common, product
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """m points in d dimensions for K boxes of v variables.
+
+    ``value`` is the natural enclosure (K, m, d), ``centre`` the points of the boxes' middles
+    (K, m, d); ``slopes`` (K, m, d, v) enclose the derivatives, ``radii`` are (K, v).
+    """
+
+    value: Lanes
+    centre: Array
+    slopes: Lanes
+    radii: Array
+
+    def along(self, normals: Array, points: Numbers) -> Lanes:
+        """The products of some points with r normals (r, d), shape (K, len(points), r)."""
+        natural = _combined(Lanes(*(end[:, points] for end in _ends(self.value))), normals)
+        turned = (np.moveaxis(end[:, points], 2, 3) for end in _ends(self.slopes))
+        slopes = _combined(Lanes(*turned), normals)
+        radius = np.einsum("kmvr,kv->kmr", slopes.magnitude, self.radii)
+        middle = self.centre[:, points] @ normals.T
+        return common(natural, Lanes(middle - radius, middle + radius))
+
+    @property
+    def effects(self) -> Array:
+        """How far each variable moves the points at most, in metres, shape (K, v)."""
+        moved = self.slopes.magnitude.max(axis=2) * self.radii[:, None, :]
+        return np.asarray(np.nan_to_num(moved, nan=np.inf).max(axis=1, initial=0.0))
+
+
+class BoxPoints:
+    """Some points of a robot, numbered as in ``RobotGraph.points``, read over boxes of (q, theta).
+
+    Raises:
+        ValueError: the rules or their derivatives have no exact reading.
+    """
+
+    def __init__(self, graph: RobotGraph, points: Sequence[int]) -> None:
+        self.d = graph.model.dimension
+        n, p = len(graph.model.dofs), len(graph.model.parameters)
+        q, theta, k = (ca.SX.sym(name, size) for name, size in
+                       (("q", n), ("theta", p), ("k", len(graph.constants))))  # fmt: skip
+        everything = ca.densify(graph.points(q, theta, k))
+        entries = [point * self.d + axis for point in points for axis in range(self.d)]
+        value = everything[entries] if entries else ca.SX(0, 1)
+        self.variables = n + p
+        self.count = len(points)
+        self._constants = [_constant(float(constant_ball(c).mid())) for c in graph.constants]
+        slopes = ca.densify(ca.jacobian(value, ca.vertcat(q, theta)))
+        inputs = [q, theta, k]
+        self._value = tape(ca.Function("value", inputs, [ca.cse(value)]))
+        # Row by row: all derivatives of one entry together.
+        both = ca.vertcat(value, ca.vec(slopes.T))
+        self._both = tape(ca.Function("both", inputs, [ca.cse(both)]))
+
+    def over(self, low: Array, high: Array) -> Placed:
+        """The points for boxes from ``low`` to ``high`` (K, n + p)."""
+        middle = (low + high) / 2
+        size = self.count * self.d
+        centre = self._run(self._value, middle, middle)
+        both = self._run(self._both, low, high)
+        count, shape = len(low), (self.count, self.d)
+        return Placed(
+            Lanes(*(end[:, :size].reshape(count, *shape) for end in _ends(both))),
+            ((centre.low + centre.high) / 2).reshape(count, *shape),
+            Lanes(*(end[:, size:].reshape(count, *shape, self.variables) for end in _ends(both))),
+            (high - low) / 2,
+        )
+
+    def _run(self, program: Tape, low: Array, high: Array) -> Lanes:
+        inputs = [Lanes(low[:, i], high[:, i]) for i in range(self.variables)]
+        found = program.run([*inputs, *self._constants], LaneArithmetic())
+        result = np.empty((2, len(low), program.outputs))
+        for i, lanes in enumerate(found):
+            result[0, :, i] = lanes.low
+            result[1, :, i] = lanes.high
+        return Lanes(result[0], result[1])
+
+
+def _combined(values: Lanes, normals: Array) -> Lanes:
+    """Interval products of the last axis (d) with normals (r, d)."""
+    total: Lanes | None = None
+    for axis in range(normals.shape[1]):
+        weights = normals[:, axis]
+        term = product(
+            Lanes(*(end[..., axis, None] for end in _ends(values))), Lanes(weights, weights)
+        )
+        total = term if total is None else Lanes(total.low + term.low, total.high + term.high)
+    if total is None:
+        raise ValueError("there are no dimensions")
+    return total
+
+
+def _ends(lanes: Lanes) -> tuple[Array, Array]:
+    return lanes.low, lanes.high
+
+
+def _constant(value: float) -> Lanes:
+    exact = np.asarray(value)
+    return Lanes(exact, exact)

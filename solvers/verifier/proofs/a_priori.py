@@ -1,0 +1,204 @@
+r"""A box that no solution leaves, by the comparison of deviations.
+
+Let p be a path with defect rho, and x a solution for inputs u + d(t), d measurable with
+|d(t)| <= delta, from x(0) = p(0) + e(0), |e(0)| <= r.  By the mean value theorem along the
+homotopy (p + h e, u + h d), 0 <= h <= 1 (Clarke's generalised Jacobian at kinks),
+
+.. math::
+    \dot e_q = e_v, \qquad N(x)\,\dot e_w = R\,e + B\,d + \rho,
+
+where R and B lie in the hulls of the derivatives of (b - M a, d) in the state, at a = p_v', and
+in u, over all that lies between.  As long as |e| <= E this is e' = A(t) e + c(t) with A, c
+measurable, |A| <= J, |c| <= k entry by entry, J and k non-negative bounds over p([0, H]) + E.
+Hence |e(t)| <= y(t) with y' = J y + k, y(0) = r: a linear cooperative comparison system (Walter,
+*Differential and integral inequalities*, 1970; Kapela & Zgliczynski, *A Lohner-type algorithm for
+control systems and ordinary differential inclusions*, 2009, theorem 4.1).  If y(H) < E then e
+never reaches the boundary of E: were t the first time that it does, |e(t)| <= y(t) <= y(H) < E.
+So the solution exists on [0, H] and stays in p + E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flint import arb, arb_mat
+
+from compiler.arithmetic.ball_matrices import SIGNS, absolute, both_signs, column
+from solvers.verifier.proofs.lohner_path import Path
+from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, VectorField
+
+MOST_TRIALS = 6
+COMPARISON_TERMS = 8
+FIRST_ROOM, MORE_ROOM = arb(1.25), arb(1.125)
+DEFECT_ROOM = 16
+LEAST_ROOM = arb(2) ** -200
+"""A box needs an interior, even where nothing deviates."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """The stated inputs of a step, and how far those in force may differ from them."""
+
+    stated: list[arb]
+    disturbance: list[arb]
+
+    @property
+    def is_disturbed(self) -> bool:
+        """Whether they may differ at all."""
+        return not all(item == 0 for item in self.disturbance)
+
+    @property
+    def all(self) -> list[arb]:
+        """Balls that hold all inputs in force."""
+        return [u + SIGNS * d for u, d in zip(self.stated, self.disturbance, strict=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class NearPath:
+    """A path, bounds of its defect and of |e(0)|, and what drives those near it."""
+
+    path: Path
+    defect: list[arb]
+    start: list[arb]
+    drive: Drive
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """How solutions deviate from a path on [0, H].
+
+    ``radii`` is E; ``rates`` the bound J of |A|, shape (size, size); ``push`` the bound k, of which
+    ``residue`` is the defect's part (without the coordinates' zeros); ``inertia`` solves with
+    N(x) for every x in the box; ``middle`` and ``over`` enclose N and R as series.
+    """
+
+    radii: list[arb]
+    rates: arb_mat
+    push: list[arb]
+    residue: list[arb]
+    inertia: InertiaMatrix
+    middle: Linearisation
+    over: Linearisation
+
+
+def comparison(rates: arb_mat, push: Sequence[arb], start: Sequence[arb], time: arb) -> list[arb]:
+    """Bounds of y(time), y' = J y + k, y(0) = start, all entries being non-negative.
+
+    The Taylor terms y_j of y obey y_{j+1} = J y_j / (j + 1) from the second on; the tail of the
+    series is at most the geometric one in the norm of the largest entry.
+
+    Raises:
+        ZeroDivisionError: J time is too large for the series to be cut off.
+    """
+    size = len(push)
+    scaled = rates * time
+    term = scaled * column(start) + column(push) * time
+    total = column(start) + term
+    for j in range(2, COMPARISON_TERMS + 1):
+        term = scaled * term * (arb(1) / j)
+        total = total + term
+    row_sums = [sum((abs(scaled[i, j]) for j in range(size)), arb(0)) for i in range(size)]
+    ratio = _largest(row_sums) / (COMPARISON_TERMS + 1)
+    if not ratio < 0.5:
+        raise ZeroDivisionError("the comparison system grows too fast")
+    tail = _largest([abs(term[i, 0]) for i in range(size)]) * ratio / (1 - ratio)
+    return [(total[i, 0] + tail).upper() for i in range(size)]
+
+
+def _largest(values: Sequence[arb]) -> arb:
+    largest = arb(0)
+    for value in values:
+        largest = largest.max(value.upper())
+    return largest
+
+
+def deviation(field: VectorField, near: NearPath, degree: int) -> Deviation | None:
+    """A validated box of deviations, or None.
+
+    ``degree`` is that of the series by which N and R are enclosed, 0 for plain ranges.
+
+    Raises:
+        ZeroDivisionError: M may be singular on the box, or it grows too fast.
+        UncertainSignError: an absolute value is not smooth enough for this degree.
+    """
+    radii = [
+        item * FIRST_ROOM + error for item, error in zip(near.start, _guess(near), strict=True)
+    ]
+    for _ in range(MOST_TRIALS):
+        found = narrowed(field, near, [item.upper() for item in radii], degree)
+        bound = comparison(found.rates, found.push, near.start, near.path.length)
+        if not all(item.is_finite() for item in bound):
+            return None
+        if all(bool(b < r) for b, r in zip(bound, found.radii, strict=True)):
+            return found
+        wider = (b * MORE_ROOM + LEAST_ROOM for b in bound)
+        radii = [b.max(r) for b, r in zip(wider, found.radii, strict=True)]
+    return None
+
+
+def _guess(near: NearPath) -> list[arb]:
+    """Room for what the defect may add, of a robot of ordinary inertia."""
+    time = near.path.length
+    worst = arb(0)
+    for item in near.defect:
+        worst = worst.max(item)
+    size, n = len(near.start), len(near.path.middle.entries) - len(near.defect)
+    rates = worst * time * DEFECT_ROOM + LEAST_ROOM
+    return [rates * time if i < n else rates for i in range(size)]
+
+
+def narrowed(field: VectorField, near: NearPath, radii: Sequence[arb], degree: int) -> Deviation:
+    """J and k for a box; that it holds all deviations is not validated here.
+
+    Raises:
+        ZeroDivisionError: M may be singular on the box.
+        UncertainSignError: an absolute value is not smooth enough for this degree.
+    """
+    n, inputs = field.dofs, near.drive.all
+    middle, over = _series(field, near, radii, degree)
+    half = near.path.length / 2
+    inertia = InertiaMatrix(_range(middle.inertia, over.inertia, half))
+    rates = _rates(field, inertia.solve(_range(middle.slopes, over.slopes, half)))
+    residue = absolute(inertia.solve(both_signs(column(near.defect))))
+    push = residue
+    if near.drive.is_disturbed:
+        state = [e[0] + SIGNS * r for e, r in zip(near.path.over.entries, radii, strict=True)]
+        gain = absolute(inertia.solve(field.input_slopes_over(state, inputs)))
+        push = push + gain * column(near.drive.disturbance)
+    pushed = [arb(0)] * n + [item.upper() for item in push.entries()]
+    return Deviation(list(radii), rates, pushed, residue.entries(), inertia, middle, over)
+
+
+def _series(
+    field: VectorField, near: NearPath, radii: Sequence[arb], degree: int
+) -> tuple[Linearisation, Linearisation]:
+    """N and R about the middle (``degree`` coefficients), and about all of [0, H] (one more)."""
+    found = []
+    for expansion, length in ((near.path.middle, degree), (near.path.over, degree + 1)):
+        if length == 0:
+            found.append(Linearisation([], []))
+            continue
+        series = expansion.widened(radii).series(length)
+        slopes = expansion.slopes(field.dofs, field.dofs, length)
+        found.append(field.linearise(series, slopes, near.drive.all, length))
+    return found[0], found[1]
+
+
+def _range(middle: list[arb_mat], over: list[arb_mat], half: arb) -> arb_mat:
+    """All values on [0, H] of a matrix given by its series."""
+    degree = len(middle)
+    last = absolute(over[degree]) * half**degree
+    if degree == 0:
+        return over[0]
+    for j in range(1, degree):
+        last = last + absolute(middle[j]) * half**j
+    return middle[0] + both_signs(last)
+
+
+def _rates(field: VectorField, lower: arb_mat) -> arb_mat:
+    """J: entry by entry upper bounds of |A|, whose first rows say q' = v."""
+    n, size = field.dofs, field.size
+    rows = [[arb(int(j == n + i)) for j in range(size)] for i in range(n)]
+    rows += [[abs(lower[i, j]).upper() for j in range(size)] for i in range(n + field.own)]
+    return arb_mat(rows)

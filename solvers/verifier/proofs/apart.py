@@ -1,0 +1,156 @@
+"""A body, or an effector, that stays away from a convex obstacle.
+
+Two convex sets are apart by as much as the direction between their nearest points shows.  That one
+is found in floats; what it shows is computed in balls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from flint import arb
+
+from solvers.verifier.proofs.nearest_points import Nearest, nearest_points
+from solvers.verifier.proofs.tube_checks import Constraint, Row, Slice
+
+Point: TypeAlias = Sequence[arb]
+
+
+@dataclass(slots=True)
+class Apart(Constraint):
+    """The hull of some points stays away from a convex obstacle by more than a distance.
+
+    ``vertices`` is empty for an unbounded obstacle, whose own facets are then the only candidates.
+    The direction that separated them last is tried first: it mostly does so again.
+    """
+
+    rows: tuple[Row, ...] = ()
+    vertices: tuple[tuple[arb, ...], ...] = ()
+    distance: arb = field(default_factory=lambda: arb(0))
+    last: Row | None = None
+
+    def bound(self, over: Slice) -> tuple[arb, arb]:
+        """The distance along the best separating direction, less what is asked.
+
+        Where the last direction shows as much as is known of the motion before, no other is tried.
+        """
+        best = arb("-inf"), arb("-inf")
+        if self.last is not None:
+            best = self._along(self.last, over)
+            if float(best[0].lower()) >= self.margin:
+                return best
+        for row in (*self._between(over), *self.rows):
+            found = self._along(row, over)
+            if _lower(found) > _lower(best):
+                best, self.last = found, row
+        return best
+
+    def _along(self, row: Row, over: Slice) -> tuple[arb, arb]:
+        """The distance in one direction less what is asked: over the slice, and at its middle."""
+        lower, centre = arb("inf"), arb("inf")
+        for point in self.points:
+            value, at = over.form(row.normal, point)
+            lower, centre = lower.min(value), centre.min(at)
+        return (
+            ((lower - row.offset) / row.length - self.distance).lower(),
+            (centre - row.offset) / row.length - self.distance,
+        )
+
+    def _between(self, over: Slice) -> list[Row]:
+        """The half-space of the obstacle whose normal leads from it to the points."""
+        if not self.vertices:
+            return []
+        normal = tuple(arb(x) for x in self._nearest(over).difference)
+        length = _product(normal, normal).sqrt()
+        if not length > 0:
+            return []
+        support = arb("-inf")
+        for vertex in self.vertices:
+            support = support.max(_product(normal, vertex))
+        return [Row(normal, support, length)]
+
+    def _nearest(self, over: Slice) -> Nearest:
+        return nearest_points(
+            [over.middle(point) for point in self.points],
+            [[float(x) for x in vertex] for vertex in self.vertices],
+        )
+
+    def violated(self, over: Slice) -> bool:
+        """Whether the condition certainly fails at the middle of the slice."""
+        places = [[axis[0] for axis in over.points[point]] for point in self.points]
+        tried = [*places, *self._inner(over, places)]
+        if any(all(bool(_excess(row, p) < 0) for row in self.rows) for p in tried):
+            return True
+        if self.vertices:
+            nearest = self._nearest(over)
+            body, foot = _mixed(nearest.left, places), _mixed(nearest.right, self.vertices)
+            return _nearer(body, foot, self.distance)
+        return any(_nearer(p, foot, self.distance) for p in places for foot in self._feet(p))
+
+    def _inner(self, over: Slice, places: Sequence[Point]) -> list[list[arb]]:
+        """The middle of the part of a body between two points that lies in the obstacle."""
+        if len(places) != 2:
+            return []
+        (p, q), (low, high) = (over.middle(point) for point in self.points), (0.0, 1.0)
+        for row in self.rows:
+            at, along = -float(row.offset), 0.0
+            for a, x, y in zip(row.normal, p, q, strict=True):
+                at, along = at + float(a) * x, along + float(a) * (y - x)
+            if along > 0:
+                high = min(high, -at / along)
+            elif along < 0:
+                low = max(low, -at / along)
+        share = (low + high) / 2
+        return [_mixed((1 - share, share), places)] if 0 <= low < high <= 1 else []
+
+    def _feet(self, p: Point) -> list[list[arb]]:
+        """The feet of a point on the facets that certainly lie in the obstacle."""
+        found = []
+        for row in self.rows:
+            share = _excess(row, p) / (row.length * row.length)
+            foot = [x - share * a for x, a in zip(p, row.normal, strict=True)]
+            if all(bool(_excess(other, foot) <= 0) for other in self.rows if other is not row):
+                found.append(foot)
+        return found
+
+    def where(self, over: Slice) -> tuple[float, ...]:
+        """The point of the body that is nearest to the obstacle, at the middle of the slice."""
+        places = [over.middle(point) for point in self.points]
+        if not self.vertices:
+            return tuple(places[0])
+        weights = self._nearest(over).left
+        return tuple(
+            sum(w * x for w, x in zip(weights, axis, strict=True))
+            for axis in zip(*places, strict=True)
+        )
+
+
+def _product(left: Point, right: Point) -> arb:
+    value = arb(0)
+    for a, b in zip(left, right, strict=True):
+        value += a * b
+    return value
+
+
+def _excess(row: Row, p: Point) -> arb:
+    return _product(row.normal, p) - row.offset
+
+
+def _mixed(weights: Sequence[float], points: Sequence[Point]) -> list[arb]:
+    """A point of the hull of some points: the weights count in proportion, none is negative."""
+    shares = [arb(max(0.0, weight)) for weight in weights]
+    total = sum(shares, arb(0))
+    return [_product(shares, axis) / total for axis in zip(*points, strict=True)]
+
+
+def _nearer(p: Point, foot: Point, distance: arb) -> bool:
+    """Whether two points are certainly nearer to each other than a distance."""
+    gap = [a - b for a, b in zip(p, foot, strict=True)]
+    return bool(_product(gap, gap) < distance * distance)
+
+
+def _lower(bound: tuple[arb, arb]) -> float:
+    value = float(bound[0])
+    return value if value == value else float("-inf")

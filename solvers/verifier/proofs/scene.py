@@ -1,0 +1,84 @@
+"""What a proof is about: a robot in a task, and what drives it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from compiler.dynamics.absolute_angles import absolute_angles
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.geometry.abstraction import Abstraction
+from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.grammars.derivation import Derivation
+from compiler.robots.parameter_values import ExactValue
+from compiler.robots.robot import RobotModel
+from compiler.semantics.emission_order import body_symbols
+from grammar_lang import ir
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What drives a robot: exact parameters, initial state and inputs (one row per step).
+
+    ``state`` holds coordinates and rates; the spec says where modules' own states begin.
+    """
+
+    theta: tuple[ExactValue, ...]
+    state: tuple[Fraction, ...]
+    inputs: tuple[tuple[Fraction, ...], ...]
+    effector: int
+    path: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The robot's graph and the exact sets of its workspace; ``bodies`` names the bodies."""
+
+    graph: RobotGraph
+    workspace: ir.Workspace
+    task: ir.Task
+    abstraction: Abstraction
+    bodies: tuple[str, ...] = ()
+
+    @property
+    def model(self) -> RobotModel:
+        """The robot."""
+        return self.graph.model
+
+    def polytope(self, region: ir.Region) -> Polytope:
+        """The exact set of a region."""
+        return polytope_of(region.shape, self.workspace.dimension)
+
+    def body(self, number: int) -> str:
+        """The name of a body, its number from 0."""
+        return self.bodies[number] if self.bodies else f"body {number + 1}"
+
+
+def scene_of(
+    program: ir.Program,
+    task: ir.Task,
+    model: RobotModel,
+    cells: Abstraction,
+    derivation: Derivation | None = None,
+) -> Scene:
+    """The scene of a robot in a task; bodies are named after the modules of its derivation."""
+    bodies: tuple[str, ...] = ()
+    if derivation is not None:
+        symbols = body_symbols(derivation, program.grammars[task.grammar].semantics or {})
+        if len(symbols) == len(model.bodies):
+            bodies = _named(symbols, derivation.word)
+    return Scene(
+        robot_graph(model, task.gravity, absolute_angles(model)),
+        program.workspaces[task.workspace],
+        task,
+        cells,
+        bodies,
+    )
+
+
+def _named(symbols: Sequence[int | None], word: Sequence[str]) -> tuple[str, ...]:
+    return tuple(
+        f"body {number}" + ("" if symbol is None else f" ({word[symbol]} at symbol {symbol})")
+        for number, symbol in enumerate(symbols, 1)
+    )

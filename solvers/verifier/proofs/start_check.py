@@ -1,0 +1,99 @@
+"""Whether the robot is a body of this world, and begins as its task allows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import arb
+
+from compiler.arithmetic.balls import BallArithmetic, ball, closed_ball, scalar_balls
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.dynamics.tape import tape
+from compiler.robots.robot import RobotModel, amounts_of
+from grammar_lang import ir
+from solvers.verifier.proofs.finding import NO_MARGIN, Finding, inside, least
+from solvers.verifier.proofs.scene import Motion, Scene
+from solvers.verifier.proofs.tube_checks import Status
+
+REST_RATE = Fraction(1, 1000)
+"""``reach ... at rest``: all rates below this, in SI units."""
+
+
+def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) -> Finding:
+    """M is positive definite at the start: all pivots of its LDL^T factorisation are positive.
+
+    Along the tube the pivots stay away from zero, or the enclosure would fail, so M stays so.
+    """
+    n = len(graph.model.dofs)
+    flat = tape(graph.mass_matrix).run([*state[:n], *tail], BallArithmetic())
+    matrix = [[flat[j * n + i] for j in range(n)] for i in range(n)]
+    least_pivot = arb("inf")
+    for k in range(n):
+        pivot = matrix[k][k]
+        least_pivot = least_pivot.min(pivot)
+        if not pivot > 0:
+            break
+        for i in range(k + 1, n):
+            for j in range(k + 1, n):
+                matrix[i][j] = matrix[i][j] - matrix[i][k] * matrix[k][j] / pivot
+    return least("mass matrix positive definite", [least_pivot], "SI", 0.0)
+
+
+def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[Finding]:
+    """The bodies of which a length, mass, density, radius or moment of inertia is negative."""
+    scalars = scalar_balls(model.scalars, tail)
+    return [
+        Finding(f"amounts of body {number}", Status.FAILS, float(scalars[i].mid()), "SI", 0.0)
+        for number, body in enumerate(model.bodies, 1)
+        for i in amounts_of(body)
+        if scalars[i] < 0
+    ]
+
+
+def at_rest(graph: RobotGraph, state: Sequence[arb], time: float) -> Finding:
+    """All rates of the joints are below the bound of a rest."""
+    rates = [_weighed(row, state[len(row) :]) for row in graph.coordinates.rows]
+    gaps = [ball(REST_RATE) - abs(rate) for rate in rates]
+    return least("rest at the end", gaps, "SI", time)
+
+
+def start_findings(
+    scene: Scene, motion: Motion, state: Sequence[arb], tips: Sequence[Sequence[arb]]
+) -> list[Finding]:
+    """The initial state is one that the task allows; ``tips`` are the positions there."""
+    start, n = scene.task.start, len(scene.model.dofs)
+    rates = [abs(value) for value in motion.state[n:]]
+    if isinstance(start, ir.StartAt):
+        return [_pose(scene, start, state), _rates("start at rest", rates, Fraction(0))]
+    region = scene.polytope(scene.workspace.region(start.region))
+    number = motion.effector if start.effector is None else start.effector - 1
+    return [
+        inside(f"start {start.region}", region, tips[number], 0.0),
+        _rates("start rates", rates, start.rates),
+    ]
+
+
+def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> Finding:
+    """The coordinates are those of the task, but for what no decimal is."""
+    exact = [closed_ball(value) for value in start.values]
+    own = [_weighed(row, state) for row in scene.graph.coordinates.rows]
+    near = [ball(Fraction(1, 10**9)) - abs(s - e) for s, e in zip(own, exact, strict=False)]
+    if len(exact) != len(own):
+        near = [arb(-1)]
+    found = least("start pose", near, "SI", 0.0)
+    margin = NO_MARGIN if found.status is Status.HOLDS else found.margin
+    return Finding(found.name, found.status, margin, "SI", 0.0)
+
+
+def _rates(name: str, rates: Sequence[Fraction], bound: Fraction) -> Finding:
+    """No rate is larger than a bound; a start at rest has no margin."""
+    gap = bound - max(rates, default=Fraction(0))
+    if gap < 0:
+        return Finding(name, Status.FAILS, float(gap), "SI", 0.0, exact=True)
+    margin = float(gap) if bound else NO_MARGIN
+    return Finding(name, Status.HOLDS, margin, "SI", 0.0, exact=True)
+
+
+def _weighed(weights: Sequence[int], values: Sequence[arb]) -> arb:
+    return sum((w * x for w, x in zip(weights, values, strict=False) if w), arb(0))

@@ -1,0 +1,190 @@
+r"""A robot's equations of motion as a vector field on states, read in balls and in series of balls.
+
+.. math:: \dot q = v, \qquad M(q)\,\dot v = F(q, v, s, u), \qquad \dot s = \sigma(q, v, s, u)
+
+Linear systems are solved coefficient by coefficient with the constant term of M, preconditioned:
+far tighter than eliminating in series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from flint import arb, arb_mat, arb_series, ctx
+
+from compiler.arithmetic.balls import BALLS, SERIES
+from compiler.dynamics.tape import Tape
+
+Coefficients = list[arb]
+
+
+@dataclass(frozen=True, slots=True)
+class Linearisation:
+    """Series of N and R in time: N(t) de_w/dt = R(t) e for small deviations e of the state.
+
+    N = diag(M, 1), shape (n + r, n + r), and R, shape (n + r, 2n + r), one matrix per power.
+    """
+
+    inertia: list[arb_mat]
+    slopes: list[arb_mat]
+
+
+@dataclass(frozen=True)
+class VectorField:
+    """q' = v, M(q) v' = b, s' = d with b, d of (q, v, s, u), as series with ball coefficients.
+
+    ``balance`` gives M, b and d, ``variation`` the Jacobian of (b - M a, d) in (q, v, s) for given
+    accelerations a, ``input_slopes`` that of (b, d) in u, which only disturbed inputs need;
+    ``tail`` holds the balls of theta and k; s has ``own`` entries.
+    """
+
+    balance: Tape
+    variation: Tape
+    dofs: int
+    tail: tuple[arb, ...]
+    own: int = 0
+    input_slopes: Tape | None = None
+
+    @cached_property
+    def has_kinks(self) -> bool:
+        """Whether an absolute value occurs."""
+        return any(name == "fabs" for name, _, _ in self.balance.instructions)
+
+    @cached_property
+    def _mass_matrix(self) -> Tape:
+        return self.balance.first(self.dofs**2)
+
+    @property
+    def size(self) -> int:
+        """The entries of a state."""
+        return 2 * self.dofs + self.own
+
+    def acceleration(self, state: Sequence[arb], u: Sequence[arb]) -> list[arb]:
+        """Accelerations for a state given as balls.
+
+        Raises:
+            ZeroDivisionError: M may be singular there.
+        """
+        flat = self.balance.evaluate([*state, *u, *self.tail], BALLS)
+        n = self.dofs
+        mass = InertiaMatrix(self._square(flat[: n * n]))
+        return mass.solve(arb_mat([[item] for item in flat[n * n : n * n + n]])).entries()
+
+    def taylor(
+        self,
+        state: Sequence[arb],
+        u: Sequence[arb],
+        order: int,
+        enough: Callable[[Sequence[Coefficients]], bool] = lambda _: False,
+    ) -> list[Coefficients]:
+        """Taylor coefficients 0 ... order of the solution through a state.
+
+        Each pass of Picard's iteration on series fixes one more coefficient, until they are
+        ``enough``.
+
+        Raises:
+            ZeroDivisionError: M may be singular on the state.
+        """
+        n = self.dofs
+        x = [[item] for item in state]
+        masses: list[arb_mat] = []
+        pulls: list[arb_mat] = []
+        mass: InertiaMatrix | None = None
+        for length in range(1, order + 1):
+            ctx.cap = length
+            constants = [arb_series([item]) for item in (*u, *self.tail)]
+            flat = self.balance.evaluate([*map(arb_series, x), *constants], SERIES)
+            last = length - 1
+            masses.append(self._square([item[last] for item in flat[: n * n]]))
+            if mass is None:
+                mass = InertiaMatrix(masses[0])
+            right = arb_mat([[item[last]] for item in flat[n * n : n * n + n]])
+            for m in range(1, length):
+                right = right - masses[m] * pulls[last - m]
+            pulls.append(mass.solve(right))
+            for i in range(n):
+                x[i].append(x[n + i][last] / length)
+                x[n + i].append(pulls[last][i, 0] / length)
+            for i in range(self.own):
+                x[2 * n + i].append(flat[n * n + n + i][last] / length)
+            if enough(x):
+                break
+        return x
+
+    def defect(self, x: Sequence[arb_series], u: Sequence[arb], length: int) -> list[arb_series]:
+        """The series of (b - M v', d - s') along a path x with q' = v, of ``length`` coefficients.
+
+        Each series of x has one more coefficient, for its derivative.
+        """
+        n = self.dofs
+        ctx.cap = length
+        constants = [arb_series([item]) for item in (*u, *self.tail)]
+        flat = self.balance.evaluate([*x, *constants], SERIES)
+        rates = [item.derivative() for item in x[n:]]
+        found = []
+        for i in range(n):
+            inertial = sum((flat[j * n + i] * rates[j] for j in range(n)), arb_series([]))
+            found.append(flat[n * n + i] - inertial)
+        return found + [flat[n * n + n + i] - rates[n + i] for i in range(self.own)]
+
+    def linearise(
+        self, x: Sequence[arb_series], a: Sequence[arb_series], u: Sequence[arb], length: int
+    ) -> Linearisation:
+        """The linearisation along a path with accelerations a, to ``length`` coefficients."""
+        n, size, height = self.dofs, self.size, self.dofs + self.own
+        ctx.cap = length
+        constants = [arb_series([item]) for item in (*u, *self.tail)]
+        masses = self._mass_matrix.evaluate([*x, *constants], SERIES)
+        flat = self.variation.evaluate([*x, *a, *constants], SERIES)
+        return Linearisation(
+            [self._inertia([item[m] for item in masses[: n * n]], m) for m in range(length)],
+            [
+                arb_mat([[flat[j * height + i][m] for j in range(size)] for i in range(height)])
+                for m in range(length)
+            ],
+        )
+
+    def input_slopes_over(self, state: Sequence[arb], u: Sequence[arb]) -> arb_mat:
+        """The Jacobian of (b, d) in u on a box, shape (n + r, m).
+
+        Raises:
+            ValueError: the field has no slopes in its inputs.
+        """
+        if self.input_slopes is None:
+            raise ValueError("disturbed inputs need the slopes of the field in its inputs")
+        flat = self.input_slopes.evaluate([*state, *u, *self.tail], BALLS)
+        height = self.dofs + self.own
+        return arb_mat([[flat[j * height + i] for j in range(len(u))] for i in range(height)])
+
+    def _square(self, flat: Sequence[arb]) -> arb_mat:
+        """A symmetric matrix from its entries, column by column."""
+        n = self.dofs
+        return arb_mat([[flat[j * n + i] for j in range(n)] for i in range(n)])
+
+    def _inertia(self, flat: Sequence[arb], power: int) -> arb_mat:
+        """The coefficient of diag(M, 1) at a power of time."""
+        n, height = self.dofs, self.dofs + self.own
+        one = arb(0) if power else arb(1)
+        return arb_mat(
+            [
+                [
+                    flat[j * n + i] if i < n and j < n else one if i == j else arb(0)
+                    for j in range(height)
+                ]
+                for i in range(height)
+            ]
+        )
+
+
+class InertiaMatrix:
+    """Solves systems with one interval matrix, preconditioned by the inverse of its midpoint."""
+
+    def __init__(self, matrix: arb_mat) -> None:
+        self._inverse = matrix.mid().inv().mid()
+        self._near_identity = self._inverse * matrix
+
+    def solve(self, right: arb_mat) -> arb_mat:
+        """An enclosure of all solutions; ZeroDivisionError if the matrix may be singular."""
+        return self._near_identity.solve(self._inverse * right, algorithm="lu")

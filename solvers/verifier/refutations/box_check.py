@@ -1,0 +1,84 @@
+"""The replay of a covering by boxes, in balls: no robot of a structure can do the task.
+
+A motion that does the task has fixed parameters and a path of poses without blocked ones, from one
+in which it may start to one in which it is where it has to be.  All of its poses are in boxes that
+touch one after the other.  No solver and no float is believed.
+"""
+
+from __future__ import annotations
+
+from compiler.arithmetic.balls import working_precision
+from compiler.coverings.box_tree import (
+    MOST_VARIABLES,
+    BoxTreeError,
+    ParameterLeaf,
+    parameter_boxes,
+    parse,
+)
+from compiler.coverings.covered_poses import Cover, CoveredPoses
+from compiler.coverings.motion_demands import Passage, motion_demands
+from compiler.robots.robot import RobotModel
+from grammar_lang import ir
+from solvers.verifier.refutations.drive_reach import DriveReach, drive_reach, out_of_reach
+
+PRECISION = 64
+
+
+def why_not(covering: str, model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> str | None:
+    """Why a covering does not prove that the robot cannot do the task; None: it does prove it.
+
+    Args:
+        covering: the text of a file, ``boxes 1`` and the code of a tree.
+        model: the robot.
+        workspace: the workspace of the task, without maps.
+        task: the task, without maps.
+    """
+    with working_precision(PRECISION):
+        try:
+            return _why_not(covering, model, workspace, task)
+        except BoxTreeError as error:
+            return f"it is no covering of this robot: {error}"
+
+
+def _why_not(
+    covering: str, model: RobotModel, workspace: ir.Workspace, task: ir.Task
+) -> str | None:
+    if max(len(model.dofs), len(model.parameters)) > MOST_VARIABLES:
+        return f"a covering is of at most {MOST_VARIABLES} coordinates and parameters"
+    tree = parse(covering)
+    leaves = (node for node in tree if isinstance(node, ParameterLeaf))
+    try:
+        poses = CoveredPoses(motion_demands(model, workspace, task))
+        by_drives = any(leaf.reason == "!" for leaf in leaves)
+        drive = drive_reach(model, workspace, task) if by_drives else None
+    except BoxTreeError:
+        raise
+    except ValueError as error:
+        return f"the robot has no exact reading: {error}"
+    for number, (box, leaf) in enumerate(parameter_boxes(tree, len(model.parameters)), 1):
+        cover = poses.cover(box, leaf.coordinates)
+        if not _refuted(cover, drive if leaf.reason == "!" else None):
+            return f"box {number} of the parameters: {_OPEN[leaf.reason]}"
+    return None
+
+
+_OPEN = {
+    "|": "there may be a way from the start to where an effector has to be",
+    "!": "it is not shown that the drives are too weak",
+}
+
+
+def _refuted(cover: Cover, drive: DriveReach | None) -> bool:
+    """Whether some question has no choice of effectors that may be done."""
+    passages = cover.poses.demands.passages
+    return any(all(_impassable(cover, drive, one) for one in choices) for choices in passages)
+
+
+def _impassable(cover: Cover, drive: DriveReach | None, passage: Passage) -> bool:
+    """Whether no way leads through a passage, or none that the drives can take."""
+    if not cover.way(passage):
+        return True
+    if drive is None:
+        return False
+    leaves = cover.leaves(passage)
+    return out_of_reach(drive, passage, cover.parameters, leaves) is not None

@@ -1,0 +1,99 @@
+r"""What it takes to bring a measure f from one value to another, level by level.
+
+From f <= low to f >= high (or back) a motion passes every level between.  While f is in [l, l + w],
+|df| <= c ds with the largest steepness c of the boxes where f may have such values, so that its
+kinetic length L and its time T are
+
+.. math:: L \ge \sum_k w_k / c_k, \qquad T \ge \sum_k w_k / \min(c_k s_k, r_k)
+
+with the largest kinetic speed s_k there, at most sqrt(2 (E - V)), and the largest |df/dt|, r_k,
+that the joints' rates allow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from flint import arb
+
+from solvers.verifier.refutations.drive_budget import Budget
+from solvers.verifier.refutations.drive_readings import Reading
+
+LEVELS = 24
+"""Parts of the way between two values."""
+TINY = arb(2) ** -200
+"""Stands for a slope of zero: such levels take as good as for ever."""
+
+
+@dataclass(frozen=True, slots=True)
+class Needed:
+    """Lower bounds of the kinetic length and of the time (s)."""
+
+    length: arb
+    time: arb
+
+
+def needed(
+    measure: int, low: arb, high: arb, readings: Sequence[Reading], budget: Budget | None
+) -> Needed:
+    """What the motion needs from one value of a measure to another.
+
+    Args:
+        measure: its number in the readings.
+        low: the one value, exact.
+        high: the other value, exact and larger.
+        readings: of all boxes that the motion may be in.
+        budget: bounds on the motion; None where nothing is known.
+    """
+    edges = [low, *((low + (high - low) * j / LEVELS).mid() for j in range(1, LEVELS)), high]
+    length = time = arb(0)
+    for first, last in pairwise(edges):
+        here = [
+            reading
+            for reading in readings
+            if not (reading.courses[measure].high < first or reading.courses[measure].low > last)
+        ]
+        if not here:
+            continue  # no pose has such a value: nothing is counted, which is less than there is
+        steepness = largest([reading.courses[measure].steepness for reading in here])
+        if steepness is not None:
+            length += (last - first) / steepness.max(TINY)
+        speed = _speed(measure, here, steepness, budget)
+        if speed is not None:
+            time += (last - first) / speed.max(TINY)
+    return Needed(length.lower(), time.lower())
+
+
+def _speed(
+    measure: int, readings: Sequence[Reading], steepness: arb | None, budget: Budget | None
+) -> arb | None:
+    """The largest |df/dt| in some boxes."""
+    known = largest([reading.courses[measure].speed for reading in readings])
+    if steepness is None or budget is None:
+        return known
+    kinetic = budget.speed
+    for_moving = budget.energy - least([reading.potential.low for reading in readings])
+    if for_moving > 0:
+        kinetic = kinetic.min((2 * for_moving.upper()).sqrt())
+    driven = (steepness * kinetic).upper()
+    return driven if known is None else driven.min(known)
+
+
+def largest(values: Sequence[arb | None]) -> arb | None:
+    """The largest of numbers that are at least zero; None if one is not known."""
+    result = arb(0)
+    for value in values:
+        if value is None:
+            return None
+        result = result.max(value)
+    return result
+
+
+def least(values: Sequence[arb]) -> arb:
+    """The least of some numbers."""
+    result = values[0]
+    for value in values[1:]:
+        result = result.min(value)
+    return result

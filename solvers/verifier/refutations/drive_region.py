@@ -1,0 +1,271 @@
+r"""The boxes that a motion with bounded drives may be in, from its start to its goal.
+
+R is a set of boxes that holds the whole motion up to its goal.  Bounds on it follow from the
+largest slopes and inputs in R (``drive_budget.py``): kinetic length L, speed, energy E.  A measure
+changes by at most its steepness times L in all, and by at most its speed times T.  So the motion
+keeps to those boxes of R that
+
+- have points with V <= E,
+- are not farther from start and goal together, in any measure, than the measure can change,
+- are joined by such boxes to the start and to the goal,
+
+and these are the next R.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from flint import arb
+
+from compiler.coverings.leaf_box import LeafBox
+from compiler.definiteness.interval_reading import Ends
+from solvers.verifier.refutations.drive_budget import Budget, Ramp, RateBounds, budget
+from solvers.verifier.refutations.drive_levels import largest, least
+from solvers.verifier.refutations.drive_measures import CoordinateMeasure, HeightMeasure, Measure
+from solvers.verifier.refutations.drive_momentum import Momentum, MomentumMeasure
+from solvers.verifier.refutations.drive_readings import Course, Reading
+from solvers.verifier.refutations.drive_touching import Flags, Neighbourhood
+
+ZERO = arb(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the task says of the motion: T (s), and the sizes of the joints' rates in SI.
+
+    ``last_rate`` at the goal is None where nothing is said, or forces are not known backwards;
+    ``power`` (W) of all inputs, where not all rates have limits.  ``push`` bounds the input of the
+    joint whose momentum is measured, None where there is none without friction.
+    """
+
+    time: arb
+    first_rate: arb
+    last_rate: arb | None
+    power: arb | None
+    push: arb | None
+
+
+@dataclass(slots=True, eq=False)
+class Region:
+    """The set R: ``within`` says which of the boxes belong to it, (K,).
+
+    ``given`` is the reading of the start pose where the task has one.
+    """
+
+    measures: Sequence[Measure]
+    limits: Limits
+    leaves: Sequence[LeafBox]
+    readings: Sequence[Reading]
+    given: Reading | None
+    within: Flags = field(init=False)
+    _near: Neighbourhood = field(init=False)
+    _starts: Flags = field(init=False)
+    _goals: Flags = field(init=False)
+
+    def __post_init__(self) -> None:
+        circles = [m.circle for m in self.measures if isinstance(m, CoordinateMeasure)]
+        self._near = Neighbourhood([leaf.coordinates for leaf in self.leaves], circles)
+        self._starts = np.array([leaf.start_possible for leaf in self.leaves], dtype=bool)
+        self._goals = np.array([leaf.goal_possible for leaf in self.leaves], dtype=bool)
+        self.within = self._joined(np.ones(len(self.leaves), dtype=bool))
+
+    @property
+    def empty(self) -> bool:
+        """Whether no motion is left."""
+        return not self.within.any()
+
+    @property
+    def inside(self) -> list[Reading]:
+        """The readings of all boxes."""
+        return self._of(self.within)
+
+    @property
+    def sources(self) -> list[Reading]:
+        """Of those that the motion may start in."""
+        return [self.given] if self.given is not None else self._of(self.within & self._starts)
+
+    @property
+    def goals(self) -> list[Reading]:
+        """Of those that it may end in."""
+        return self._of(self.within & self._goals)
+
+    def budget(self) -> Budget | None:
+        """Bounds on the motion; None where M or the forces are not known in some box."""
+        inside, sources, goals = self.inside, self.sources, self.goals
+        net = largest([reading.net for reading in inside])
+        inputs = largest([reading.inputs for reading in inside])
+        first = self._kinetic(sources, self.limits.first_rate)
+        if net is None or inputs is None or first is None:
+            return None
+        last = None
+        if self.limits.last_rate is not None:
+            last = self._kinetic(goals, self.limits.last_rate)
+        lowest = least([reading.potential.low for reading in inside])
+        energies = [
+            None if speed is None else _energy(readings, speed, lowest)
+            for readings, speed in ((sources, first), (goals, last))
+        ]
+        if energies[0] is None:
+            return None
+        fastest = largest([reading.rate_speed for reading in inside])
+        rates = None
+        if fastest is not None and self.limits.power is not None:
+            rates = RateBounds(fastest, self.limits.power)
+        energy = Ramp(energies[0], inputs, energies[1])
+        return budget(Ramp(first, net, last), energy, lowest, self.limits.time, rates)
+
+    def shrink(self, found: Budget | None) -> bool:
+        """Leave out what the motion cannot be in; whether there was any."""
+        kept = self.within.copy()
+        reaches = [self.change(number, found) for number in range(len(self.measures))]
+        ways = [_Ways(self, number) for number in range(len(self.measures))]
+        for box, reading in enumerate(self.readings):
+            if not kept[box]:
+                continue
+            kept[box] = not (found is not None and reading.potential.low > found.energy) and all(
+                reach is None or not way.least(reading.courses[way.number]) > reach
+                for way, reach in zip(ways, reaches, strict=True)
+            )
+        kept = self._joined(kept)
+        smaller = bool((kept != self.within).any())
+        self.within = kept
+        return smaller
+
+    def ends(self, number: int, *, start: bool) -> Ends:
+        """The values of a measure at the start, or at the goal."""
+        courses = [r.courses[number] for r in (self.sources if start else self.goals)]
+        low = least([course.low for course in courses])
+        high = -least([-course.high for course in courses])
+        measure = self.measures[number]
+        known = None
+        if isinstance(measure, HeightMeasure):
+            known = measure.start if start else measure.goal
+        return Ends(low, high) if known is None else Ends(low.max(known[0]), high.min(known[1]))
+
+    def spans(self, number: int, *, start: bool) -> Iterator[Ends]:
+        """Intervals that hold these values: of an effector one, else as few as there are gaps."""
+        if isinstance(self.measures[number], HeightMeasure):
+            yield self.ends(number, start=start)
+            return
+        courses = [r.courses[number] for r in (self.sources if start else self.goals)]
+        courses.sort(key=lambda course: float(course.low))
+        low, high = courses[0].low, courses[0].high
+        for course in courses[1:]:
+            if course.low > high:
+                yield Ends(low, high)
+                low, high = course.low, course.high
+            else:
+                low, high = low.min(course.low), high.max(course.high)
+        yield Ends(low, high)
+
+    def least_way(self, number: int) -> arb:
+        """How far a measure has to go from the start to the goal, at least."""
+        way = _Ways(self, number)
+        return least([way.from_start(span) for span in self.spans(number, start=False)])
+
+    def change(self, number: int, found: Budget | None) -> arb | None:
+        """How much a measure can change in all."""
+        if isinstance(self.measures[number], MomentumMeasure):
+            return self._drift()
+        courses = [reading.courses[number] for reading in self.inside]
+        speed = largest([course.speed for course in courses])
+        by_rates = None if speed is None else (speed * self.limits.time).upper()
+        steepness = largest([course.steepness for course in courses])
+        if found is None or steepness is None:
+            return by_rates
+        by_length = (steepness * found.length).upper()
+        return by_length if by_rates is None else by_length.min(by_rates)
+
+    def _drift(self) -> arb | None:
+        """How much momentum can change its measure."""
+        if self.limits.push is None:
+            return None
+        inside, last = together(self.inside), self.limits.last_rate
+        first, goals = together(self.sources), together(self.goals)
+        if inside is None or first is None or goals is None:
+            return None
+        growth, inertia = inside.pull + self.limits.push, inside.inertia
+        ramp = Ramp(
+            (first.unit * self.limits.first_rate).upper(),
+            growth.upper(),
+            None if last is None else (goals.unit * last).upper(),
+        )
+        return (ramp.integral(self.limits.time) / inertia).upper()
+
+    def _kinetic(self, readings: Sequence[Reading], rate: arb) -> arb | None:
+        """The kinetic speed where all rates are at most ``rate``."""
+        if rate.is_zero():
+            return ZERO
+        unit = largest([reading.unit_speed for reading in readings])
+        return None if unit is None else (unit * rate).upper()
+
+    def _joined(self, among: Flags) -> Flags:
+        return self._near.joined(self._starts, among) & self._near.joined(self._goals, among)
+
+    def _of(self, flags: Flags) -> list[Reading]:
+        return [reading for reading, flag in zip(self.readings, flags, strict=True) if flag]
+
+
+class _Ways:
+    """How far a measure has to go from the start to a box and on to the goal, at least."""
+
+    def __init__(self, region: Region, number: int) -> None:
+        self.number = number
+        self._circle = region.measures[number].circle
+        self._starts = list(region.spans(number, start=True))
+        self._goals = list(region.spans(number, start=False))
+        self._known: dict[object, arb] = {}
+
+    def least(self, course: Course) -> arb:
+        """A lower bound; not more than any of it where nothing is known."""
+        key = _key(course)
+        if key not in self._known:
+            side = Ends(course.low, course.high)
+            onwards = least([self._gap(side, span) for span in self._goals])
+            self._known[key] = self.from_start(side) + onwards
+        return self._known[key]
+
+    def from_start(self, side: Ends) -> arb:
+        """A lower bound of the way from the start to values in an interval."""
+        return least([self._gap(side, span) for span in self._starts])
+
+    def _gap(self, side: Ends, span: Ends) -> arb:
+        """The distance between two intervals, on a circle modulo full turns."""
+        if not self._circle:
+            return _apart(side, span, ZERO)
+        turn = 2 * arb.pi()
+        difference = (side.low + side.high - span.low - span.high) / 2 / turn
+        nearest = round(float(difference.mid()))
+        return least([_apart(side, span, turn * (nearest + i)) for i in (-1, 0, 1)])
+
+
+def _apart(side: Ends, span: Ends, shift: arb) -> arb:
+    ahead, behind = span.low + shift - side.high, side.low - shift - span.high
+    return ahead.max(behind).max(ZERO).lower()
+
+
+def together(readings: Sequence[Reading]) -> Momentum | None:
+    """What holds of the momentum on all of some boxes."""
+    found = [reading.momentum for reading in readings if reading.momentum is not None]
+    units = largest([item.unit for item in found])
+    pulls = largest([item.pull for item in found])
+    if len(found) < len(readings) or units is None or pulls is None:
+        return None
+    return Momentum(least([item.inertia for item in found]), units, pulls)
+
+
+def _energy(readings: Sequence[Reading], speed: arb, lowest: arb) -> arb:
+    """The square root of 2 (E - Vmin), where kinetic speeds are at most ``speed``."""
+    highest = -least([-reading.potential.high for reading in readings])
+    above = (highest - lowest).max(ZERO)
+    return (2 * above + speed * speed).upper().sqrt().upper()
+
+
+def _key(course: Course) -> object:
+    if not (course.low.is_finite() and course.high.is_finite()):
+        return math.nan
+    return (*course.low.man_exp(), *course.high.man_exp())

@@ -1,0 +1,121 @@
+"""A result folder without a design, read for an explanation.
+
+Nothing is claimed of it: what it says was tried is asked again.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from compiler.grammars.derivation import BadDerivation
+from compiler.semantics.family import family_of
+from grammar_lang import ir
+from solvers.explanation.explanation import Nearest, Tried
+from solvers.explanation.posed_task import PosedTask
+from solvers.verifier.claims.certificate import CertificateError
+from solvers.verifier.claims.spec_copy import read_copy
+from srgc.session import UsageFault
+
+
+@dataclass(frozen=True, slots=True)
+class TriedFolder:
+    """What a folder is about; ``tried`` is None where it holds a design."""
+
+    posed: PosedTask
+    seed: int
+    search: str | None
+    solver: str | None
+    tried: Tried | None
+
+
+def tried_folder(folder: Path) -> TriedFolder:
+    """What a result folder says was tried.
+
+    Raises:
+        UsageFault: there are no results, or they or the spec have been altered.
+    """
+    if not folder.is_dir():
+        raise UsageFault(f"{folder} is not a folder")
+    path = folder / "design.json"
+    if not path.exists():
+        raise UsageFault(f"{folder} has no design.json: it holds no finished results")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        program, _ = read_copy(folder / "spec", content["spec"], content["spec_sha256"])
+        return _read(folder, content, program)
+    except OSError as error:
+        raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
+    except CertificateError as error:
+        raise UsageFault(f"{folder}: {error}".replace("the certificate", "design.json")) from None
+    except (ValueError, KeyError, TypeError, AttributeError, BadDerivation):
+        raise UsageFault(f"{path} is not what `srgc synth` writes") from None
+
+
+def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> TriedFolder:
+    task = program.tasks[content["task"]]
+    posed = PosedTask(program, task)
+    tried = None
+    if content["verdict"] != "found":
+        structures = content["structures_tried"]
+        tried = Tried(
+            _verdict(content["verdict"]),
+            str(content["reason"]),
+            _refuted(posed, structures),
+            _nearest(folder, structures),
+        )
+    seed, search, solver = int(content["seed"]), content["search"], content["solver"]
+    return TriedFolder(posed, seed, search, solver, tried)
+
+
+def _verdict(text: str) -> Literal["impossible", "unknown"]:
+    if text == "impossible":
+        return "impossible"
+    if text == "unknown":
+        return "unknown"
+    raise ValueError(text)
+
+
+def _refuted(
+    posed: PosedTask, structures: Sequence[Mapping[str, Any]]
+) -> tuple[tuple[str, ...], ...]:
+    """The derivations of the refuted structures, one of each different robot."""
+    family = family_of(posed.program, posed.task)
+    found = [
+        tuple(one["derivation"])
+        for one in structures
+        if one["verdict"] == "refuted" and one["same_robot_as"] is None
+    ]
+    for labels in found:
+        family.replay(labels)
+    return tuple(found)
+
+
+def _nearest(folder: Path, structures: Sequence[Mapping[str, Any]]) -> Nearest | None:
+    """The unresolved structure with the best robustness; the first one without evaluations."""
+    best = _robustness(folder / "evaluations.csv")
+    open_ones = [
+        (number, one)
+        for number, one in enumerate(structures)
+        if one["verdict"] == "unresolved" and one["same_robot_as"] is None
+    ]
+    if not open_ones:
+        return None
+    number, one = max(open_ones, key=lambda item: (best.get(item[0], float("-inf")), -item[0]))
+    return Nearest(tuple(one["word"]), best.get(number), str(one["evidence"]))
+
+
+def _robustness(path: Path) -> dict[int, float]:
+    """The best robustness that was evaluated, by the number of the structure."""
+    if not path.exists():
+        return {}
+    best: dict[int, float] = {}
+    for row in csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))):
+        number, value = int(row["structure"]), float(row["rho"])
+        best[number] = max(value, best.get(number, value))
+    return best

@@ -1,0 +1,194 @@
+"""An explanation as text with source excerpts, or as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from grammar_lang import ir
+from grammar_lang.findings.render import marked_line
+from grammar_lang.source import Source
+from solvers.explanation.conflict import Conflict
+from solvers.explanation.explanation import Explanation, foremost, quick_conflict
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.run import Suggestion
+from solvers.explanation.task_line import TaskLine
+from solvers.progress import Conduct
+from solvers.synthesis import Synthesis
+
+MOST_CONFLICTS = 6
+"""So many conflicts are printed for people, and all of them as JSON."""
+
+
+def why_text(found: Explanation, *, colour: bool = False) -> str:
+    """The explanation for people; ends with a line break."""
+    head = f"verdict: {found.tried.verdict} ({found.tried.reason})"
+    conflicts, suggested = conflict_blocks(found, colour=colour), _suggested(found)
+    nearest = _nearest(found)
+    unknown = found.tried.verdict == "unknown"
+    # Where motions were searched in vain, other robots' conflicts are of less interest.
+    told = [*nearest, suggested, *conflicts] if unknown else [*conflicts, suggested]
+    blocks = [head, *told]
+    if found.ended is not None:
+        blocks.append(f"not all was tried: {found.ended}")
+    return "\n\n".join(blocks) + "\n"
+
+
+def conflict_blocks(found: Explanation, *, colour: bool = False) -> list[str]:
+    """The conflicts, each line of the spec shown once, where it is first needed."""
+    sources = found.posed.program.sources
+    shown: set[TaskLine] = set()
+    blocks = []
+    for conflict in found.conflicts.found[:MOST_CONFLICTS]:
+        blocks.append(_conflict(conflict, sources, shown, colour=colour))
+        shown.update(conflict.lines)
+    more = len(found.conflicts.found) - MOST_CONFLICTS
+    if more > 0:
+        blocks.append(f"and {more} more conflicts; `srgc why --json` prints them all")
+    if found.conflicts.left:
+        blocks.append(f"Refuted robots that are not explained: {found.conflicts.left}")
+    if found.bound is not None:
+        lines = [f"Longer robots are ruled out by the bound, as {_robot(found.beyond)}:"]
+        lines += marked_line(sources, found.bound.span, found.bound.says, colour=colour)
+        blocks.append("\n".join(lines))
+    return blocks
+
+
+def _conflict(
+    conflict: Conflict, sources: Sequence[Source], shown: set[TaskLine], *, colour: bool
+) -> str:
+    """Whom a conflict rules out, and its lines."""
+    if not conflict.lines:
+        return f"{_whom(conflict)}: no line of the task is needed for that"
+    head = "this line rules" if len(conflict.lines) == 1 else "these lines together rule"
+    lines = [f"{head[0].upper()}{head[1:]} out {_whom(conflict)}:"]
+    for line in conflict.lines:
+        if line in shown:
+            lines.append(f"  and, as above, {line.says}")
+        else:
+            lines += marked_line(sources, line.span, line.says, colour=colour)
+    return "\n".join(lines)
+
+
+def _whom(conflict: Conflict) -> str:
+    if not conflict.words:
+        return "every robot, whatever its size"
+    count = len(conflict.words)
+    longest = max(conflict.words, key=len)
+    if count == 1:
+        return f"the robot {_robot(longest)}"
+    return f"{count} robots, as {_robot(longest)}"
+
+
+def _robot(word: Sequence[str]) -> str:
+    return " ".join(word)
+
+
+def _nearest(found: Explanation) -> list[str]:
+    """The nearest robot, where the reason of the verdict does not name it already."""
+    nearest = found.tried.nearest
+    if nearest is None or f"{_robot(nearest.word)}: {nearest.obstacle}" in found.tried.reason:
+        return []
+    return [f"The nearest was {_robot(nearest.word)}:\n  {nearest.obstacle}"]
+
+
+def _suggested(found: Explanation) -> str:
+    """What would help, and what was tried in vain."""
+    lines = []
+    if found.suggestions:
+        lines.append("It is possible, as runs have found and proved,")
+        lines += [f"  {_suggestion(one)}" for one in found.suggestions]
+    elif found.runs:
+        lines.append("No change of a single line was found that makes it possible.")
+    else:
+        lines.append("No changes were tried.")
+    if found.failed:
+        lines.append(f"In vain: {'; '.join(change.says for change in found.failed)}.")
+    return "\n".join(lines)
+
+
+def _suggestion(one: Suggestion) -> str:
+    return f"{one.change.says}: {_robot(one.word)}, effort peak {one.effort_peak:.4g}"
+
+
+def ending(result: Synthesis, posed: PosedTask, conduct: Conduct, folder: str) -> str:
+    """What ends the report of a synthesis without a design: a conflict, and where to ask more."""
+    lines = []
+    if result.verdict == "impossible":
+        reasons = {r.derivation: r.reason for r in result.records if r.same_robot_as is None}
+        first = foremost(posed, tuple(reasons)) if reasons else None
+        if first is None or not _about_bodies(posed.task):
+            lines += conflict_blocks(quick_conflict(posed, first, conduct))
+        if first is not None and not lines:
+            lines.append(f"{_robot(first.word)}: {reasons[first.labels]}")
+    lines.append(f"`srgc why {folder}` says what would make it possible")
+    return "\n".join(lines)
+
+
+def _about_bodies(task: ir.Task) -> bool:
+    """Whether the poses of whole bodies are asked for, which takes seconds for a conflict."""
+    return task.bounds_body or any(clause.subject == "body" for clause in task.avoid)
+
+
+# --- JSON ----------------------------------------------------------------------------------------
+
+
+def why_json(found: Explanation) -> str:
+    """The explanation for programs; ends with a line break."""
+    sources = found.posed.program.sources
+    nearest = found.tried.nearest
+    content = {
+        "verdict": found.tried.verdict,
+        "reason": found.tried.reason,
+        "task": found.posed.task.name,
+        "conflicts": [
+            {
+                "lines": [_line(line, sources) for line in conflict.lines],
+                "robots": [list(word) for word in conflict.words],
+            }
+            for conflict in found.conflicts.found
+        ],
+        "unexplained": found.conflicts.left,
+        "modules": None if found.bound is None else _line(found.bound, sources),
+        "beyond": list(found.beyond),
+        "nearest": None
+        if nearest is None
+        else {
+            "word": list(nearest.word),
+            "robustness": nearest.robustness,
+            "obstacle": nearest.obstacle,
+        },
+        "suggestions": [_suggested_change(one, sources) for one in found.suggestions],
+        "in_vain": [change.says for change in found.failed],
+        "runs": found.runs,
+        "ended": found.ended,
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _line(line: TaskLine, sources: Sequence[Source]) -> dict[str, Any]:
+    source = sources[line.span.file]
+    row, column = source.position(line.span.start)
+    end_row, end_column = source.position(line.span.end)
+    return {
+        "kind": line.kind,
+        "says": line.says,
+        "file": source.path,
+        "line": row,
+        "column": column,
+        "end_line": end_row,
+        "end_column": end_column,
+    }
+
+
+def _suggested_change(one: Suggestion, sources: Sequence[Source]) -> dict[str, Any]:
+    value = one.change.value
+    return {
+        "says": one.change.says,
+        "line": _line(one.change.line, sources),
+        "value": None if value is None else float(value),
+        "word": list(one.word),
+        "effort_peak": one.effort_peak,
+        "robustness": one.robustness,
+    }

@@ -1,0 +1,108 @@
+"""Changes of a line: what they are called, and that the task is changed so and not otherwise."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from grammar_lang import ir
+from grammar_lang.constants import rational
+from grammar_lang.load import load_text
+from solvers.explanation.change import Scale, scales, single_changes, with_modules
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.task_line import TaskLine, modules_line, task_lines
+from tests.oracles.small_specs import TURNER, replaced
+
+
+def posed(text: str) -> PosedTask:
+    program = load_text(text, "spec.srg").program
+    assert program is not None
+    (task,) = program.tasks.values()
+    return PosedTask(program, task)
+
+
+def line(asked: PosedTask, kind: str) -> TaskLine:
+    return next(each for each in task_lines(asked) if each.kind == kind)
+
+
+def scale(asked: PosedTask, kind: str, number: int = 0) -> Scale:
+    return list(scales(asked, line(asked, kind)))[number]
+
+
+def domain(asked: PosedTask) -> ir.Interval | ir.Choices:
+    return asked.program.modules["L"].parameters[0].domain
+
+
+def test_a_range_goes_up_or_down_by_two_digits() -> None:
+    asked = posed(TURNER)
+    up, down = scales(asked, line(asked, "parameter"))
+    assert [float(value) for value in up.values[:2]] == [2.1, 2.2]
+    assert [float(value) for value in down.values[:2]] == [0.99, 0.98]
+    change = up.at(Fraction(21, 10))
+    assert change.says == "with `L.length` up to 2.1 m"
+    assert domain(change.posed) == ir.Interval(ir.Num(Fraction(1)), ir.Num(Fraction(21, 10)))
+    lower = down.at(Fraction(99, 100))
+    assert lower.says == "with `L.length` down to 0.99 m"
+    assert domain(lower.posed) == ir.Interval(ir.Num(Fraction(99, 100)), ir.Num(Fraction(2)))
+
+
+def test_a_choice_more() -> None:
+    asked = posed(replaced(TURNER, "in [1, 2] m", "in {1, 1.5} m"))
+    found = domain(scale(asked, "parameter").at(Fraction(8, 5)).posed)
+    assert isinstance(found, ir.Choices)
+    assert [rational(value) for value in found.values] == [1, Fraction(3, 2), Fraction(8, 5)]
+
+
+def test_an_effort_and_a_horizon_grow() -> None:
+    asked = posed(TURNER)
+    effort = scale(asked, "effort")
+    assert (effort.values[0], effort.values[-1]) == (11, 640)
+    change = effort.at(Fraction(12))
+    assert change.says == "with `effort <= 12 N*m`"
+    assert [each.bound for each in change.posed.task.effort] == [12]
+    horizon = scale(asked, "horizon")
+    assert (horizon.values[0], horizon.values[-1]) == (11, 40)
+    assert horizon.at(Fraction(13)).posed.task.steps == 13
+    long = posed(replaced(TURNER, "horizon 10", "horizon 201"))
+    assert scale(long, "horizon").values[-1] == 302
+
+
+def test_bounds_grow_on_every_side() -> None:
+    change = scale(posed(TURNER), "bounds").at(Fraction(5))
+    shape = change.posed.workspace.bounds.shape
+    assert isinstance(shape, ir.Inequalities)
+    rows = {(row.normal, row.offset) for row in shape.rows}
+    wanted = {((1, 0), 3.2), ((-1, 0), 1.2), ((0, 1), 3.2), ((0, -1), 1.2)}
+    assert {(tuple(map(int, n)), float(b)) for n, b in rows} == wanted
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "kind", "wanted"),
+    [
+        ("reach T;", "reach T by effector 1 at rest;", "reach",
+         ["with any effector ending in `T`", "without `at rest` at the end"]),
+        ("start in S at rest;", "start in S by effector 1 at rest;", "start",
+         ["with any effector starting in `S`"]),
+        ("with effector;", "with body margin 1 cm;", "avoid",
+         ["without the margin", "with `O` avoided by effectors alone", "without avoiding `O`"]),
+        ("reach T;", "reach T; bounds with body;", "bounds_body", ["without `bounds with body`"]),
+        ("reach T;", "reach T; satisfy always not O;", "satisfy", ["without this formula"]),
+        ("reach T;", "satisfy eventually T;", "satisfy", []),
+        ("reach T;", "reach T;", "joint_range", ["without a limit of `JO.q`"]),
+    ],
+)  # fmt: skip
+def test_parts_that_are_dropped(old: str, new: str, kind: str, wanted: list[str]) -> None:
+    asked = posed(replaced(TURNER, old, new))
+    changes = list(single_changes(asked, line(asked, kind)))
+    assert [change.says for change in changes] == wanted
+    assert all(change.posed != asked for change in changes)
+
+
+def test_a_bound_on_modules() -> None:
+    asked = posed(replaced(TURNER, "reach T;", "reach T; modules <= 4;"))
+    bound = modules_line(asked)
+    assert bound is not None
+    change = with_modules(asked, bound, 6)
+    assert (change.says, change.posed.task.modules) == ("with `modules <= 6`", 6)
+    assert modules_line(posed(TURNER)) is None

@@ -1,0 +1,182 @@
+"""The conflicts of small robots against what elementary geometry says of their reach."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import pytest
+
+from compiler.languages.structures import derivations_of, structures
+from compiler.semantics.family import family_of
+from grammar_lang.load import load_text
+from solvers.explanation.conflict import ConflictSearch, separation_conflict
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.relaxation import without
+from solvers.explanation.task_line import TaskLine, task_lines
+from solvers.progress import Conduct
+from tests.oracles.small_specs import TURNER, replaced
+
+ONE_LINK = ("B", "eps", "JO", "eps", "L", "eps", "EN")
+TWO_LINKS = ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
+TWO_HANDS = """\
+module B { role base; }
+module J { role joint; dof q: revolute z; }
+module K { role joint; dof q: revolute z; }
+module L { role link; param length in [1, 2] m; }
+module H { role link; param length in [0.5, 0.8] m; }
+module EN { role effector; const mass = 1 kg; }
+edge eps, '[', ']';
+grammar Hands {
+  start R;
+  body: R -> B '[' left:Long ']' '[' right:Short ']';
+  far:  Long -> J eps L eps EN;
+  near: Short -> K eps H eps EN;
+}
+semantics Hands {
+  body { left.at = this.frame; right.at = this.frame; }
+  far {
+    this.end = this.at * rot(z, J.q) * move(x, L.length);
+    point(frame: this.end, mass: EN.mass); effector(frame: this.end);
+  }
+  near {
+    this.end = this.at * rot(z, K.q) * move(x, H.length);
+    point(frame: this.end, mass: EN.mass); effector(frame: this.end);
+  }
+}
+workspace W {
+  plane xy;
+  bounds box [-3, 3] x [-3, 3] m;
+  region S box [1.2, 1.4] x [-0.1, 0.1] m;
+  target T box [1.2, 1.4] x [0.2, 0.4] m;
+}
+task Reach {
+  robot Hands; workspace W;
+  start in S by effector 1; reach T by effector 2;
+  effort <= 10 N*m; horizon 10 steps of 0.2 s; modules <= 7;
+}
+"""
+
+
+def posed(text: str) -> PosedTask:
+    program = load_text(text, "spec.srg").program
+    assert program is not None
+    (task,) = program.tasks.values()
+    return PosedTask(program, task)
+
+
+def conflict(text: str, word: tuple[str, ...]) -> tuple[TaskLine, ...] | None:
+    asked = posed(text)
+    language = family_of(asked.program, asked.task).language
+    (derivation,) = derivations_of(language, word)
+    return ConflictSearch(asked, Conduct()).conflict(derivation)
+
+
+def names(lines: tuple[TaskLine, ...] | None) -> set[str]:
+    assert lines is not None
+    return {" ".join((line.kind, *map(str, line.key))) for line in lines}
+
+
+def lengths(low: float, high: float, near: float, far: float) -> str:
+    """Links; a start ``near`` to ``far`` m from the base, and a target 1.25 to 1.94 m from it."""
+    region = f"region S box [{near}, {far}] x [-0.05, 0.05] m"
+    text = replaced(TURNER, "region S box [1.2, 1.9] x [-0.3, 0.3] m", region)
+    text = replaced(text, "x [1.2, 1.9] m;", "x [1.25, 1.9] m;")
+    return replaced(text, "[1, 2] m", f"[{low}, {high}] m")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "near", "far", "wanted"),
+    [
+        (0.3, 1.0, 0.9, 1.4, {"reach", "parameter L length"}),  # 1.25 m is out of reach
+        (0.3, 2.0, 0.5, 0.6, {"start", "reach"}),  # no length serves both places
+        (
+            1.0,
+            1.2,
+            1.3,
+            1.4,
+            {"start", "parameter L length"},
+        ),  # neither is in reach: the first is told
+    ],
+)
+def test_one_link(low: float, high: float, near: float, far: float, wanted: set[str]) -> None:
+    assert names(conflict(lengths(low, high, near, far), ONE_LINK)) == wanted
+
+
+def test_two_links_are_not_refuted() -> None:
+    assert conflict(lengths(0.3, 1.0, 0.5, 0.6), TWO_LINKS) is None
+
+
+def test_a_robot_without_a_link_cannot_start() -> None:
+    assert names(conflict(lengths(0.3, 1.0, 0.5, 0.6), ("B", "eps", "JO", "eps", "EN"))) == {
+        "start"
+    }
+
+
+def test_the_hand_that_is_named_is_too_short() -> None:
+    """Only the second hand is: 0.8 m for the target at 1.21 m; any hand would do otherwise."""
+    asked = posed(TWO_HANDS)
+    (derivation,) = structures(family_of(asked.program, asked.task).language, 7)
+    found = ConflictSearch(asked, Conduct()).conflict(derivation)
+    assert names(found) == {"reach", "parameter H length"}
+
+
+def test_no_proper_part_of_a_conflict_is_refuted() -> None:
+    asked = posed(TWO_HANDS)
+    (derivation,) = structures(family_of(asked.program, asked.task).language, 7)
+    search = ConflictSearch(asked, Conduct())
+    found = search.conflict(derivation)
+    assert found is not None
+    parts = [part for n in range(len(found)) for part in combinations(found, n)]
+    assert search.refuted(derivation, found)
+    assert not any(search.refuted(derivation, part) for part in parts)
+
+
+WALLS = """\
+  obstacle V box [0.4, 0.6] x [-1, 0.6] m;
+  obstacle H box [0.4, 3] x [0.6, 0.8] m;
+  obstacle O box [1.4, 2.5] x [1.4, 2.5] m;
+"""
+"""A corner of the bounds is walled off, with the start in it."""
+
+
+def test_walls_about_the_start() -> None:
+    text = replaced(TURNER, "  obstacle O box [1.4, 2.5] x [1.4, 2.5] m;\n", WALLS)
+    found = separation_conflict(posed(replaced(text, "avoid O with", "avoid O, V, H with")))
+    assert found is not None
+    assert names(found.lines) == {"start", "reach", "avoid 0 V", "avoid 0 H", "bounds"}
+    assert separation_conflict(posed(TURNER)) is None
+
+
+def test_lines_stand_where_they_are_written() -> None:
+    asked = posed(replaced(TURNER, "horizon", "gravity (0, -1) m/s^2; modules <= 4; horizon"))
+    (source,) = asked.program.sources
+    written = {
+        " ".join((line.kind, *map(str, line.key))): source.text[line.span.start : line.span.end]
+        for line in task_lines(asked)
+    }
+    assert written == {
+        "start": "start in S at rest;",
+        "reach": "reach T;",
+        "parameter L length": "param length in [1, 2] m;",
+        "joint_range JO q": "dof q: revolute z in [-180, 180] deg;",
+        "avoid 0 O": "O",
+        "effort 0": "10 N*m",
+        "horizon": "horizon 10 steps of 0.2 s;",
+        "gravity": "gravity (0, -1) m/s^2;",
+        "bounds": "bounds box [-1, 3] x [-1, 3] m;",
+    }
+
+
+def test_a_line_without_which_nothing_else_changes() -> None:
+    asked = posed(TURNER)
+    for line in task_lines(asked):
+        relaxed = without(asked, [line])
+        assert relaxed != asked
+        assert relaxed.program.tasks[asked.task.name] == relaxed.task
+        changed = {
+            name
+            for name in asked.task.__slots__
+            if getattr(asked.task, name) != getattr(relaxed.task, name)
+        }
+        assert len(changed) <= 1
+        assert relaxed.program.grammars == asked.program.grammars

@@ -1,0 +1,122 @@
+"""What random drives do bring a robot to is never said to be out of their reach."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+
+from compiler.arithmetic.balls import constant_ball
+from compiler.dynamics.equations_of_motion import robot_graph
+from tests.oracles.driven_chains import Segment, answer, problem, robot_of, spot
+
+STEPS, FINE = 8, 40
+FREE = {"revolute": "", "prismatic": "in [-4, 4] m"}
+LIMITS = {"revolute": "in [-4, 4]", "prismatic": "in [-4, 4] m"}
+DRAG = {"revolute": "0.2 N*m*s/rad", "prismatic": "0.2 N*s/m"}
+
+
+def random_arm(rng, dimension, joints):
+    """Joints and rods in all directions, half of the turning ones without limits."""
+    segments = []
+    for _ in range(joints):
+        kind = "prismatic" if rng.random() < 0.3 else "revolute"
+        plane = "x" if kind == "prismatic" else "z"
+        limits = rng.choice([FREE, LIMITS])[kind]
+        own = f"torque(q) = u - {DRAG[kind]} * rate(q);" if rng.random() < 0.3 else ""
+        segments.append(
+            Segment(
+                round(rng.uniform(0.3, 1.2), 2),
+                rng.choice("xyz") if dimension == 3 else plane,
+                rng.choice("xyz"[:dimension]),
+                kind,
+                limits,
+                own,
+                round(rng.uniform(0.5, 3), 1),
+            )
+        )
+    return segments
+
+
+def flow(graph, q, v, inputs, seconds):
+    """The end of a motion by the classical Runge-Kutta method; None beyond the limits."""
+    constants = [float(constant_ball(item)) for item in graph.constants]
+
+    def slope(q, v, u):
+        return v, np.array(graph.acceleration(q, v, u, [], constants)).ravel()
+
+    h = seconds / FINE
+    for u in inputs:
+        for _ in range(FINE):
+            one = slope(q, v, u)
+            two = slope(q + h / 2 * one[0], v + h / 2 * one[1], u)
+            three = slope(q + h / 2 * two[0], v + h / 2 * two[1], u)
+            four = slope(q + h * three[0], v + h * three[1], u)
+            q = q + h / 6 * (one[0] + 2 * two[0] + 2 * three[0] + four[0])
+            v = v + h / 6 * (one[1] + 2 * two[1] + 2 * three[1] + four[1])
+            limited = [abs(x) for x, dof in zip(q, graph.model.dofs, strict=True) if dof.range]
+            if max(limited, default=0) > 4:
+                return None
+    return q, v
+
+
+def driven_to(seed, excess):
+    """A problem whose goal a motion gets to, with inputs that exceed their bounds by a factor.
+
+    None where the motion leaves the ranges of the joints.
+    """
+    rng = random.Random(seed)
+    dimension, joints = rng.choice([2, 2, 3]), rng.choice([1, 2, 2, 3])
+    segments = random_arm(rng, dimension, joints)
+    effort, seconds = round(rng.uniform(0.5, 20), 3), round(rng.uniform(0.02, 0.2), 4)
+    rates = rng.choice([0, 0, 1])
+    pull = ("(1, -9.81)" if dimension == 2 else "(0, 1, -9.81)") if rng.random() < 0.5 else ""
+    gravity = f"gravity {pull} m/s^2;" if pull else ""
+    kinds = {segment.kind for segment in segments}
+    efforts = f"effort <= {effort} N*m;" if "revolute" in kinds else ""
+    efforts += f"effort <= {effort} N;" if "prismatic" in kinds else ""
+    rest = f"reach T; {efforts} {gravity} horizon {STEPS} steps of {seconds} s;"
+    nowhere = spot([0.0] * dimension)
+    model, _, task = robot_of(problem(segments, nowhere, f"start in A; {rest}", start=nowhere))
+    graph, n = robot_graph(model, task.gravity), len(model.dofs)
+    q = np.round([rng.uniform(-1.5, 1.5) for _ in range(n)], 9)
+    v = np.array([rng.uniform(-rates, rates) for _ in range(n)])
+    first = [excess * effort * rng.choice([-1, 1]) for _ in range(n)]
+    signs = [rng.choice([1, 1, -1]) for _ in range(STEPS)]
+    inputs = [[sign * x for x in first] for sign in signs]
+    found = flow(graph, q, v, inputs, seconds)
+    constants = [float(constant_ball(item)) for item in graph.constants]
+
+    def tip(q):
+        return np.array(graph.effectors(q, [], constants)).ravel()[:dimension]
+
+    if found is None or not n or not np.abs(tip(found[0])).max() < 29:
+        return None
+    start = f"start in A rates <= {rates};" if rates else f"start at ({', '.join(map(str, q))});"
+    text = problem(segments, spot(tip(found[0])), start + rest, start=spot(tip(q)))
+    return text, [4, 3, 1][:n] if n > 1 else [7]
+
+
+def refuted(seeds, excess):
+    """How many of the problems are refuted, and how many there are."""
+    made = [found for seed in seeds if (found := driven_to(seed, excess)) is not None]
+    return sum(answer(text, halvings) is not None for text, halvings in made), len(made)
+
+
+def test_what_was_reached_is_not_refuted():
+    wrong, tried = refuted(range(9), 1)
+    assert wrong == 0
+    assert tried >= 5
+
+
+def test_what_takes_thirty_times_the_effort_is_refuted_now_and_then():
+    right, _ = refuted(range(12), 30)
+    assert right >= 2
+
+
+@pytest.mark.slow
+def test_what_was_reached_is_not_refuted_at_large():
+    wrong, tried = refuted(range(100, 260), 1)
+    assert wrong == 0
+    assert tried >= 90

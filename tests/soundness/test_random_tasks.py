@@ -1,0 +1,68 @@
+"""Verdicts on random tasks: MuJoCo replays what is found, brute force doubts what is impossible."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from srgc.cli import run
+from tests.oracles import result_files
+from tests.oracles.exported_motions import replay
+from tests.oracles.proved_tubes import proved_tube
+from tests.oracles.random_sweeps import counterexample, drives_reach, flooded
+from tests.oracles.random_tasks import random_task
+from tests.oracles.spec_figures import figures_of
+from tests.soundness.task_trials import FOUND, IMPOSSIBLE, INFLATED, tried
+
+QUICK = {12: FOUND, 16: FOUND, 28: FOUND, 17: IMPOSSIBLE, 18: IMPOSSIBLE, 22: IMPOSSIBLE}
+PART, PARTS = 10, 20
+
+
+@pytest.mark.parametrize("seed", QUICK)
+def test_six_random_tasks(tmp_path, seed):
+    verdict = tried(seed, tmp_path, 60_000)
+    assert verdict.objection is None
+    assert verdict.status == QUICK[seed]
+
+
+def test_random_tasks_are_of_all_kinds():
+    tasks = [random_task(seed) for seed in range(60)]
+    assert len({task.words for task in tasks}) == 6
+    assert any(task.space for task in tasks)
+    assert any("with body" in task.text for task in tasks)
+    assert any("gravity" in task.text for task in tasks)
+    assert len({task.text for task in tasks}) == 60
+
+
+def test_another_input_leaves_the_tube(made, tmp_path):
+    """An oracle of the oracle: a thousandth of one input for one step is seen."""
+    folder, target = made("spatial") / "out", tmp_path / "arm.xml"
+    assert run(["export", str(folder), "--to", "mjcf", "-o", str(target)]) == 0
+    text, claim = target.read_text(encoding="utf-8"), result_files.read(folder)
+    proved = proved_tube(folder)
+    seen = replay(text, claim)
+    some = slice(None, None, 20)
+    assert proved.farthest(seen.times[some], seen.states[some]) < INFLATED
+    claim["inputs"][2][1] = str(float(claim["inputs"][2][1]) * 1.001 + 1e-4)
+    other = replay(text, claim)
+    assert proved.farthest(other.times[some], other.states[some]) > 5 * INFLATED
+
+
+def test_brute_force_finds_what_was_found():
+    """Of a task that a found robot does it finds the poses, the way, and inputs."""
+    task = random_task(16)
+    figures = figures_of(task.text)
+    lengths = counterexample(task, figures, 60_000, 0)
+    assert lengths is not None
+    assert flooded(task, figures, task.words[0], lengths, 200)
+    assert drives_reach(task, figures, lengths, 0, 40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(PARTS))
+def test_two_hundred_random_tasks(tmp_path, part):
+    verdicts = [tried(seed, tmp_path) for seed in range(part * PART, part * PART + PART)]
+    assert [v for v in verdicts if v.objection] == []
+    seen = Counter(v.status for v in verdicts)
+    assert seen[FOUND] + seen[IMPOSSIBLE] >= PART // 3

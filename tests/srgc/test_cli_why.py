@@ -1,0 +1,238 @@
+"""``srgc why``: what it says of small tasks, by geometry and by running what it suggests."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from srgc.cli import run
+from tests.oracles import result_files
+from tests.oracles.extended_arm import best_robustness
+from tests.oracles.small_specs import TURNER, replaced
+from tests.srgc.conftest import Ran
+
+Srgc = Callable[..., Ran]
+
+NARROW = replaced(
+    replaced(TURNER, "box [1.2, 1.9] x [-0.3, 0.3] m", "box [1.25, 1.9] x [-0.3, 0.3] m"),
+    "x [1.2, 1.9] m;",
+    "x [1.25, 1.9] m;",
+)
+"""Start and target are at least 1.25 m from the base."""
+SHORT = replaced(
+    replaced(NARROW, "[1, 2] m", "[0.5, 1] m"),
+    "effort <= 10 N*m;",
+    "effort <= 10 N*m; modules <= 4;",
+)
+"""One link of at most 1 m: too short.  Another joint and link make five modules and more."""
+WEAK = replaced(
+    TURNER, "effort <= 10 N*m;", "effort <= 0.1 N*m; modules <= 4;"
+)  # a quarter turn takes more
+LINES = {"start": "start in S at rest;", "reach": "reach T;", "parameter": "param length"}
+
+
+@pytest.fixture(scope="module")
+def impossible(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("why")
+    (folder / "short.srg").write_text(SHORT, encoding="utf-8")
+    assert run(["synth", str(folder / "short.srg"), "-o", str(folder / "out"), "--json"]) == 3
+    return folder / "out"
+
+
+def explained(srgc: Srgc, folder: Path, *options: str) -> dict[str, Any]:
+    ran = srgc("why", folder, "--json", *options)
+    assert (ran.status, ran.err) == (0, "")
+    content = json.loads(ran.out)
+    assert isinstance(content, dict)
+    return content
+
+
+@pytest.fixture(scope="module")
+def found(impossible: Path) -> dict[str, Any]:
+    """The whole explanation, with all runs."""
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        assert run(["why", str(impossible), "--json"]) == 0
+    content = json.loads(text.getvalue())
+    assert isinstance(content, dict)
+    return content
+
+
+def check_place(line: dict[str, Any], text: str) -> None:
+    """A line of the explanation is where the spec says what it is about."""
+    wanted = LINES[line["kind"]]
+    row = text.splitlines()[line["line"] - 1]
+    assert row[line["column"] - 1 :].startswith(wanted)
+
+
+def test_conflicts_and_suggestions(srgc: Srgc, found: dict[str, Any], tmp_path: Path) -> None:
+    (mine,) = [
+        c for c in found["conflicts"] if ["B", "eps", "JO", "eps", "L", "eps", "EN"] in c["robots"]
+    ]
+    assert {line["kind"] for line in mine["lines"]} == {"start", "parameter"}
+    for conflict in found["conflicts"]:
+        for line in conflict["lines"]:
+            check_place(line, SHORT)
+    says = {one["says"]: one for one in found["suggestions"]}
+    # 1.3 is the least number of two digits above 1.25, the least distance.
+    assert "with `L.length` up to 1.3 m" in says
+    assert found["modules"]["line"] == SHORT[: SHORT.index("modules <=")].count("\n") + 1
+    for length, status in (("1.3", 0), ("1.2", 3)):
+        path = tmp_path / f"{length}.srg"
+        path.write_text(replaced(SHORT, "[0.5, 1] m", f"[0.5, {length}] m"), encoding="utf-8")
+        assert srgc("synth", path, "-o", tmp_path / length, "--json").status == status
+
+
+def test_every_suggested_bound_on_modules_is_found(
+    srgc: Srgc, found: dict[str, Any], tmp_path: Path
+) -> None:
+    bounds = [one for one in found["suggestions"] if "modules" in one["says"]]
+    for one in bounds:
+        path = tmp_path / "more.srg"
+        bound = f"modules <= {int(one['value'])}"
+        path.write_text(replaced(SHORT, "modules <= 4", bound), encoding="utf-8")
+        assert srgc("synth", path, "-o", tmp_path / "more", "--json").status == 0
+    assert bounds
+
+
+def test_text_has_excerpts_with_carets(srgc: Srgc, impossible: Path) -> None:
+    ran = srgc("why", impossible, "--no-runs")
+    assert ran.status == 0
+    lines = ran.out.splitlines()
+    place = next(i for i, line in enumerate(lines) if "the range of `L.length`" in line)
+    row, column = (int(part) for part in lines[place].split(":")[1:3])
+    text = SHORT.splitlines()[row - 1]
+    assert lines[place + 1].endswith(text)
+    carets = lines[place + 2].index("^") - lines[place + 1].index(text) + 1
+    assert carets == column == text.index("param") + 1
+    assert "No changes were tried." in ran.out
+    assert "short.srg" in lines[place]
+
+
+def test_the_same_twice(srgc: Srgc, impossible: Path) -> None:
+    first = srgc("why", impossible, "--no-runs").out
+    assert srgc("why", impossible, "--no-runs").out == first
+
+
+def test_time_that_is_too_short(srgc: Srgc, impossible: Path) -> None:
+    ran = srgc("why", impossible, "--time-limit", 1e-9)
+    assert ran.status == 0
+    assert "not all was tried: the time limit was reached" in ran.out
+
+
+def test_synth_ends_with_a_conflict(srgc: Srgc, impossible: Path) -> None:
+    ran = srgc("synth", impossible.parent / "short.srg", "-o", impossible)
+    assert ran.status == 3
+    assert "the range of `L.length`" in ran.out
+    assert f"`srgc why {impossible}`" in ran.out.splitlines()[-1]
+
+
+def test_synth_ends_with_the_reason_where_a_conflict_takes_long(srgc: Srgc, tmp_path: Path) -> None:
+    text = replaced(SHORT, "avoid O with effector;", "avoid O with body;")
+    (tmp_path / "body.srg").write_text(text, encoding="utf-8")
+    ran = srgc("synth", tmp_path / "body.srg", "-o", tmp_path / "out")
+    assert ran.status == 3
+    first, last = ran.out.splitlines()[-2:]
+    assert first.startswith("B eps JO eps L eps EN: no ")
+    assert last == f"`srgc why {tmp_path / 'out'}` says what would make it possible"
+
+
+def test_after_a_time_limit(srgc: Srgc, tmp_path: Path) -> None:
+    (tmp_path / "turn.srg").write_text(TURNER, encoding="utf-8")
+    ran = srgc("synth", tmp_path / "turn.srg", "-o", tmp_path / "out", "--time-limit", 1e-9)
+    assert ran.status == 4
+    assert ran.out.splitlines()[-1].startswith("`srgc why ")
+    found = explained(srgc, tmp_path / "out", "--no-runs")
+    assert (found["verdict"], found["conflicts"], found["runs"]) == ("unknown", [], 0)
+
+
+def test_lines_of_an_included_file(srgc: Srgc, tmp_path: Path) -> None:
+    module = "module L  { role link; param length in [0.5, 1] m; const density = 1 kg/m; }\n"
+    (tmp_path / "parts.srg").write_text("// links\n" + module, encoding="utf-8")
+    main = 'include "parts.srg";\n' + replaced(SHORT, module, "")
+    (tmp_path / "main.srg").write_text(main, encoding="utf-8")
+    assert srgc("synth", tmp_path / "main.srg", "-o", tmp_path / "out").status == 3
+    found = explained(srgc, tmp_path / "out", "--no-runs")
+    lines = [line for conflict in found["conflicts"] for line in conflict["lines"]]
+    parts = {(line["file"], line["line"]) for line in lines if line["kind"] == "parameter"}
+    assert parts == {("parts.srg", 2)}
+
+
+@pytest.mark.slow
+def test_an_effort_that_suffices(srgc: Srgc, tmp_path: Path) -> None:
+    """A torque about a fixed axis: mechanics says how large it must be to turn so far in 2 s."""
+    (tmp_path / "weak.srg").write_text(WEAK, encoding="utf-8")
+    assert srgc("synth", tmp_path / "weak.srg", "-o", tmp_path / "out", "--json").status in (3, 4)
+    found = explained(srgc, tmp_path / "out")
+    (effort,) = [one for one in found["suggestions"] if "effort" in one["says"]]
+    needed = 1 - best_robustness(1.2, 2)
+    assert needed <= effort["value"] <= 1.2 * needed
+    path = tmp_path / "strong.srg"
+    path.write_text(replaced(WEAK, "0.1 N*m", f"{effort['value']} N*m"), encoding="utf-8")
+    assert srgc("synth", path, "-o", tmp_path / "strong", "--json").status == 0
+
+
+# --- folders that cannot be explained ------------------------------------------------------------
+
+
+def test_a_design_needs_no_explanation(srgc: Srgc, tmp_path: Path) -> None:
+    (tmp_path / "turn.srg").write_text(TURNER, encoding="utf-8")
+    assert srgc("synth", tmp_path / "turn.srg", "-o", tmp_path / "out", "--json").status == 0
+    ran = srgc("why", tmp_path / "out")
+    assert (ran.status, ran.out.splitlines()[0]) == (0, "verdict: found")
+    assert "nothing to explain" in ran.out
+
+
+def test_no_results(srgc: Srgc, tmp_path: Path) -> None:
+    assert "is not a folder" in srgc("why", tmp_path / "none").err
+    ran = srgc("why", tmp_path)
+    assert (ran.status, ran.out) == (2, "")
+    assert "no design.json" in ran.err
+
+
+def test_an_altered_spec(srgc: Srgc, impossible: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(impossible, folder)
+    result_files.alter_spec(folder, "reach T;", "reach S;", sign=False)
+    ran = srgc("why", folder)
+    assert (ran.status, ran.out) == (2, "")
+    assert "altered" in ran.err
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"spec": 1, "spec_sha256": 2}', "\x00"])
+def test_results_that_are_none(srgc: Srgc, impossible: Path, tmp_path: Path, content: str) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(impossible, folder)
+    (folder / "design.json").write_text(content, encoding="utf-8")
+    ran = srgc("why", folder)
+    assert (ran.status, ran.out) == (2, "")
+    assert len(ran.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("verdict", "maybe"),
+        ("task", "Other"),
+        ("seed", "x"),
+        ("structures_tried", [{}]),
+        ("structures_tried", [{"verdict": "refuted", "same_robot_as": None, "derivation": ["no"]}]),
+    ],
+)
+def test_fields_that_are_wrong(
+    srgc: Srgc, impossible: Path, tmp_path: Path, key: str, value: object
+) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(impossible, folder)
+    content = result_files.read(folder, "design.json")
+    result_files.write(folder, content | {key: value}, "design.json")
+    ran = srgc("why", folder)
+    assert (ran.status, ran.out) == (2, "")
+    assert "is not what `srgc synth` writes" in ran.err

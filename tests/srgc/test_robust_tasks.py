@@ -1,0 +1,96 @@
+"""Tasks with disturbances, from the specification to the verifier's answer."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.oracles.result_files import alter_spec
+from tests.oracles.small_specs import TURNER
+
+CLAUSES = "robust start 0.2 deg, 0.1 deg/s; robust effort 0.5 %;"
+SHAKEN = TURNER.replace("  horizon", f"  {CLAUSES}\n  horizon")
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run: a link of free length that is shaken and turns by a right angle."""
+    from srgc.cli import run
+
+    folder = tmp_path_factory.mktemp("shaken")
+    (folder / "shaken.srg").write_text(SHAKEN, encoding="utf-8")
+    assert run(["synth", str(folder / "shaken.srg"), "-o", str(folder / "out")]) == 0
+    return folder
+
+
+@pytest.fixture
+def copied(shaken: Path, tmp_path: Path) -> Path:
+    import shutil
+
+    shutil.copytree(shaken / "out", tmp_path / "out")
+    # It names the specification that is about to be altered.
+    (tmp_path / "out" / "design.json").unlink()
+    return tmp_path / "out"
+
+
+def margins(srgc, folder):
+    found = json.loads(srgc("verify", folder, "--json").out)
+    return found, {each["name"]: each["margin"] for each in found["findings"]}
+
+
+def test_found_and_verified(srgc, shaken):
+    ran = srgc("verify", shaken / "out")
+    assert ran.out.startswith("valid: found, level validated\n")
+    assert ran.status == 0
+
+
+def test_margins_are_those_of_disturbed_motions(srgc, copied):
+    """Without disturbances the same design has more of them, but for what is about the plan."""
+    answer, shaky = margins(srgc, copied)
+    assert (answer["outcome"], answer["level"]) == ("valid", "validated")
+    alter_spec(copied, CLAUSES, "", sign=True)
+    _, calm = margins(srgc, copied)
+    assert shaky.keys() == calm.keys()
+    for name in ("target T", "bounds", "range of joint 1"):
+        assert shaky[name] < calm[name]
+    for name in ("start S", "cell path", "effort (N*m)"):
+        assert shaky[name] == pytest.approx(calm[name])
+
+
+def test_larger_disturbances_than_those_proved(srgc, copied):
+    alter_spec(copied, "0.2 deg,", "9 deg,", sign=True)
+    ran = srgc("verify", copied)
+    assert ran.status == 1
+    assert ran.out.startswith("refuted: target T: violated by a disturbed motion at 2 s\n")
+
+
+def test_a_plan_says_that_it_leaves_them_out(srgc, spec):
+    path = spec(SHAKEN)
+    assert srgc("check", path).status == 0
+    ran = srgc("plan", path)
+    assert ran.status == 0
+    assert ran.err == "note: a plan is not about motions: `robust` is left out\n"
+    assert srgc("plan", spec(TURNER)).err == ""
+
+
+@pytest.mark.slow
+def test_too_much_for_any_margin_is_unknown_with_the_reason_and_the_time(srgc, spec, tmp_path):
+    text = SHAKEN.replace("0.2 deg,", "20 deg,").replace("horizon", "modules <= 4;\n  horizon")
+    path = spec(text)
+    ran = srgc("synth", path, "-o", tmp_path / "out")
+    assert ran.status == 4
+    assert "the enclosure of the disturbed motions outgrows the margin of `" in ran.out
+    assert "` at " in ran.out
+
+
+@pytest.mark.slow
+def test_the_example_is_found_and_verified(srgc, made):
+    """Two links that differ, a thick obstacle, and disturbances of a cheap drive."""
+    folder = made("robust_arm") / "out"
+    assert srgc("verify", folder).status == 0
+    lengths = [
+        float(p["value"]) for p in json.loads((folder / "design.json").read_text())["parameters"]
+    ]
+    assert lengths[0] > lengths[1] + 0.1
