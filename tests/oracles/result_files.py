@@ -54,3 +54,14 @@ def alter_spec(folder: Path, old: str, new: str, *, sign: bool) -> None:
     if sign:
         value = spec_digest({path.name: path.read_bytes()})
         alter(folder, lambda c: c.update(spec_sha256=value), sign=True)
+
+
+def without_boxes(folder: Path) -> None:
+    """Leave only the scripts of a claim that all structures are refuted."""
+
+    def leave_out(content: dict[str, Any]) -> None:
+        for structure in content["structures"]:
+            assert structure["evidence"].endswith(".smt2")
+            structure["boxes"] = None
+
+    alter(folder, leave_out, sign=True)

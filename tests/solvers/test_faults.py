@@ -22,11 +22,13 @@ from solvers.backends.conic import Status
 from solvers.execution.process_pool import ProcessPool
 from solvers.execution.workers import WorkersLostError
 from solvers.progress import Conduct
+from solvers.refutation import box_evidence, structure_refutation
 from solvers.synthesis import OUT_OF_TIME, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from srgc.result_folder import ResultFolder
 from tests.oracles.faulty_solvers import CLAIMS, GARBAGE, PLAUSIBLE, RAISED, claims, inject
+from tests.oracles.result_files import without_boxes
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 
 ROOT = Path(__file__).parents[2]
@@ -239,7 +241,17 @@ def test_z3_that_fails_refutes_nothing(
     name: str, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(z3.Solver, "check", z3_fault(name))
+    for room in (structure_refutation, box_evidence):
+        for search in ("box_refutation", "drive_refutation"):
+            monkeypatch.setattr(room, search, lambda *_: None)
     assert verdict(tmp_path, text)[0] == ("unknown" if text == BESIDE else "found")
+
+
+@pytest.mark.parametrize("name", ["raises", "unknown"])
+def test_boxes_need_no_z3(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(z3.Solver, "check", z3_fault(name))
+    assert verdict(tmp_path, BESIDE)[0] == "impossible"
+    assert verify_directory(tmp_path / "out").level == "validated"
 
 
 @pytest.mark.parametrize(
@@ -260,7 +272,9 @@ def test_z3_that_fails_refutes_nothing(
 def test_a_z3_process_that_fails_verifies_nothing(process: str, result, monkeypatch) -> None:
     command = [sys.executable, "-c", f"import os, signal, sys; sys.stdin.read(); {process}"]
     monkeypatch.setattr(solvers.verifier.refutations.z3_process, "z3_command", lambda *_a: command)
-    assert verify_directory(result("beyond_reach"), None, "z3").outcome is not Outcome.VALID
+    folder = result("beyond_reach")
+    without_boxes(folder)
+    assert verify_directory(folder, None, "z3").outcome is not Outcome.VALID
 
 
 # --- the SAT solver ------------------------------------------------------------------------------

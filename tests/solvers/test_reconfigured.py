@@ -8,7 +8,7 @@ import math
 import pytest
 
 from solvers.verifier.verification import Outcome, verify_directory
-from tests.oracles.result_files import alter, alter_spec, read, write
+from tests.oracles.result_files import alter, alter_spec, read, without_boxes, write
 
 TURNER = ["B", "eps", "JO", "eps", "L", "eps", "EN"]
 LENGTH = 1.5
@@ -133,6 +133,9 @@ def test_a_kept_length_makes_it_impossible(result):
         "B eps JO eps EN eps L",
         "B eps JO eps EN eps EN",
     ]
+    assert verify_directory(folder).level == "validated"
+    without_boxes(folder)
+    (folder / "design.json").unlink()
     assert verify_directory(folder).outcome is Outcome.ASSUMING_Z3
     assert verify_directory(folder, trust="z3").outcome is Outcome.VALID
 
@@ -158,8 +161,16 @@ def test_another_order_is_refuted(result):
 )
 def test_the_scripts_are_about_the_fixed_length(result, old, new):
     folder = result("too_short")
+    without_boxes(folder)
     alter_spec(folder, old, new, sign=True)
     assert refused(folder) == "proofs/0000.smt2 is not the script of structure 0"
+
+
+def test_the_boxes_are_about_the_fixed_length(result):
+    """With 1.25 m the hand comes to start and target; with 1.0000001 m it does not either."""
+    folder = result("too_short")
+    alter_spec(folder, "L.length = 1 m", "L.length = 1.25 m", sign=True)
+    assert refused(folder).startswith("proofs/0000.boxes does not refute structure 0")
 
 
 # --- the shipped spec ----------------------------------------------------------------------------

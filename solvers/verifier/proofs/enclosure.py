@@ -212,6 +212,8 @@ def tube(
 ) -> Iterator[TubeSegment]:
     """The validated solutions under inputs held for ``dt`` each, segment by segment.
 
+    A robot that cannot move has a segment per step.
+
     Args:
         field: the equations of motion.
         initial: the states at time 0; a sequence of balls stands for their box.
@@ -227,6 +229,10 @@ def tube(
     """
     if effort is not None and field.input_slopes is None:
         raise ValueError("disturbed inputs need the slopes of the field in its inputs")
+    if not field.size:
+        for k in range(len(inputs)):
+            yield TubeSegment(dt * k, dt, (Fraction(k), Fraction(k + 1)), (), ())
+        return
     states = zonotope(initial if isinstance(initial, InitialSet) else box(initial))
     control = StepControl(float(dt))
     control.learn_degree(states.radii, [arb(0)] * field.size, accuracy.order)
