@@ -26,7 +26,6 @@ from solvers.verifier.claims.formula_agreement import misstated_formula
 from solvers.verifier.claims.outcome import Outcome, Refused
 from solvers.verifier.claims.spec_copy import difference_from, read_copy
 from solvers.verifier.found_check import check_found
-from solvers.verifier.refutations.impossibility_check import check_impossible
 from solvers.verifier.report import Report
 
 __all__ = ["Outcome", "Report", "verify_directory"]
@@ -122,6 +121,9 @@ def _cut(cells: Abstraction, claim: FoundClaim) -> Abstraction:
 def _impossible(
     folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
 ) -> Report:
+    # Not for `found`, whose check should not wait for it.
+    from solvers.verifier.refutations.impossibility_check import check_impossible
+
     found = check_impossible(folder, claim, program, task, trust)
     if isinstance(found, str):
         return Report(Outcome.REFUTED, "impossible", None, found)
