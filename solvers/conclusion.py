@@ -78,7 +78,10 @@ def _all_refuted(
 ) -> tuple[Literal["impossible", "unknown"], str]:
     """Every structure that was tried is refuted: the verdict depends on what bounds them."""
     if task.modules is not None:
-        return "impossible", f"all {tried} structures of at most {task.modules} modules are refuted"
+        within = f"of at most {task.modules} modules"
+        if not tried:
+            return "impossible", f"the family has no robot {within}"
+        return "impossible", f"all {tried} structures {within} are refuted"
     if _complete_within(family, DEFAULT_MODULES):
         return "impossible", f"all {tried} structures of the family are refuted"
     return "unknown", (

@@ -20,6 +20,8 @@ from solvers.explanation.explanation import Nearest, Tried
 from solvers.explanation.posed_task import PosedTask
 from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.claims.spec_copy import read_copy
+from srgc.named_search import named_search
+from srgc.named_solver import named_solver
 from srgc.session import UsageFault
 
 
@@ -38,7 +40,8 @@ def tried_folder(folder: Path) -> TriedFolder:
     """What a result folder says was tried.
 
     Raises:
-        UsageFault: there are no results, or they or the spec have been altered.
+        UsageFault: there are no results, they or the spec have been altered, or they name a solver
+            or a search that is not here.
     """
     if not folder.is_dir():
         raise UsageFault(f"{folder} is not a folder")
@@ -53,7 +56,7 @@ def tried_folder(folder: Path) -> TriedFolder:
         raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
     except CertificateError as error:
         raise UsageFault(f"{folder}: {error}".replace("the certificate", "design.json")) from None
-    except (ValueError, KeyError, TypeError, AttributeError, BadDerivation):
+    except (ArithmeticError, ValueError, KeyError, TypeError, AttributeError, BadDerivation):
         raise UsageFault(f"{path} is not what `srgc synth` writes") from None
 
 
@@ -69,7 +72,10 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
             _refuted(posed, structures),
             _nearest(folder, structures),
         )
-    seed, search, solver = int(content["seed"]), content["search"], content["solver"]
+    seed = int(content["seed"])
+    if seed < 0:
+        raise ValueError(seed)
+    search, solver = named_search(content["search"]), named_solver(content["solver"])
     return TriedFolder(posed, seed, search, solver, tried)
 
 

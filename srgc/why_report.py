@@ -26,7 +26,7 @@ def why_text(found: Explanation, *, colour: bool = False) -> str:
     head = f"verdict: {found.tried.verdict} ({found.tried.reason})"
     conflicts, suggested = conflict_blocks(found, colour=colour), _suggested(found)
     nearest = _nearest(found)
-    unknown = found.tried.verdict == "unknown"
+    unknown = found.tried.verdict == "unknown" and not found.all_refuted
     # Where motions were searched in vain, other robots' conflicts are of less interest.
     told = [*nearest, suggested, *conflicts] if unknown else [*conflicts, suggested]
     blocks = [head, *told]
@@ -99,7 +99,7 @@ def _suggested(found: Explanation) -> str:
     if found.suggestions:
         lines.append("It is possible, as runs have found and proved,")
         lines += [f"  {_suggestion(one)}" for one in found.suggestions]
-    elif found.runs:
+    elif found.runs or (found.most_runs and found.ended is None):
         lines.append("No change of a single line was found that makes it possible.")
     else:
         lines.append("No changes were tried.")

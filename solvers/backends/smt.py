@@ -22,6 +22,7 @@ def solve_script(script: str, *, resources: int = RESOURCES) -> Verdict[None, No
 
     Raises:
         ValueError: the script does not parse, or the budget is not positive.
+        KeyboardInterrupt: the user interrupted z3, which takes the signal for itself meanwhile.
     """
     if resources < 1:
         raise ValueError("a budget is at least one unit")
@@ -40,6 +41,8 @@ def solve_script(script: str, *, resources: int = RESOURCES) -> Verdict[None, No
     if answer == z3.sat:
         return Holds(None)
     reason = solver.reason_unknown()
+    if "interrupted" in reason:
+        raise KeyboardInterrupt
     if "resource" in reason or "canceled" in reason:
         return Unknown(Reason.RESOURCE_LIMIT, f"after {resources} z3 resource units")
     return Unknown(Reason.INCOMPLETE, reason)

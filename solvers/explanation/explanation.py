@@ -30,6 +30,10 @@ MOST_COMPARED = 100
 """So many refuted structures, the last ones, are compared for the foremost one."""
 
 
+MOST_QUICK = 40
+"""So many questions to the refuter are asked for the conflict at the end of a synthesis."""
+
+
 @dataclass(frozen=True, slots=True)
 class Nearest:
     """The robot that came nearest to a design, and what stood in its way.
@@ -57,6 +61,8 @@ class Tried:
 class Explanation:
     """What is known so far; ``ended`` says what kept the rest from being found out.
 
+    ``most_runs`` is how many runs were allowed.
+
     ``bound`` is the line that bounds the modules where a longer robot has poses for the task, with
     an example in ``beyond``.
     """
@@ -69,7 +75,13 @@ class Explanation:
     suggestions: tuple[Suggestion, ...] = ()
     failed: tuple[Change, ...] = ()
     runs: int = 0
+    most_runs: int = 0
     ended: str | None = None
+
+    @property
+    def all_refuted(self) -> bool:
+        """Whether all that was tried is refuted, be the verdict unknown for a bound or a limit."""
+        return bool(self.tried.refuted) and self.tried.nearest is None
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +99,7 @@ def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
     Raises:
         MapFault: a map of obstacles cannot be used.
     """
-    found = Explanation(posed, tried)
+    found = Explanation(posed, tried, most_runs=asked.runs)
     runs = Runs(asked.conduct, asked.runs, asked.tell)
     try:
         _conflicts(found, asked)
@@ -116,15 +128,26 @@ def foremost(posed: PosedTask, refuted: Sequence[tuple[str, ...]]) -> Derivation
 
 
 def quick_conflict(posed: PosedTask, refuted: Derivation | None, conduct: Conduct) -> Explanation:
-    """An explanation with the conflict of one structure, where that is quickly found.
+    """An explanation with the conflict of one structure, where a few questions find it.
 
     Without a structure, start and target are cut off from each other.
     """
     found = Explanation(posed, Tried("impossible", "", ()))
     if refuted is None:
-        _conflicts(found, Asked(conduct, 0))
+        cut = separation_conflict(posed)
+        found.conflicts = Conflicts(() if cut is None else (cut,))
         return found
-    lines = ConflictSearch(posed, conduct, late=False).conflict(refuted)
+    search = ConflictSearch(posed, conduct, late=False)
+
+    def enough() -> None:
+        if search.questions >= MOST_QUICK:
+            raise OutOfTimeError
+
+    search.between = enough
+    try:
+        lines = search.conflict(refuted)
+    except OutOfTimeError:
+        lines = None
     found.conflicts = Conflicts(() if lines is None else (Conflict(lines, (refuted.word,)),))
     return found
 
@@ -135,6 +158,8 @@ def _conflicts(found: Explanation, asked: Asked) -> None:
     if not tried.refuted:
         cut = separation_conflict(posed)
         found.conflicts = Conflicts(() if cut is None else (cut,))
+        if cut is None and tried.verdict == "impossible":
+            _bound(found, asked)
         return
     asked.tell(f"conflicts of {len(tried.refuted)} robots")
     search = ConflictSearch(posed, asked.conduct, asked.conduct.check_time)
@@ -165,7 +190,9 @@ def _suggestions(found: Explanation, asked: Asked, runs: Runs) -> None:
     if not asked.runs:
         return
     search = SuggestionSearch(found.posed, runs)
-    if found.tried.verdict == "impossible":
-        search.after_conflicts(found.conflicts.lines, found.bound)
+    if found.tried.verdict == "impossible" or found.all_refuted:
+        impossible = found.tried.verdict == "impossible"
+        bound = found.bound if impossible else modules_line(found.posed)
+        search.after_conflicts(found.conflicts.lines, bound)
     else:
         search.after_motions(task_lines(found.posed), modules_line(found.posed))

@@ -24,6 +24,9 @@ from solvers.explanation.two_digits import rounded_up
 
 CLOSE = Fraction(11, 10)
 """So near to an effort that was too small it is not looked any nearer."""
+DRIVES = ("effort", "horizon")
+"""Changed first: where these are to blame, there are poses whatever the ranges, and changes of
+ranges would use up the runs."""
 LIMITS = ("joint_range", "joint_rate")
 """Limits of joints are dropped last: real ones cannot be."""
 FURTHER = (1, Fraction(6, 5), Fraction(2))
@@ -49,7 +52,7 @@ class SuggestionSearch:
     def after_conflicts(self, lines: Iterable[TaskLine], bound: TaskLine | None) -> None:
         """Changes of the lines of conflicts, and of the bound on modules."""
         derivations = self.structures(self.posed)
-        for line in lines:
+        for line in sorted(lines, key=lambda line: line.kind not in DRIVES):
             for scale in scales(self.posed, line):
                 if scale.posable:
                     self.posable(scale, derivations)
@@ -62,7 +65,7 @@ class SuggestionSearch:
     def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
         """Changes that may help where there are poses and no motion was found or proved."""
         for line in sorted(lines, key=lambda line: line.kind != "effort"):
-            if line.kind in ("effort", "horizon"):
+            if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
                     self.far(scale)
         for line in lines:

@@ -21,13 +21,13 @@ from compiler.coverings.box_tree import (
 from compiler.coverings.covered_poses import CoveredPoses
 from compiler.coverings.motion_demands import motion_demands
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.refutation.box_growth import Divide
 from solvers.refutation.box_refutation import BoxRefutation
 from solvers.refutation.box_search import Search
 from solvers.verifier.refutations.box_check import PRECISION, why_not
-from solvers.verifier.refutations.drive_reach import DriveReach, drive_reach, out_of_reach
 
 
 @dataclass(frozen=True, slots=True)

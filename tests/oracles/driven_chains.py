@@ -10,10 +10,10 @@ from compiler.coverings.box_tree import LEAF, CoordinateTree, Part
 from compiler.coverings.covered_poses import CoveredPoses
 from compiler.coverings.motion_demands import motion_demands
 from compiler.languages.structures import structures
+from compiler.motion_bounds.drive_reach import DriveBound, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel
 from compiler.semantics.family import family_of
 from grammar_lang import ir
-from solvers.verifier.refutations.drive_reach import DriveBound, drive_reach, out_of_reach
 from tests.oracles.formulas import program
 
 LIMITED = "in [-170, 170] deg"

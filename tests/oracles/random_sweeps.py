@@ -129,20 +129,34 @@ def drives_reach(
         starts = poses(task, word, rng, 20_000)
         row = np.tile(lengths[: len(free)], (len(starts), 1))
         starts = starts[swept(task, figures, word, row, starts).first]
+        within = limits(task)
+        ranges = np.array([within[symbol] for symbol in word if symbol in within])
         for start in starts[:runs]:
             state = np.concatenate([start, np.zeros(len(start))])
             sign, switch = (
                 rng.choice((-1.0, 1.0), len(start)),
                 rng.integers(-3, figures.steps, len(start)),
             )
-            for step in range(figures.steps):
-                u = task.effort * sign * np.where(step < switch, -1.0, 1.0)
-                for _ in range(20):
-                    state = _runge_kutta(arm, state, u, float(figures.dt) / 20)
-            tips, _ = arm.points(state[None, : len(start)])
-            if inside(figures.areas[figures.reach], tips[:, 0])[0]:
+            if _arrives(arm, figures, state, task.effort * sign, switch, ranges):
                 return True
     return False
+
+
+def _arrives(
+    arm: SimulatedArm, figures: Figures, state: Array, u: Array, switch: Array, ranges: Array
+) -> bool:
+    """Whether inputs that change their sign once lead to the target, joints within their ranges."""
+    n = len(ranges)
+    for step in range(figures.steps):
+        for _ in range(20):
+            state = _runge_kutta(
+                arm, state, u * np.where(step < switch, -1.0, 1.0), float(figures.dt) / 20
+            )
+            if np.any((state[:n] < ranges[:, 0]) | (state[:n] > ranges[:, 1])):
+                return False
+    tips, _ = arm.points(state[None, :n])
+    assert figures.reach is not None
+    return bool(inside(figures.areas[figures.reach], tips[:, 0])[0])
 
 
 def _runge_kutta(arm: SimulatedArm, state: Array, u: Array, h: float) -> Array:

@@ -9,9 +9,14 @@ import pytest
 from compiler.languages.structures import derivations_of, structures
 from compiler.semantics.family import family_of
 from grammar_lang.load import load_text
+from solvers.explanation import explanation
+from solvers.explanation.change import Change
 from solvers.explanation.conflict import ConflictSearch, separation_conflict
+from solvers.explanation.explanation import quick_conflict
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import without
+from solvers.explanation.run import Runs
+from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, task_lines
 from solvers.progress import Conduct
 from tests.oracles.small_specs import TURNER, replaced
@@ -129,6 +134,32 @@ def test_no_proper_part_of_a_conflict_is_refuted() -> None:
     parts = [part for n in range(len(found)) for part in combinations(found, n)]
     assert search.refuted(derivation, found)
     assert not any(search.refuted(derivation, part) for part in parts)
+
+
+def test_the_conflict_at_the_end_of_a_synthesis_takes_few_questions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = posed(TWO_HANDS)
+    (derivation,) = structures(family_of(asked.program, asked.task).language, 7)
+    assert quick_conflict(asked, derivation, Conduct()).conflicts.found
+    monkeypatch.setattr(explanation, "MOST_QUICK", 3)
+    assert not quick_conflict(asked, derivation, Conduct()).conflicts.found
+
+
+class Vain(Runs):
+    """Runs that all fail, at once."""
+
+    def run(self, change: Change) -> None:
+        self.failed.append(change)
+
+
+def test_effort_and_horizon_are_changed_before_ranges() -> None:
+    """There may be more changes of ranges than there are runs."""
+    asked = posed(TURNER)
+    runs = Vain(Conduct(), limit=3)
+    lines = [x for x in task_lines(asked) if x.kind in ("parameter", "effort", "horizon")]
+    SuggestionSearch(asked, runs).after_conflicts(lines, None)
+    assert [change.line.kind for change in runs.failed] == ["effort", "horizon", "parameter"]
 
 
 WALLS = """\

@@ -16,11 +16,11 @@ from scipy.integrate import solve_ivp
 from compiler.arithmetic.balls import working_precision
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
+from compiler.specifications.rest import REST_RATE
 from grammar_lang import ir
 from grammar_lang.load import load
 from solvers.verifier.proofs.disturbed_proof import disturbed_start
 from solvers.verifier.proofs.finding import Finding, decisive
-from solvers.verifier.proofs.start_check import REST_RATE
 from solvers.verifier.proofs.trajectory_proof import Motion, Scene, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import box_of, driven_robot
@@ -229,6 +229,23 @@ def test_a_target_that_is_missed() -> None:
         where = scene(ONE, spec(10, f"robust start {radius} rad;", region))
         found = proved(where, (F(3, 10), F(1, 5)), [(F(4, 5),)] * 10, refute=True)
         assert found["target End"].status is status
+
+
+def test_where_the_enclosure_ends_nothing_is_said_to_hold_that_only_the_plan_does() -> None:
+    """An arm that is off by half a radian and half the torque: no tube gets to the end."""
+    clauses = "reach End; avoid Post with body; satisfy always not Post;"
+    wide = "robust start 0.5 rad, 0.5 rad/s; robust effort 50 %;"
+    start, inputs = (F(1, 5), F(7, 10), F(0), F(0)), [(F(2), F(1))] * 8
+    plan = proved(scene(TWO, spec(8, "", clauses=clauses)), start, inputs)
+    found = proved(scene(TWO, spec(8, wide, clauses=clauses)), start, inputs)
+    (ended,) = [each for name, each in found.items() if name == "disturbed motions"]
+    assert ended.time is not None
+    assert 0 < ended.time < 0.8
+    about_the_plan = {"mass matrix positive definite", "start Begin", "start rates"}
+    holding = {name for name, each in found.items() if each.status is Status.HOLDS}
+    assert about_the_plan <= holding <= about_the_plan | {"cell path"}
+    assert found.keys() == plan.keys() | {"disturbed motions"}
+    assert found["target End"].reason.startswith("the enclosure of the disturbed motions ends at ")
 
 
 def test_what_the_plan_fails_is_not_blamed_on_disturbances() -> None:

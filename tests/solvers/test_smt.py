@@ -1,3 +1,6 @@
+import signal
+import threading
+
 import pytest
 
 from compiler.encodings.reachability_smt import refutation_script
@@ -48,6 +51,15 @@ def test_answers_repeat():
 def test_what_is_no_script_is_an_error(text):
     with pytest.raises(ValueError, match="not an SMT-LIB 2 script"):
         solve_script(text)
+
+
+def test_an_interruption_is_no_answer():
+    """z3 takes the signal for itself, and answers "unknown"."""
+    timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        solve_script(HARD, resources=50_000_000)
+    timer.join()
 
 
 def test_a_budget_is_positive():

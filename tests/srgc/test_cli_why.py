@@ -179,6 +179,46 @@ def test_an_effort_that_suffices(srgc: Srgc, tmp_path: Path) -> None:
     assert srgc("synth", path, "-o", tmp_path / "strong", "--json").status == 0
 
 
+def test_a_family_without_robots_within_the_bound(srgc: Srgc, tmp_path: Path) -> None:
+    text = replaced(TURNER, "effort <= 10 N*m;", "effort <= 10 N*m; modules <= 2;")
+    (tmp_path / "few.srg").write_text(text, encoding="utf-8")
+    ran = srgc("synth", tmp_path / "few.srg", "-o", tmp_path / "out")
+    assert ran.status == 3
+    assert ran.out.startswith("verdict: impossible (the family has no robot of at most 2 modules)")
+    found = explained(srgc, tmp_path / "out")
+    assert found["modules"]["kind"] == "modules"
+    assert [one["says"] for one in found["suggestions"]] == ["with `modules <= 4`"]
+
+
+def test_refuted_up_to_the_default_bound_is_explained_like_impossible(
+    srgc: Srgc, tmp_path: Path
+) -> None:
+    text = replaced(
+        replaced(SHORT, " modules <= 4;", ""),
+        "accept contains EN and starts with B eps JO;",
+        "accept matches B eps JO eps L (eps EN)+;",
+    )
+    (tmp_path / "endless.srg").write_text(text, encoding="utf-8")
+    assert srgc("synth", tmp_path / "endless.srg", "-o", tmp_path / "out", "--json").status == 4
+    found = explained(srgc, tmp_path / "out")
+    assert "with `L.length` up to 1.3 m" in {one["says"] for one in found["suggestions"]}
+    text = srgc("why", tmp_path / "out", "--no-runs").out
+    assert text.index("rule out") < text.index("No changes were tried.")
+
+
+def test_no_change_has_poses(srgc: Srgc, tmp_path: Path) -> None:
+    """One link that turns is at one distance only, whatever its length."""
+    text = replaced(
+        replaced(TURNER, "x [1.2, 1.9] m;", "x [2.3, 2.9] m;"),
+        "accept contains EN and starts with B eps JO;",
+        "accept matches B eps JO eps L eps EN;",
+    )
+    (tmp_path / "radii.srg").write_text(text, encoding="utf-8")
+    assert srgc("synth", tmp_path / "radii.srg", "-o", tmp_path / "out", "--json").status == 3
+    ran = srgc("why", tmp_path / "out")
+    assert ran.out.endswith("\nNo change of a single line was found that makes it possible.\n")
+
+
 # --- folders that cannot be explained ------------------------------------------------------------
 
 
@@ -222,6 +262,8 @@ def test_results_that_are_none(srgc: Srgc, impossible: Path, tmp_path: Path, con
         ("verdict", "maybe"),
         ("task", "Other"),
         ("seed", "x"),
+        ("seed", -1),
+        ("seed", float("inf")),
         ("structures_tried", [{}]),
         ("structures_tried", [{"verdict": "refuted", "same_robot_as": None, "derivation": ["no"]}]),
     ],
@@ -236,3 +278,16 @@ def test_fields_that_are_wrong(
     ran = srgc("why", folder)
     assert (ran.status, ran.out) == (2, "")
     assert "is not what `srgc synth` writes" in ran.err
+
+
+@pytest.mark.parametrize("key", ["search", "solver"])
+def test_a_search_or_solver_that_is_not_here(
+    srgc: Srgc, impossible: Path, tmp_path: Path, key: str
+) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(impossible, folder)
+    content = result_files.read(folder, "design.json")
+    result_files.write(folder, content | {key: "none-such"}, "design.json")
+    ran = srgc("why", folder, "--no-runs")
+    assert (ran.status, ran.out) == (2, "")
+    assert "`none-such`" in ran.err

@@ -32,7 +32,7 @@ def disturbed_findings(
 ) -> tuple[Finding, ...]:
     """The findings on the planned motion, replaced by those on all disturbed ones.
 
-    Where the tube ends early, what it says nothing about is not decided.
+    Where the tube ends early, what has to hold until the end is not decided.
     """
     robust = scene.task.robust or ir.Robust()
     with working_precision(accuracy.bits):
@@ -43,14 +43,34 @@ def disturbed_findings(
         found = followed.so_far() if followed.ended else followed.findings()
     told = [_told(each) for each in found]
     if followed.ended:
-        ended = Finding(
-            "disturbed motions", Status.UNDECIDED, -NO_MARGIN, "", followed.time,
-            why="the enclosure of the disturbed motions ends",
-        )  # fmt: skip
-        told = [*(each for each in told if each.status is not Status.HOLDS), ended]
+        told = _cut_short(scene, planned, told, followed.time)
     # Two conditions may have the same name: all of either kind go together.
     names = {each.name for each in told}
     return (*(each for each in planned if each.name not in names), *told)
+
+
+def _cut_short(
+    scene: Scene, planned: Sequence[Finding], told: Sequence[Finding], time: float
+) -> list[Finding]:
+    """What is not proved by a tube that ends early; ``told`` is what it shows up to there."""
+    ended = Finding(
+        "disturbed motions", Status.UNDECIDED, -NO_MARGIN, "", time,
+        why="the enclosure of the disturbed motions ends",
+    )  # fmt: skip
+    known = [each for each in told if each.status is not Status.HOLDS]
+    about = {each.name for each in told} | {_target(scene), "rest at the end"}
+    rest = [
+        replace(ended, name=each.name, margin=NO_MARGIN, unit=each.unit)
+        for each in planned
+        if (each.name in about or each.clause is not None)
+        and each.name not in {item.name for item in known}
+    ]
+    return [*known, ended, *rest]
+
+
+def _target(scene: Scene) -> str | None:
+    reach = scene.task.reach
+    return None if reach is None else f"target {reach.region}"
 
 
 def with_counterexample(
@@ -64,10 +84,11 @@ def with_counterexample(
     worst = decisive(findings)
     if worst is None or worst.status is Status.FAILS:
         return findings
-    reach = scene.task.reach
-    target = None if reach is None else f"target {reach.region}"
+    target = _target(scene)
     for each in findings:
-        if each.status is Status.UNDECIDED or each.name == target:
+        # What has no margin is open because the tube ends, not because it is nearly violated.
+        lost = each.status is Status.UNDECIDED and each.margin < NO_MARGIN
+        if lost or each.name == target:
             found = counterexample(scene, motion, each.name, disturbed_radii(scene), accuracy, tick)
             if found is not None:
                 return tuple(found if item is each else item for item in findings)

@@ -11,13 +11,11 @@ from compiler.arithmetic.balls import BallArithmetic, ball, closed_ball, scalar_
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.dynamics.tape import tape
 from compiler.robots.robot import RobotModel, amounts_of
+from compiler.specifications.rest import REST_RATE
 from grammar_lang import ir
 from solvers.verifier.proofs.finding import NO_MARGIN, Finding, inside, least
 from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.tube_checks import Status
-
-REST_RATE = Fraction(1, 1000)
-"""``reach ... at rest``: all rates below this, in SI units."""
 
 
 def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) -> Finding:

@@ -24,6 +24,8 @@ stay in is computed a second time, and closer."""
 LEAST_EXCESS = 1e-30
 LONGEST = 1e9
 """Seconds; where no coefficient says how long a segment may be."""
+SPARSE = 1e-9
+"""Coefficients so much smaller than their neighbours are those of a series without such powers."""
 LEAST_ORDER = 4
 WORK = 17.0, 0.9, 0.1
 """The work of a segment by its order k: constant, times k, times k^2 (series products)."""
@@ -91,13 +93,29 @@ def good_length(rates: Sequence[Sequence[arb]], tolerance: float) -> float:
     """
     lengths = [LONGEST]
     for entry in rates:
-        order = len(entry) - 1
-        sizes = [abs(float(c)) for c in entry[-3:]]
-        if order >= 2 and sizes[2] > 0 and sizes[0] > 0:
-            ratio = max((sizes[2] / sizes[0]) ** 0.5, sizes[2] / sizes[1] if sizes[1] else 0.0)
-            largest = sizes[2] * ratio * (order + 1)
-            lengths.append((tolerance / largest) ** (1 / (order + 1)))
+        order, left_out = len(entry) - 1, _left_out([abs(float(c)) for c in entry[-4:]])
+        if left_out > 0:
+            lengths.append((tolerance / (left_out * (order + 1))) ** (1 / (order + 1)))
     return min(lengths)
+
+
+def _left_out(sizes: Sequence[float]) -> float:
+    """About the first coefficient that is left out, by the last ones; 0 where they do not tell.
+
+    Of a motion from rest every other one is zero but for rounding, and tells nothing.
+    """
+    if len(sizes) < 3:
+        return 0.0
+    before, middle, last = sizes[-3:]
+    if max(before, last) <= SPARSE * middle:
+        before = sizes[0] if len(sizes) > 3 else 0.0
+        return middle * middle / before if before > 0 else 0.0
+    if not (last > 0 and before > 0):
+        return 0.0
+    ratio: float = (last / before) ** 0.5
+    if middle > SPARSE * (last * before) ** 0.5:
+        ratio = max(ratio, last / middle)
+    return last * ratio
 
 
 @dataclass(slots=True)

@@ -15,7 +15,7 @@ from compiler.specifications.task_formula import missing_effector
 from solvers.verifier.proofs.cell_path import cell_path
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
 from solvers.verifier.proofs.enclosure import Accuracy
-from solvers.verifier.proofs.finding import Finding, decisive
+from solvers.verifier.proofs.finding import NO_MARGIN, Finding, decisive
 from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.scene import Motion, Scene, scene_of
 from solvers.verifier.proofs.start_check import positive_mass, start_findings, unphysical
@@ -25,6 +25,8 @@ from solvers.verifier.proofs.tube_proof import driven_robot, follow
 __all__ = ["ACCURACIES", "Motion", "Scene", "prove_motion", "scene_of"]
 
 ACCURACIES = (Accuracy(10, 96, 1e-10), Accuracy(14, 128, 1e-15), Accuracy(20, 192, 1e-24))
+ENDED = "enclosure of the motion"
+"""The condition that is open where a tube ends before the motion does."""
 
 
 def prove_motion(
@@ -59,20 +61,28 @@ def prove_motion(
 
 
 def _planned(scene: Scene, motion: Motion, tick: Callable[[], None]) -> tuple[Finding, ...]:
-    """The conditions on the planned motion."""
+    """The conditions on the planned motion; where none decides, from the tube that got farthest."""
     decided: tuple[Finding, ...] | None = None
-    findings: tuple[Finding, ...] = ()
+    farthest: tuple[Finding, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
             findings = _findings(scene, motion, accuracy, tick)
         if any(finding.status is Status.UNDECIDED for finding in findings):
+            farthest = max(findings, farthest, key=_end)
             continue
         decided = findings
         # What fails stays so: only margins of what holds are worth another run.
         failed = any(finding.status is Status.FAILS for finding in findings)
         if failed or not any(finding.loose for finding in findings):
             break
-    return findings if decided is None else decided
+    return farthest if decided is None else decided
+
+
+def _end(findings: tuple[Finding, ...]) -> float:
+    """The time up to which a tube has got; infinite for a complete one."""
+    if not findings:
+        return -NO_MARGIN
+    return next((f.time or 0.0 for f in findings if f.name == ENDED), NO_MARGIN)
 
 
 def _findings(
@@ -86,7 +96,11 @@ def _findings(
         return tuple(found)
     followed = follow(robot, InitialSet(robot.state), None, accuracy, tick)
     if followed.ended:
-        return (*found, Finding(followed.ended, Status.UNDECIDED, 0.0, "m"))
+        # What is violated before the tube ends stays so, whatever comes after.
+        failed = [each for each in followed.so_far() if each.status is Status.FAILS]
+        why = f"the {ENDED} ends"
+        ended = Finding(ENDED, Status.UNDECIDED, NO_MARGIN, "", followed.time, why=why)
+        return (*found, *(failed or [ended]))
     # Whose path a formula is about, and that it holds, is proved without the path.
     following = None if scene.task.satisfy else motion.effector
     path = cell_path(

@@ -17,9 +17,9 @@ from compiler.coverings.box_tree import (
 )
 from compiler.coverings.covered_poses import Cover, CoveredPoses
 from compiler.coverings.motion_demands import Passage, motion_demands
+from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from solvers.verifier.refutations.drive_reach import DriveReach, drive_reach, out_of_reach
 
 PRECISION = 64
 

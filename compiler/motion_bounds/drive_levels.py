@@ -18,8 +18,8 @@ from itertools import pairwise
 
 from flint import arb
 
-from solvers.verifier.refutations.drive_budget import Budget
-from solvers.verifier.refutations.drive_readings import Reading
+from compiler.motion_bounds.drive_budget import Budget
+from compiler.motion_bounds.drive_readings import Reading
 
 LEVELS = 24
 """Parts of the way between two values."""

@@ -11,15 +11,15 @@ from flint import arb
 
 from compiler.arithmetic.balls import ball
 from compiler.definiteness.interval_reading import Ends, around
-from solvers.verifier.refutations.drive_budget import Ramp, RateBounds, budget
-from solvers.verifier.refutations.drive_metric import (
+from compiler.motion_bounds.drive_budget import Ramp, RateBounds, budget
+from compiler.motion_bounds.drive_metric import (
     EffortGroup,
     EnclosedMass,
     kinetic_speed,
     metric,
     most_power,
 )
-from solvers.verifier.refutations.drive_touching import Neighbourhood
+from compiler.motion_bounds.drive_touching import Neighbourhood
 
 
 def enclosed(matrix, radius=0.0):

@@ -15,7 +15,7 @@ and these are the next R.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,12 +23,13 @@ from flint import arb
 
 from compiler.coverings.leaf_box import LeafBox
 from compiler.definiteness.interval_reading import Ends
-from solvers.verifier.refutations.drive_budget import Budget, Ramp, RateBounds, budget
-from solvers.verifier.refutations.drive_levels import largest, least
-from solvers.verifier.refutations.drive_measures import CoordinateMeasure, HeightMeasure, Measure
-from solvers.verifier.refutations.drive_momentum import Momentum, MomentumMeasure
-from solvers.verifier.refutations.drive_readings import Course, Reading
-from solvers.verifier.refutations.drive_touching import Flags, Neighbourhood
+from compiler.motion_bounds.drive_budget import Budget, Ramp, RateBounds, budget
+from compiler.motion_bounds.drive_climb import OneWay, Side, climb
+from compiler.motion_bounds.drive_levels import largest, least
+from compiler.motion_bounds.drive_measures import CoordinateMeasure, HeightMeasure, Measure
+from compiler.motion_bounds.drive_momentum import Momentum, MomentumMeasure
+from compiler.motion_bounds.drive_readings import Course, Reading
+from compiler.motion_bounds.drive_touching import Flags, Neighbourhood
 
 ZERO = arb(0)
 
@@ -38,15 +39,15 @@ class Limits:
     """What the task says of the motion: T (s), and the sizes of the joints' rates in SI.
 
     ``last_rate`` at the goal is None where nothing is said, or forces are not known backwards;
-    ``power`` (W) of all inputs, where not all rates have limits.  ``push`` bounds the input of the
-    joint whose momentum is measured, None where there is none without friction.
+    ``power`` (W) of all inputs, where not all rates have limits.  ``pushes`` bound the inputs of
+    joints whose momentum is measured, where friction has no part in it.
     """
 
     time: arb
     first_rate: arb
     last_rate: arb | None
     power: arb | None
-    push: arb | None
+    pushes: Mapping[int, arb]
 
 
 @dataclass(slots=True, eq=False)
@@ -123,12 +124,18 @@ class Region:
         kept = self.within.copy()
         reaches = [self.change(number, found) for number in range(len(self.measures))]
         ways = [_Ways(self, number) for number in range(len(self.measures))]
+        lines = {number: self.one_way(number) for number in range(len(self.measures))}
+        known = {number: line for number, line in lines.items() if line is not None}
         for box, reading in enumerate(self.readings):
             if not kept[box]:
                 continue
             kept[box] = not (found is not None and reading.potential.low > found.energy) and all(
                 reach is None or not way.least(reading.courses[way.number]) > reach
                 for way, reach in zip(ways, reaches, strict=True)
+            )
+            kept[box] &= all(
+                line.admits(reading.courses[number].low, reading.courses[number].high)
+                for number, line in known.items()
             )
         kept = self._joined(kept)
         smaller = bool((kept != self.within).any())
@@ -169,8 +176,9 @@ class Region:
 
     def change(self, number: int, found: Budget | None) -> arb | None:
         """How much a measure can change in all."""
-        if isinstance(self.measures[number], MomentumMeasure):
-            return self._drift()
+        measure = self.measures[number]
+        if isinstance(measure, MomentumMeasure):
+            return self._drift(measure.cyclic)
         courses = [reading.courses[number] for reading in self.inside]
         speed = largest([course.speed for course in courses])
         by_rates = None if speed is None else (speed * self.limits.time).upper()
@@ -180,21 +188,47 @@ class Region:
         by_length = (steepness * found.length).upper()
         return by_length if by_rates is None else by_length.min(by_rates)
 
-    def _drift(self) -> arb | None:
+    def one_way(self, number: int) -> OneWay | None:
+        """How far momentum brings a measure up, and down; None on circles, or if not known."""
+        measure = self.measures[number]
+        if measure.circle or not isinstance(measure, MomentumMeasure):
+            return None
+        found = self._momentum(measure.cyclic)
+        if found is None:
+            return None
+        push, pull = self.limits.pushes[measure.cyclic], found.inside.pull
+        rises, falls = push - pull.low, push + pull.high
+        ways = [
+            climb(
+                Side(found.first, growth.upper()),
+                None if found.last is None else Side(found.last, back.upper()),
+                self.limits.time,
+            )
+            for growth, back in ((rises, falls), (falls, rises))
+        ]
+        up, down = ((way / found.inside.inertia).upper() for way in ways)
+        return OneWay(self.ends(number, start=True), self.ends(number, start=False), up, down)
+
+    def _drift(self, cyclic: int) -> arb | None:
         """How much momentum can change its measure."""
-        if self.limits.push is None:
+        found = self._momentum(cyclic)
+        if found is None:
             return None
-        inside, last = together(self.inside), self.limits.last_rate
-        first, goals = together(self.sources), together(self.goals)
-        if inside is None or first is None or goals is None:
+        growth = found.inside.most_pull + self.limits.pushes[cyclic]
+        ramp = Ramp(found.first, growth.upper(), found.last)
+        return (ramp.integral(self.limits.time) / found.inside.inertia).upper()
+
+    def _momentum(self, cyclic: int) -> _Momenta | None:
+        """What is known of the momentum of a coordinate; None where its drive is not."""
+        inside, last = together(self.inside, cyclic), self.limits.last_rate
+        first, goals = together(self.sources, cyclic), together(self.goals, cyclic)
+        if cyclic not in self.limits.pushes or inside is None or first is None or goals is None:
             return None
-        growth, inertia = inside.pull + self.limits.push, inside.inertia
-        ramp = Ramp(
+        return _Momenta(
+            inside,
             (first.unit * self.limits.first_rate).upper(),
-            growth.upper(),
             None if last is None else (goals.unit * last).upper(),
         )
-        return (ramp.integral(self.limits.time) / inertia).upper()
 
     def _kinetic(self, readings: Sequence[Reading], rate: arb) -> arb | None:
         """The kinetic speed where all rates are at most ``rate``."""
@@ -208,6 +242,15 @@ class Region:
 
     def _of(self, flags: Flags) -> list[Reading]:
         return [reading for reading, flag in zip(self.readings, flags, strict=True) if flag]
+
+
+@dataclass(frozen=True, slots=True)
+class _Momenta:
+    """Of a momentum: what holds on all boxes, its size at the start, and at the end if known."""
+
+    inside: Momentum
+    first: arb
+    last: arb | None
 
 
 class _Ways:
@@ -248,14 +291,14 @@ def _apart(side: Ends, span: Ends, shift: arb) -> arb:
     return ahead.max(behind).max(ZERO).lower()
 
 
-def together(readings: Sequence[Reading]) -> Momentum | None:
-    """What holds of the momentum on all of some boxes."""
-    found = [reading.momentum for reading in readings if reading.momentum is not None]
+def together(readings: Sequence[Reading], cyclic: int) -> Momentum | None:
+    """What holds of a momentum on all of some boxes."""
+    found = [item for reading in readings if (item := reading.momenta.get(cyclic)) is not None]
     units = largest([item.unit for item in found])
-    pulls = largest([item.pull for item in found])
-    if len(found) < len(readings) or units is None or pulls is None:
+    if len(found) < len(readings) or units is None:
         return None
-    return Momentum(least([item.inertia for item in found]), units, pulls)
+    low, high = least([item.pull.low for item in found]), -least([-i.pull.high for i in found])
+    return Momentum(least([item.inertia for item in found]), units, Ends(low, high))
 
 
 def _energy(readings: Sequence[Reading], speed: arb, lowest: arb) -> arb:

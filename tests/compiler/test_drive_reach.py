@@ -10,7 +10,7 @@ from flint import arb
 from compiler.coverings.box_tree import Part
 from compiler.coverings.leaf_box import LeafBox
 from compiler.coverings.motion_demands import motion_demands
-from solvers.verifier.refutations.drive_reach import drive_reach, out_of_reach
+from compiler.motion_bounds.drive_reach import drive_reach, out_of_reach
 from tests.oracles.driven_chains import (
     LIMITED,
     Segment,

@@ -16,9 +16,9 @@ from flint import arb
 from compiler.arithmetic.balls import ball
 from compiler.coverings.motion_demands import Passage, PointIn
 from compiler.geometry.polytope import Polytope
+from compiler.motion_bounds.drive_momentum import MomentumMeasure
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from solvers.verifier.refutations.drive_momentum import MomentumMeasure
 
 GRID = 4096
 """Directions are rounded to multiples of 1 / GRID: any direction is right."""

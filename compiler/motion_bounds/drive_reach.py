@@ -23,23 +23,23 @@ from compiler.coverings.motion_demands import GivenPose, Passage
 from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import EnergyGraph, energy_graph
 from compiler.geometry.polytope import polytope_of
-from compiler.robots.input_bounds import input_bounds, unbounded_kinds
-from compiler.robots.robot import RobotDof, RobotModel
-from compiler.robots.state_and_input import robot_inputs
-from grammar_lang import ir
-from solvers.verifier.proofs.start_check import REST_RATE
-from solvers.verifier.refutations.drive_budget import Budget
-from solvers.verifier.refutations.drive_levels import least, needed
-from solvers.verifier.refutations.drive_measures import (
+from compiler.motion_bounds.drive_budget import Budget
+from compiler.motion_bounds.drive_levels import least, needed
+from compiler.motion_bounds.drive_measures import (
     HeightMeasure,
     Measure,
     coordinate_measures,
     height_measures,
 )
-from solvers.verifier.refutations.drive_metric import EffortGroup, most_power
-from solvers.verifier.refutations.drive_momentum import MomentumMeasure, momentum_measure
-from solvers.verifier.refutations.drive_readings import BoxReader
-from solvers.verifier.refutations.drive_region import Limits, Region
+from compiler.motion_bounds.drive_metric import EffortGroup, most_power
+from compiler.motion_bounds.drive_momentum import MomentumMeasure, momentum_measures
+from compiler.motion_bounds.drive_readings import BoxReader
+from compiler.motion_bounds.drive_region import Limits, Region
+from compiler.robots.input_bounds import input_bounds, unbounded_kinds
+from compiler.robots.robot import RobotDof, RobotModel
+from compiler.robots.state_and_input import robot_inputs
+from compiler.specifications.rest import REST_RATE
+from grammar_lang import ir
 
 ROUNDS = 12
 """So often at most the set of boxes is made smaller."""
@@ -133,8 +133,7 @@ def _region(
         *height_measures(passage, bounds, model.dimension),
     ]
     turned = _turned(drive, tail, leaves)
-    if turned is not None:
-        measures.append(turned)
+    measures += turned
     reader = BoxReader(
         drive.graph,
         tail,
@@ -155,7 +154,7 @@ def _region(
         ball(task.start.rates if isinstance(task.start, ir.StartIn) else Fraction(0)),
         ball(REST_RATE) if rests and backwards else None,
         None if drive.groups is None else most_power(drive.groups, drive.rates),
-        None if turned is None else _push(drive, damping, turned.cyclic),
+        _pushes(drive, damping, turned),
     )
     readings = [reader.read(leaf.coordinates) for leaf in leaves]
     return Region(measures, limits, leaves, readings, given)
@@ -163,22 +162,28 @@ def _region(
 
 def _turned(
     drive: DriveReach, tail: Sequence[Ends], leaves: Sequence[LeafBox]
-) -> MomentumMeasure | None:
+) -> list[MomentumMeasure]:
     """What only the drive of one joint can change, where there is such a thing."""
     if drive.groups is None or not leaves:
-        return None
+        return []
     hulls = [leaves[0].coordinates[i] for i in range(len(drive.model.dofs))]
     for leaf in leaves[1:]:
         hulls = [hull.union(side) for hull, side in zip(hulls, leaf.coordinates, strict=True)]
     near = 2 * ball(NEAR) * arb(0, 1)
-    return momentum_measure(drive.model, drive.graph, tail, [hull + near for hull in hulls])
+    return momentum_measures(drive.model, drive.graph, tail, [hull + near for hull in hulls])
 
 
-def _push(drive: DriveReach, damping: Sequence[Ends], joint: int) -> arb | None:
-    """The bound of the input of a joint without friction."""
-    if not (damping[joint].low.is_zero() and damping[joint].high.is_zero()):
-        return None
-    return next((group.bound for group in drive.groups or () if joint in group.joints), None)
+def _pushes(
+    drive: DriveReach, damping: Sequence[Ends], measures: Sequence[MomentumMeasure]
+) -> dict[int, arb]:
+    """The bounds of the inputs of joints without friction, or whose friction brakes no other."""
+    bounds = {joint: group.bound for group in drive.groups or () for joint in group.joints}
+    return {
+        joint: bounds[joint]
+        for measure in measures
+        for joint in [measure.cyclic]
+        if measure.shape is None or (damping[joint].low.is_zero() and damping[joint].high.is_zero())
+    }
 
 
 def _damping(drive: DriveReach, tail: Sequence[Ends]) -> list[Ends]:
@@ -224,10 +229,9 @@ def _change(drive: DriveReach, region: Region, budget: Budget | None) -> DriveBo
     """A measure has to change by more than it can."""
     for number, measure in enumerate(region.measures):
         if isinstance(measure, MomentumMeasure):
-            turn, turned = region.least_way(number), region.change(number, budget)
-            if turned is not None and turn > turned:
-                name = f"{measure.name}, apart from what the other joint does,"
-                return _too_far(name, float(turn), float(turned), measure.unit)
+            found = _unturned(region, number, measure)
+            if found is not None:
+                return found
             continue
         if measure.circle:
             continue
@@ -243,6 +247,24 @@ def _change(drive: DriveReach, region: Region, budget: Budget | None) -> DriveBo
             return _too_far(measure.name, way, has, measure.unit)
         if takes.time > region.limits.time:
             return _too_slow(drive, measure.name, float(takes.time))
+    return None
+
+
+def _unturned(region: Region, number: int, measure: MomentumMeasure) -> DriveBound | None:
+    """Momentum does not change its measure by enough."""
+    name = measure.name
+    if measure.shape is not None:
+        name += ", apart from what the other joint does,"
+    ways = [(region.least_way(number), region.change(number, None))]
+    line = region.one_way(number)
+    if line is not None:
+        ways += [
+            (line.goal.low - line.start.high, line.up),
+            (line.start.low - line.goal.high, line.down),
+        ]
+    for way, has in ways:
+        if has is not None and way > has:
+            return _too_far(name, float(way), float(has), measure.unit)
     return None
 
 

@@ -6,7 +6,7 @@ sides of those.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from flint import arb, fmpz
@@ -14,15 +14,15 @@ from flint import arb, fmpz
 from compiler.arithmetic.balls import ball
 from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import EnergyGraph
-from solvers.verifier.refutations.drive_measures import CoordinateMeasure, HeightMeasure, Measure
-from solvers.verifier.refutations.drive_metric import (
+from compiler.motion_bounds.drive_measures import CoordinateMeasure, HeightMeasure, Measure
+from compiler.motion_bounds.drive_metric import (
     EffortGroup,
     EnclosedMass,
     Metric,
     kinetic_speed,
     metric,
 )
-from solvers.verifier.refutations.drive_momentum import Momentum, MomentumMeasure, momentum_of
+from compiler.motion_bounds.drive_momentum import Momentum, MomentumMeasure, momentum_of
 
 ZERO = arb(0)
 
@@ -47,6 +47,7 @@ class Reading:
 
     ``inputs`` of ||u||, ``net`` of ||u - g|| (both in M^-1), ``unit_speed`` of the kinetic speed at
     rates up to one, ``rate_speed`` at rates that the joints may have.  None: nothing is known.
+    ``momenta`` by the coordinates that have one, where it is known.
     """
 
     courses: tuple[Course, ...]
@@ -55,7 +56,7 @@ class Reading:
     net: arb | None
     unit_speed: arb | None
     rate_speed: arb | None
-    momentum: Momentum | None
+    momenta: Mapping[int, Momentum]
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,14 +108,16 @@ class BoxReader:
             net,
             inertia.unit_speed,
             inertia.rate_speed,
-            self._momentum(inertia, pull),
+            self._momenta(inertia, pull),
         )
 
-    def _momentum(self, inertia: _Inertia, pull: Sequence[Ends]) -> Momentum | None:
-        found = [item for item in self.measures if isinstance(item, MomentumMeasure)]
-        if not found or inertia.metric is None:
-            return None
-        return momentum_of(found[0].cyclic, inertia.mass, pull)
+    def _momenta(self, inertia: _Inertia, pull: Sequence[Ends]) -> dict[int, Momentum]:
+        if inertia.metric is None:
+            return {}
+        cyclic = [item.cyclic for item in self.measures if isinstance(item, MomentumMeasure)]
+        size = len(self.rates)
+        found = ((joint, momentum_of(joint, size, inertia.mass, pull)) for joint in cyclic)
+        return {joint: momentum for joint, momentum in found if momentum is not None}
 
     def _inertia(self, box: Sequence[arb], sides: list[Ends]) -> _Inertia:
         if self.groups is None:

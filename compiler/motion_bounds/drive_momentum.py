@@ -13,6 +13,9 @@ Only the drive of c moves xi, whatever the other one does: of an arm, how far it
 the turning that comes from folding and unfolding.  F is a function where s has a range: on a full
 turn it may be that folding all the way round turns the arm.
 
+A coordinate that M does not couple to any other one, of however many, has F = 0.  Friction at c
+then only brakes xi.
+
 Source: Goldstein, *Classical Mechanics*, section 2.6 (cyclic coordinates).
 """
 
@@ -24,7 +27,7 @@ from itertools import pairwise
 
 from flint import arb
 
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic
+from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import EnergyGraph
 from compiler.robots.robot import RobotModel
 
@@ -36,11 +39,11 @@ CELLS = 128
 class MomentumMeasure:
     """xi; ``edges`` of the cells of q_s (exact), F at each edge, and F' on each cell.
 
-    A ``circle`` where full turns of c lead back.
+    A ``circle`` where full turns of c lead back.  ``shape`` is None where xi is q_c.
     """
 
     cyclic: int
-    shape: int
+    shape: int | None
     unit: str
     circle: bool
     edges: tuple[arb, ...]
@@ -54,6 +57,8 @@ class MomentumMeasure:
 
     def over(self, box: Sequence[Ends]) -> Ends:
         """The values of xi on a box."""
+        if self.shape is None:
+            return box[self.cyclic]
         side, found = box[self.shape], None
         for first, last, value, slope in zip(
             self.edges, self.edges[1:], self.values, self.slopes, strict=False
@@ -71,28 +76,34 @@ class MomentumMeasure:
 
 @dataclass(frozen=True, slots=True)
 class Momentum:
-    """On a box: M_cc at least, |p| at rates up to one at most, and |g_c| at most."""
+    """On a box: M_cc at least, |p| at rates up to one at most, and the ends of g_c."""
 
     inertia: arb
     unit: arb
-    pull: arb
+    pull: Ends
+
+    @property
+    def most_pull(self) -> arb:
+        """|g_c| at most."""
+        return abs(self.pull.ball()).upper()
 
 
-def momentum_of(cyclic: int, mass: Sequence[Ends], pull: Sequence[Ends]) -> Momentum | None:
+def momentum_of(
+    cyclic: int, size: int, mass: Sequence[Ends], pull: Sequence[Ends]
+) -> Momentum | None:
     """What M and g say of a box; None where M_cc is not shown to be positive."""
-    size = 2
     row = [mass[j * size + cyclic] for j in range(size)]
     weight = Ends(arb(0), arb(0)) if not pull else pull[cyclic]
     if not (row[cyclic].low > 0 and all(item.finite for item in (*row, weight))):
         return None
     unit = sum((abs(item.ball()).upper() for item in row), arb(0)).upper()
-    return Momentum(row[cyclic].low, unit, abs(weight.ball()).upper())
+    return Momentum(row[cyclic].low, unit, weight)
 
 
-def momentum_measure(
+def momentum_measures(
     model: RobotModel, graph: EnergyGraph, tail: Sequence[Ends], sides: Sequence[arb]
-) -> MomentumMeasure | None:
-    """The measure xi of a robot, where it has one.
+) -> list[MomentumMeasure]:
+    """The measures xi of a robot, one for each coordinate that has one.
 
     Args:
         model: the robot.
@@ -100,10 +111,43 @@ def momentum_measure(
         tail: the parameters and the constants of the graph.
         sides: balls around all coordinates that a motion may take.
     """
-    free = [dof for dof in range(len(model.dofs)) if dof not in graph.shape]
-    if len(model.dofs) != 2 or not free:
-        return None
-    cyclic = free[0]
+    size = len(model.dofs)
+    box = [*map(around, sides), *tail]
+    mass = graph.mass.run(box, IntervalArithmetic())
+    found: list[MomentumMeasure] = []
+    for cyclic in (dof for dof in range(size) if dof not in graph.shape):
+        others = [mass[j * size + cyclic] for j in range(size) if j != cyclic]
+        if all(item.low.is_zero() and item.high.is_zero() for item in others):
+            found.append(_measure(model, cyclic, None))
+        elif size == 2:
+            one = _coupled(model, graph, tail, sides, cyclic)
+            found += [] if one is None else [one]
+    return found
+
+
+def _measure(
+    model: RobotModel,
+    cyclic: int,
+    shape: int | None,
+    cells: tuple[Sequence[arb], Sequence[arb], Sequence[arb]] = ((), (), ()),
+) -> MomentumMeasure:
+    """The measure of a coordinate, with the edges, values and slopes of F."""
+    dof = model.dofs[cyclic]
+    revolute = dof.kind == "revolute"
+    unit = "rad" if revolute else "m"
+    edges, values, slopes = (tuple(item) for item in cells)
+    circle = revolute and dof.range is None
+    return MomentumMeasure(cyclic, shape, unit, circle, edges, values, slopes)
+
+
+def _coupled(
+    model: RobotModel,
+    graph: EnergyGraph,
+    tail: Sequence[Ends],
+    sides: Sequence[arb],
+    cyclic: int,
+) -> MomentumMeasure | None:
+    """The measure of one of two coordinates, where there is one."""
     shape = 1 - cyclic
     if model.dofs[shape].range is None and model.dofs[shape].kind == "revolute":
         return None
@@ -121,14 +165,4 @@ def momentum_measure(
         slope = ends[0].union(ends[1]).union(ends[2]).union(ends[3])
         slopes.append(slope)
         values.append(values[-1] + slope * (last - first))
-    dof = model.dofs[cyclic]
-    revolute = dof.kind == "revolute"
-    return MomentumMeasure(
-        cyclic,
-        shape,
-        "rad" if revolute else "m",
-        revolute and dof.range is None,
-        tuple(edges),
-        tuple(values),
-        tuple(slopes),
-    )
+    return _measure(model, cyclic, shape, (edges, values, slopes))
