@@ -39,7 +39,7 @@ class Apart(Constraint):
         best = arb("-inf"), arb("-inf")
         if self.last is not None:
             best = self._along(self.last, over)
-            if float(best[0].lower()) >= self.margin:
+            if float(best[0].lower()) >= self.hope:
                 return best
         for row in (*self._between(over), *self.rows):
             found = self._along(row, over)

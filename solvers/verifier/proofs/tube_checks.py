@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
+from heapq import heappop, heappush
 
 from flint import arb, arb_series, ctx
 
@@ -60,6 +61,38 @@ class Slice:
         return tuple(float(axis[0].mid()) for axis in self.points[point])
 
 
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A part of a segment: the inputs in force, the middle and half-width in seconds.
+
+    ``depth`` counts the halvings.
+    """
+
+    segment: TubeSegment
+    inputs: Sequence[arb]
+    middle: arb
+    half: arb
+    depth: int
+
+    def halves(self) -> tuple[Stretch, Stretch]:
+        """The later half, and the earlier one."""
+        quarter = self.half / 2
+        later, earlier = (
+            Stretch(self.segment, self.inputs, middle, quarter, self.depth + 1)
+            for middle in (self.middle + quarter, self.middle - quarter)
+        )
+        return later, earlier
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class HeldSlice:
+    """A stretch on which a condition holds by at least ``margin``; ``number`` orders equal ones."""
+
+    margin: float
+    number: int
+    stretch: Stretch = field(compare=False)
+
+
 @dataclass(slots=True)
 class Constraint:
     """A condition on points at every instant, with the least margin proved so far (metres).
@@ -74,6 +107,10 @@ class Constraint:
     time: float = 0.0
     place: tuple[float, ...] = ()
     status: Status = Status.HOLDS
+    hope: float = float("inf")
+    """The margin cannot get larger than this: the least that is known of the middle of a slice."""
+    held: list[HeldSlice] = field(default_factory=list["HeldSlice"])
+    """Slices on which it holds, and which may have the least margin."""
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
         """The distance to a violation: a lower bound over the slice, and at its middle."""
@@ -228,31 +265,28 @@ def check_segment(
 ) -> None:
     """Hold every constraint and limit against one segment, updating their margins and status."""
     half = segment.length / 2
-    pending = [(half, half, 0, tuple(constraints), tuple(limits))]
+    pending = [(Stretch(segment, u, half, half, 0), tuple(constraints), tuple(limits))]
     while pending:
-        middle, width, depth, open_constraints, open_limits = pending.pop()
-        found = reading.over(segment, u, middle, width)
+        stretch, open_constraints, open_limits = pending.pop()
+        found = reading.over(segment, u, stretch.middle, stretch.half)
         if found is None:
-            last = depth == MOST_UNBOUNDED_SPLITS
+            last = stretch.depth == MOST_UNBOUNDED_SPLITS
             again, limits_again = open_constraints, open_limits
             if last:
-                _give_up(again, limits_again, float((segment.start + middle).mid()))
+                time = float((segment.start + stretch.middle).mid())
+                _give_up(again, limits_again, time)
         else:
             over, state, centre = found
-            last = depth == MOST_SPLITS
-            again = tuple(c for c in open_constraints if not _settle(c, over, depth))
+            last = stretch.depth == MOST_SPLITS
+            again = tuple(c for c in open_constraints if not _settle(c, over, stretch))
             limits_again = tuple(
                 limit
                 for limit in open_limits
-                if not _settle_limit(limit, over.time, (state, centre), depth)
+                if not _settle_limit(limit, over.time, (state, centre), stretch.depth)
             )
         if last or not (again or limits_again):
             continue
-        quarter = width / 2
-        pending += [
-            (at, quarter, depth + 1, again, limits_again)
-            for at in (middle + quarter, middle - quarter)
-        ]
+        pending += [(each, again, limits_again) for each in stretch.halves()]
 
 
 def _give_up(constraints: Sequence[Constraint], limits: Sequence[StateLimit], time: float) -> None:
@@ -263,8 +297,8 @@ def _give_up(constraints: Sequence[Constraint], limits: Sequence[StateLimit], ti
             item.status, item.margin, item.time = Status.UNDECIDED, float("-inf"), time
 
 
-def _settle(constraint: Constraint, over: Slice, depth: int) -> bool:
-    """Whether a constraint needs no smaller slices here.
+def _settle(constraint: Constraint, over: Slice, stretch: Stretch) -> bool:
+    """Whether a constraint needs no smaller slices to be decided here.
 
     In a wide tube the bound at the middle of a slice is as much as smaller slices may show.  What
     is not decided at one time is only looked at for a violation later, and for how open it gets.
@@ -275,21 +309,61 @@ def _settle(constraint: Constraint, over: Slice, depth: int) -> bool:
     lower = float(bound.lower())
     if not lower > 0:
         if constraint.violated(over):
-            constraint.note(Status.FAILS, min(constraint.margin, float(middle.mid())), over)
+            constraint.note(Status.FAILS, min(constraint.hope, float(middle.mid())), over)
             return True
         if constraint.status is Status.UNDECIDED:
             constraint.margin = min(constraint.margin, float(middle.lower()))
             return True
-        if depth == MOST_SPLITS:
+        if stretch.depth == MOST_SPLITS:
             constraint.note(Status.UNDECIDED, lower, over)
-        return depth == MOST_SPLITS
-    if constraint.status is Status.UNDECIDED or lower >= constraint.margin:
-        return True
-    shown = float(middle.lower())
-    if shown - lower > REFINEMENT * shown and depth < MOST_SPLITS:
-        return False
-    constraint.note(Status.HOLDS, lower, over)
+        return stretch.depth == MOST_SPLITS
+    if constraint.status is Status.HOLDS and lower < constraint.hope:
+        constraint.hope = min(constraint.hope, float(middle.lower()))
+        heappush(constraint.held, HeldSlice(lower, len(constraint.held), stretch))
     return True
+
+
+def close_margins(reading: PointReading, constraints: Sequence[Constraint]) -> None:
+    """Refine the margins of what holds along a whole tube, where they are least.
+
+    A margin is a bound on all slices: it is no larger than the one of any slice that is left.
+    """
+    for constraint in constraints:
+        if constraint.status is Status.HOLDS and constraint.held:
+            _close_margin(reading, constraint)
+
+
+def _close_margin(reading: PointReading, constraint: Constraint) -> None:
+    """Halve the slice of the least margin until that is close to what its middle shows."""
+    held, count = constraint.held, len(constraint.held)
+    while True:
+        least = heappop(held)
+        stretch = least.stretch
+        found = reading.over(stretch.segment, stretch.inputs, stretch.middle, stretch.half)
+        if found is None:
+            constraint.margin = least.margin
+            constraint.time = float((stretch.segment.start + stretch.middle).mid())
+            return
+        over = found[0]
+        bound, middle = constraint.bound(over)
+        lower, shown = max(least.margin, float(bound.lower())), float(middle.lower())
+        if held and lower > held[0].margin:
+            count += 1
+            heappush(held, HeldSlice(lower, count, stretch))
+            continue
+        if shown - lower <= REFINEMENT * shown or stretch.depth == MOST_SPLITS:
+            # On slices that are not held it holds by ``hope`` at least.
+            constraint.note(Status.HOLDS, min(lower, constraint.hope), over)
+            return
+        for half in stretch.halves():
+            within = reading.over(half.segment, half.inputs, half.middle, half.half)
+            margin = lower
+            if within is not None:
+                bound, middle = constraint.bound(within[0])
+                margin = max(lower, float(bound.lower()))
+                constraint.hope = min(constraint.hope, float(middle.lower()))
+            count += 1
+            heappush(held, HeldSlice(margin, count, half))
 
 
 def _settle_limit(

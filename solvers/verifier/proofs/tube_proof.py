@@ -31,6 +31,7 @@ from solvers.verifier.proofs.tube_checks import (
     StateLimit,
     Status,
     check_segment,
+    close_margins,
 )
 from solvers.verifier.proofs.vector_field import VectorField
 
@@ -175,6 +176,7 @@ def follow(
                 ends[int(segment.steps[1])] = segment.end
     except EnclosureFailure as failure:
         found.ended = str(failure)
+    close_margins(robot.reading, found.constraints)
     found.samples = [ends[number] for number in sorted(ends)]
     return found
 
