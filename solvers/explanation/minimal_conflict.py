@@ -49,10 +49,15 @@ def _explained(
 
 
 def _thinned(items: list[Item], refuted: Refuted[Item]) -> tuple[Item, ...]:
-    """Without all that can be spared, the last first."""
-    kept = list(items)
-    for item in reversed(items):
-        fewer = [other for other in kept if other is not item]
-        if refuted(fewer):
-            kept = fewer
+    """Without all that can be spared, the last first.
+
+    What could not be spared beside more may be spared beside less, so it is asked until nothing is.
+    """
+    kept, count = list(items), len(items) + 1
+    while len(kept) < count:
+        count = len(kept)
+        for item in reversed(kept):
+            fewer = [other for other in kept if other is not item]
+            if refuted(fewer):
+                kept = fewer
     return tuple(kept)

@@ -94,11 +94,31 @@ def upright(formula: ir.Formula) -> ir.Formula:
         case ir.Always(operand=part, window=window) | ir.Eventually(operand=part, window=window):
             return type(formula)(upright(part), window)
         case ir.Until(left=left, right=right):
-            return ir.Until(upright(left), upright(right))
+            return ir.Until(upright(left), closed(upright(right)))
         case _:
             both = operands(formula)
             kind = ir.And if isinstance(formula, ir.And) else ir.Or
             return kind(tuple(upright(part) for part in both))
+
+
+def closed(formula: ir.Formula) -> ir.Formula:
+    """A formula like it that holds on closed sets: no window of an `always` gets empty.
+
+    Where one does, it holds on an open set of instants, of which the grid knows no first one.
+    """
+    match formula:
+        case ir.Atom() | ir.Not():
+            return formula
+        case ir.Always(operand=part, window=window):
+            return ir.Always(closed(part), ir.Window(F(0), window.upper))
+        case ir.Eventually(operand=part, window=window):
+            return ir.Eventually(closed(part), window)
+        case ir.Until(left=left, right=right):
+            return ir.Until(closed(left), closed(right))
+        case _:
+            both = operands(formula)
+            kind = ir.And if isinstance(formula, ir.And) else ir.Or
+            return kind(tuple(closed(part) for part in both))
 
 
 def text(formula: ir.Formula) -> str:
@@ -178,3 +198,11 @@ def test_of_signals_known_exactly_it_is_what_rtamt_says(
     found = Monitored(formula, F(SECONDS), F(1)).robustness(known)
     true = by_rtamt(formula, series)
     assert found == (true if true > 0 else None)
+
+
+def test_right_after_an_instant_counts_what_holds_right_after() -> None:
+    """`always[2, inf)` gets empty right after 2 s, until when C is 3 m away, and then 2 m."""
+    formula = ir.Until(ir.Not(ir.Atom("C", 1)), ir.Always(ir.Atom("A", 1), ir.Window(F(2), None)))
+    trace = [[-3, -3, -3, -3], [-3, -3, -2, -3]]
+    known = dict(zip(KEYS, map(pieces, trace), strict=True))
+    assert Monitored(formula, F(SECONDS), F(1)).robustness(known) == 2

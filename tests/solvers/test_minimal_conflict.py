@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from solvers.explanation.minimal_conflict import minimal_conflict
@@ -32,6 +32,7 @@ def test_it_is_refuted_and_no_part_of_it_is(conflicts: list[frozenset[int]]) -> 
     assert not any(refuted(sorted(part)) for part in subsets(found) if part < frozenset(found))
 
 
+@example(frozenset(map(frozenset, [{3, 4}, {3, 4, 6}, {3, 4, 5, 6}, {0}, {1}, {2}, {3}, {4}])))
 @given(st.frozensets(st.sampled_from(subsets(ITEMS)), max_size=40))
 def test_a_refuter_that_gives_up_at_random(answered: frozenset[frozenset[int]]) -> None:
     """More constraints may be harder: what is returned is refuted, and nothing can be spared."""

@@ -341,7 +341,7 @@ def _close_margin(reading: PointReading, constraint: Constraint) -> None:
         stretch = least.stretch
         found = reading.over(stretch.segment, stretch.inputs, stretch.middle, stretch.half)
         if found is None:
-            constraint.margin = least.margin
+            constraint.margin = min(least.margin, constraint.hope)
             constraint.time = float((stretch.segment.start + stretch.middle).mid())
             return
         over = found[0]
