@@ -57,7 +57,7 @@ def graph(
         srgc.session.UsageFault: as on the command line.
     """
     from compiler.views.networkx_graph import to_networkx
-    from srgc.graph_request import GraphRequest, drawing_of
+    from srgc.graphs.graph_request import GraphRequest, drawing_of
 
     run = None if highlight is None else _symbols(highlight)
     robot = None if word is None else _symbols(word)

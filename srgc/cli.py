@@ -18,8 +18,13 @@ import click
 
 from compiler.languages.budget import BudgetExceededError
 from grammar_lang.findings.render import records, to_text
-from srgc.arguments import FILE, GRAMMAR
-from srgc.check_summary import summary
+from srgc.commands.arguments import FILE, GRAMMAR
+from srgc.commands.export import export
+from srgc.commands.landscape import landscape
+from srgc.commands.language import accepts, compare, language, words
+from srgc.commands.model import model
+from srgc.commands.synth import synth
+from srgc.commands.why import why
 from srgc.exit_status import (
     FOUND,
     INTERNAL,
@@ -30,10 +35,6 @@ from srgc.exit_status import (
     USAGE,
     VERDICT_STATUS,
 )
-from srgc.export_cli import export
-from srgc.landscape_cli import landscape
-from srgc.language_cli import accepts, compare, language, words
-from srgc.model_cli import model
 from srgc.output_file import write_output
 from srgc.session import (
     Checked,
@@ -45,8 +46,7 @@ from srgc.session import (
     program_of,
     refuse_unsupported,
 )
-from srgc.synthesis_cli import synth
-from srgc.why_cli import why
+from srgc.text_reports.check_summary import summary
 
 PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
 """Of the statuses of several files the first of these is that of the command."""
@@ -93,7 +93,7 @@ def fmt(files: tuple[Path, ...], only_check: bool, as_diff: bool) -> int:  # noq
 
     A file with syntax errors is left as it is: exit 5.
     """
-    from srgc.format_run import FormatRun
+    from srgc.formatting.format_run import FormatRun
 
     if Path("-") in files and len(files) > 1:
         raise UsageFault("`-` is not formatted together with files")
@@ -112,7 +112,7 @@ def fmt(files: tuple[Path, ...], only_check: bool, as_diff: bool) -> int:  # noq
 @click.argument("codes", nargs=-1)
 def explain(codes: tuple[str, ...]) -> int:
     """Say what a code of a finding means, with an example.  Without one, list all codes."""
-    from srgc.explanation import explanation, list_of_codes
+    from srgc.text_reports.explanation import explanation, list_of_codes
 
     colour = sys.stdout.isatty() and "NO_COLOR" not in os.environ
     click.echo(explanation(codes, colour=colour) if codes else list_of_codes(), nl=False)
@@ -174,8 +174,8 @@ def graph(
     A file that ends in .svg, .png or .pdf is drawn by Graphviz.
     """
     from compiler.views.dot import to_dot
-    from srgc.graph_request import GraphRequest, drawing_of
-    from srgc.graphs import write_graph
+    from srgc.graphs.graph_file import write_graph
+    from srgc.graphs.graph_request import GraphRequest, drawing_of
 
     program = program_of(file)
     if task is not None:
@@ -218,7 +218,7 @@ def plan(
 
     Exit 0 found, 3 none, 4 unknown; 0 with `--dump`.
     """
-    from srgc.plan_report import dump_text, plan_report
+    from srgc.text_reports.plan_report import dump_text, plan_report
 
     if output is not None and dump is None and output.suffix.lower() != ".svg":
         raise UsageFault(f"{output}: a plan is drawn as SVG; let the name end in .svg")
@@ -249,7 +249,7 @@ def plan(
 def verify(folder: Path, spec: Path | None, trust: str | None, as_json: bool) -> int:  # noqa: FBT001
     """Check a result independently.  Exit 0 valid, 1 refuted, 4 undecided."""
     from solvers.verifier.verification import Outcome, verify_directory
-    from srgc.verification_report import verification_json, verification_text
+    from srgc.text_reports.verification_report import verification_json, verification_text
 
     if not folder.is_dir():
         raise UsageFault(f"{folder} is not a folder")

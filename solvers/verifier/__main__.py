@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from solvers.verifier.verification import Outcome, verify_directory
 
 
-def main() -> int:
-    """Verify the folder that the only argument names; 0 valid, 1 refuted, 4 undecided."""
-    report = verify_directory(Path(sys.argv[1]))
+def main(arguments: Sequence[str]) -> int:
+    """Verify the one folder that is named; 0 valid, 1 refuted, 4 undecided, 2 for other usage."""
+    if len(arguments) != 1 or arguments[0].startswith("-"):
+        sys.stderr.write("usage: python -m solvers.verifier DIR\n")
+        return 2
+    report = verify_directory(Path(arguments[0]))
     sys.stdout.write(f"{report.outcome.value}{': ' + report.reason if report.reason else ''}\n")
     return {Outcome.VALID: 0, Outcome.REFUTED: 1}.get(report.outcome, 4)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

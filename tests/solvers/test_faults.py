@@ -26,7 +26,7 @@ from solvers.refutation import box_evidence, structure_refutation
 from solvers.synthesis import OUT_OF_TIME, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
-from srgc.result_folder import ResultFolder
+from srgc.results.result_folder import ResultFolder
 from tests.oracles.faulty_solvers import CLAIMS, GARBAGE, PLAUSIBLE, RAISED, claims, inject
 from tests.oracles.result_files import without_boxes
 from tests.oracles.small_specs import SLIDER, TURNER, replaced

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from srgc.pareto_table import ParetoRow, judged
+from srgc.results.pareto_table import ParetoRow, judged
 from tests.oracles import result_files
 from tests.oracles.extended_arm import extended_arm
 from tests.srgc.conftest import Ran

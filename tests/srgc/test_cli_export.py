@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from srgc.urdf import urdf_text
+from srgc.exports.urdf import urdf_text
 from tests.conftest import srgc_process
 from tests.oracles import result_files
 from tests.oracles.exported_robots import exported, random_lengths, solid_robot

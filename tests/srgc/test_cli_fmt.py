@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from srgc import cli, formatting
+from srgc import cli
+from srgc.formatting import canonical_form
 from tests.conftest import COMMAND, srgc_process
 from tests.srgc.conftest import Ran
 
@@ -135,7 +136,7 @@ def test_diff_is_coloured_on_a_terminal_only(
     monkeypatch.delenv("NO_COLOR", raising=False)
     assert "\x1b" not in srgc("fmt", "--diff", ugly).out
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    assert "\x1b[32m+module" in formatting.formatted_file(ugly).difference(colour=True)
+    assert "\x1b[32m+module" in canonical_form.formatted_file(ugly).difference(colour=True)
     monkeypatch.setenv("NO_COLOR", "1")
     assert "\x1b" not in srgc("fmt", "--diff", ugly).out
 
@@ -261,7 +262,7 @@ def test_a_write_that_fails_leaves_the_file(
         raise OSError(28, "No space left on device")
 
     path = spec(UGLY)
-    monkeypatch.setattr(f"srgc.formatting.{step}", full)
+    monkeypatch.setattr(f"srgc.formatting.canonical_form.{step}", full)
     ran = srgc("fmt", path)
     assert (ran.status, ran.out) == (2, "")
     assert ran.err == f"error: {path}: cannot write it: No space left on device\n"
@@ -290,12 +291,12 @@ def test_a_fault_of_the_formatter_writes_nothing(
 def test_an_interrupt_ends_it(
     spec: Spec, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from srgc import format_run
+    from srgc.formatting import format_run
 
     first, second, third = spec(UGLY), spec(UGLY, "second.srg"), spec(UGLY, "third.srg")
     right = format_run.formatted_file
 
-    def interrupted(path: Path) -> formatting.Formatted:
+    def interrupted(path: Path) -> canonical_form.Formatted:
         if path == second:
             raise KeyboardInterrupt
         return right(path)
@@ -322,7 +323,7 @@ def test_the_worst_status_is_that_of_the_command(
     def broken(_: object) -> str:
         raise RuntimeError("broken")
 
-    monkeypatch.setattr("grammar_lang.formatting.formatter.lay_out", broken)
+    monkeypatch.setattr("grammar_lang.canonical_form.formatter.lay_out", broken)
     arguments = ["fmt", "--check", str(bad), str(tmp_path), str(ugly)]
     assert cli.run(arguments) == 70
 
@@ -360,5 +361,5 @@ def test_nothing_heavy_is_loaded() -> None:
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     loaded = set(finished.stderr.splitlines()[-1].strip("[]").replace('"', "").split(", "))
-    assert "srgc.formatting" in loaded
+    assert "srgc.formatting.canonical_form" in loaded
     assert not {name.partition(".")[0] for name in loaded} & HEAVY

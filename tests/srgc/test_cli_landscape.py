@@ -16,7 +16,7 @@ from compiler.languages.structures import derivations_of
 from compiler.robots.robot import RobotModel
 from compiler.semantics.family import RobotFamily
 from grammar_lang.load import load_text
-from srgc.landscape_request import LandscapeRequest, axes_of, marks_of
+from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
 from srgc.session import UsageFault
 from tests.oracles import result_files
 from tests.oracles.extended_arm import FAR, NEAR, best_robustness

@@ -11,8 +11,8 @@ import pytest
 
 from solvers.execution.dask_cluster import join_cluster
 from solvers.execution.workers import WorkersLostError
-from srgc import synthesis_run
 from srgc.cli import run
+from srgc.results import synthesis_run
 from tests.conftest import ROOT, srgc_process
 from tests.oracles import worker_jobs
 from tests.oracles.cluster import ended, started

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD, RobotModel
-from srgc.mjcf import mjcf_text
-from srgc.urdf import urdf_text
+from srgc.exports.mjcf import mjcf_text
+from srgc.exports.urdf import urdf_text
 from tests.oracles.exported_robots import exported, random_lengths, solid_robot
 from tests.oracles.mujoco_dynamics import MujocoRobot
 from tests.oracles.robots import Builder, evaluate, rod_chain

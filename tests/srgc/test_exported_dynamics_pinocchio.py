@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from srgc.urdf import urdf_text
+from srgc.exports.urdf import urdf_text
 from tests.oracles.exported_robots import exported, random_lengths, solid_robot
 from tests.oracles.robots import evaluate, rod_chain
 

@@ -13,9 +13,10 @@ import pytest
 from grammar_lang.load import load
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc import figures, result_folder, synthesis_run
-from srgc.result_folder import Identity, open_folder
-from srgc.synthesis_run import SynthesisOptions, run_synthesis
+from srgc.pictures import figures
+from srgc.results import result_folder, synthesis_run
+from srgc.results.result_folder import Identity, open_folder
+from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
 from tests.conftest import srgc_process
 
 RESULTS = ("design.json", "certificate.json", "trajectory.csv", "figures/workspace.svg")

@@ -14,9 +14,9 @@ import pytest
 
 from grammar_lang.load import load
 from solvers.execution.process_pool import ProcessPool
-from srgc import synthesis_run
-from srgc.result_folder import JOURNAL, Identity, ResultFolder
-from srgc.synthesis_run import SynthesisOptions, run_synthesis
+from srgc.results import synthesis_run
+from srgc.results.result_folder import JOURNAL, Identity, ResultFolder
+from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
 from tests.conftest import ROOT
 from tests.oracles.small_specs import TURNER
 
@@ -24,7 +24,7 @@ RESULTS = ("design.json", "certificate.json", "trajectory.csv")
 
 KILLED = """\
 import os, signal, sys
-from srgc.result_folder import ResultFolder
+from srgc.results.result_folder import ResultFolder
 from solvers.execution import process_pool
 
 process_pool.PATIENCE = 0.0

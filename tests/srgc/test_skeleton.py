@@ -8,7 +8,7 @@ import pytest
 from grammar_lang.load import load
 from solvers.progress import Conduct
 from solvers.synthesis import synthesise
-from srgc.figures import _skeletons, input_figure, workspace_figure
+from srgc.pictures.figures import _skeletons, input_figure, workspace_figure
 from tests.oracles.small_specs import TURNER
 
 POINT = "point(frame: N.frame * move(x, L.length), mass: 1 kg);"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from solvers.verifier.proofs.finding import Finding
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
-from srgc.verification_report import verification_text
+from srgc.text_reports.verification_report import verification_text
 
 
 def clear(name: str, margin: float, status: Status = Status.HOLDS) -> Finding:

@@ -9,7 +9,7 @@ import pytest
 from compiler.geometry.abstraction import abstract
 from compiler.geometry.bisection import bisections
 from grammar_lang.ir import Workspace
-from srgc.workspace_picture import workspace_svg
+from srgc.pictures.workspace_picture import workspace_svg
 from tests.oracles.planes import bench, box
 from tests.oracles.random_worlds import plane_world, space_world
 

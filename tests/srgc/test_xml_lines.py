@@ -6,9 +6,9 @@ import xml.etree.ElementTree as ET
 from fractions import Fraction
 
 from compiler.robots.robot import WORLD
-from srgc.mjcf import mjcf_text, substeps
-from srgc.urdf import urdf_text
-from srgc.xml_lines import XmlLines
+from srgc.exports.mjcf import mjcf_text, substeps
+from srgc.exports.urdf import urdf_text
+from srgc.exports.xml_lines import XmlLines
 from tests.oracles.exported_robots import exported
 from tests.oracles.robots import Builder, rod_chain
 

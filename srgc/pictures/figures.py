@@ -19,7 +19,7 @@ from compiler.robots.robot import WORLD
 from grammar_lang import ir
 from solvers.design import Design
 from solvers.synthesis import Synthesis
-from srgc.svg_figure import ARM, COLOURS, INK, PATH, SETTINGS, svg_text
+from srgc.pictures.svg_figure import ARM, COLOURS, INK, PATH, SETTINGS, svg_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,18 +16,18 @@ from solvers.progress import Conduct
 from solvers.synthesis import Proved, Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.claims.spec_copy import files_of
-from srgc.design_file import (
+from srgc.results.design_file import (
     boxes_name,
     certificate_text,
     design_text,
     proof_name,
     trajectory_csv,
 )
-from srgc.evaluations_file import evaluations_csv
-from srgc.progress_display import progress
-from srgc.reconfiguration_report import change_of
-from srgc.result_folder import Identity, ResultFolder, open_folder
+from srgc.results.evaluations_file import evaluations_csv
+from srgc.results.progress_display import progress
+from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.session import UsageFault
+from srgc.text_reports.reconfiguration_report import change_of
 from srgc.workers import workers_for
 
 
@@ -134,7 +134,7 @@ def _write_all(
     files: Mapping[str, bytes],
 ) -> None:
     """All designs, each in a folder of results of its own, and the tables about them."""
-    from srgc.pareto_table import pareto_csv, pareto_json, pareto_rows
+    from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_rows
 
     for proved in result.designs:
         own = ResultFolder(folder.path / "designs" / str(proved.number), folder.identity)
@@ -181,7 +181,7 @@ def _write(
         for name in ("trajectory.csv", "figures", "certificate.json"):
             folder.discard(name)
     else:
-        from srgc.figures import input_figure, workspace_figure
+        from srgc.pictures.figures import input_figure, workspace_figure
 
         folder.write("trajectory.csv", trajectory_csv(design, task))
         workspace = program.workspaces[task.workspace]

@@ -29,10 +29,10 @@ from solvers.parameters.sample import Sample
 from solvers.parameters.solve_request import SolveRequest
 from solvers.synthesis import task_on_samples
 from solvers.verifier.claims.certificate import decimal, exact
-from srgc.evaluations_file import last_samples
-from srgc.found_design import FoundDesign
-from srgc.found_record import FoundRecord
-from srgc.landscape_request import Axis, Mark, parameter_name
+from srgc.landscapes.landscape_request import Axis, Mark, parameter_name
+from srgc.results.evaluations_file import last_samples
+from srgc.results.found_design import FoundDesign
+from srgc.results.found_record import FoundRecord
 from srgc.session import UsageFault
 
 

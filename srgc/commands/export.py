@@ -30,8 +30,8 @@ def export(folder: Path, form: str, output: Path | None) -> int:
 
     The folder is one that `srgc synth` has written with the verdict found.
     """
-    from srgc.design_export import export_text, left_out
-    from srgc.found_design import found_design
+    from srgc.exports.design_export import export_text, left_out
+    from srgc.results.found_design import found_design
 
     if output is not None and _is_result(output, folder):
         raise UsageFault(f"{output} is one of the results; write the export elsewhere")
@@ -51,7 +51,7 @@ def export(folder: Path, form: str, output: Path | None) -> int:
 
 def _is_result(output: Path, folder: Path) -> bool:
     """Whether a path, links followed, is where ``synth`` writes in its folder."""
-    from srgc.result_folder import OWN_FILES, OWN_FOLDERS
+    from srgc.results.result_folder import OWN_FILES, OWN_FOLDERS
 
     top, target = Path(realpath(folder)), Path(realpath(output))
     if top not in target.parents:

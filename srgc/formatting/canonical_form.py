@@ -13,7 +13,7 @@ from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, read_file
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.source import Source
-from srgc.line_difference import unified
+from srgc.formatting.line_difference import unified
 from srgc.session import Checked, SpecErrors, UsageFault, check_file
 
 STDIN = "<stdin>"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from srgc.arguments import FILE, GRAMMAR
+from srgc.commands.arguments import FILE, GRAMMAR
 from srgc.session import UsageFault, chosen, program_of
 
 
@@ -34,7 +34,7 @@ def words(
     Every word has the same chance, however many derivations it has.  Exit 4 where counting an
     ambiguous grammar would take too long.
     """
-    from srgc.word_list import counted, listed, sampled
+    from srgc.text_reports.word_list import counted, listed, sampled
 
     if sample is None and length is not None:
         raise UsageFault("--length goes with --sample; for other lists there is --max-length")
@@ -64,7 +64,7 @@ def words(
 @click.argument("symbols", nargs=-1)
 def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ...]) -> int:  # noqa: FBT001
     """Decide whether a word is in the family.  Exit 0 if accepted, else 1."""
-    from srgc.acceptance_report import acceptance_text
+    from srgc.text_reports.acceptance_report import acceptance_text
 
     program = program_of(file)
     family = chosen(program.grammars, grammar, "grammar")
@@ -78,7 +78,7 @@ def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ..
 @GRAMMAR
 def language(file: Path, grammar: str | None) -> int:
     """Say what kind of language a family is: its automata, its words, whether it is ambiguous."""
-    from srgc.language_report import language_text
+    from srgc.text_reports.language_report import language_text
 
     program = program_of(file)
     click.echo(language_text(program, chosen(program.grammars, grammar, "grammar")))
@@ -96,7 +96,7 @@ def compare(file: Path, first: str, second: str, max_length: int) -> int:
     Two regular families are compared entirely, others up to --max-length; exit 4 where that would
     take too long.
     """
-    from srgc.comparison_report import comparison_text
+    from srgc.text_reports.comparison_report import comparison_text
 
     program = program_of(file)
     families = [chosen(program.grammars, name, "grammar") for name in (first, second)]

@@ -64,9 +64,9 @@ def landscape(
     FOLDER is one that `srgc synth` has written with the verdict found.  The path of cells, when
     they are entered and all other parameters are those of the design.
     """
-    from srgc.found_design import found_design
-    from srgc.found_record import found_record
-    from srgc.landscape_request import LandscapeRequest, axes_of, marks_of
+    from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
+    from srgc.results.found_design import found_design
+    from srgc.results.found_record import found_record
 
     picture = output or folder / "figures" / "landscape.svg"
     if picture.suffix.lower() != ".svg":
@@ -78,10 +78,10 @@ def landscape(
     request = LandscapeRequest(over, ranges, points, marks, labels)
     axes = axes_of(found.model, request)
     marked = marks_of(axes, request)
-    from srgc.landscape import landscape as evaluated
-    from srgc.landscape import landscape_csv
-    from srgc.landscape_figure import landscape_svg
-    from srgc.landscape_text import landscape_text, title
+    from srgc.landscapes.landscape import landscape as evaluated
+    from srgc.landscapes.landscape import landscape_csv
+    from srgc.landscapes.landscape_figure import landscape_svg
+    from srgc.landscapes.landscape_text import landscape_text, title
     from srgc.workers import workers_for
 
     with workers_for(jobs) as workers:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.arguments import FILE, limit_of_time
+from srgc.commands.arguments import FILE, limit_of_time
 from srgc.exit_status import VERDICT_STATUS
 from srgc.session import UsageFault, chosen, program_of, refuse_cycles, refuse_unsupported
 
@@ -60,9 +60,9 @@ def synth(
     refuse_unsupported(program, chosen_task)
     from srgc.named_search import named_search
     from srgc.named_solver import named_solver
-    from srgc.reconfiguration_report import change_of
-    from srgc.synthesis_report import synthesis_text
-    from srgc.synthesis_run import SynthesisOptions, run_synthesis
+    from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
+    from srgc.text_reports.reconfiguration_report import change_of
+    from srgc.text_reports.synthesis_report import synthesis_text
 
     folder = output or Path("out") / chosen_task.name
     options = SynthesisOptions(
@@ -72,7 +72,7 @@ def synth(
     result = run_synthesis(file, program, chosen_task, options)
     table = ""
     if result.designs and every:
-        from srgc.pareto_table import pareto_rows, pareto_text
+        from srgc.results.pareto_table import pareto_rows, pareto_text
 
         table = pareto_text(pareto_rows(result, program, chosen_task), result.ended)
     if as_json:
@@ -83,7 +83,7 @@ def synth(
         if result.design is None:
             from solvers.explanation.posed_task import PosedTask
             from solvers.progress import Conduct
-            from srgc.why_report import ending
+            from srgc.text_reports.why_report import ending
 
             posed = PosedTask(program, chosen_task)
             click.echo(ending(result, posed, Conduct(seed), str(folder)))

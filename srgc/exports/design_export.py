@@ -13,11 +13,11 @@ from compiler.rigid_links.viscous_friction import viscous_friction
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from grammar_lang import ir
-from srgc.exported_robot import ExportedRobot
-from srgc.found_design import FoundDesign
-from srgc.mjcf import mjcf_text
+from srgc.exports.exported_robot import ExportedRobot
+from srgc.exports.mjcf import mjcf_text
+from srgc.exports.urdf import urdf_text
+from srgc.results.found_design import FoundDesign
 from srgc.session import UsageFault
-from srgc.urdf import urdf_text
 
 WRITERS = {"urdf": urdf_text, "mjcf": mjcf_text}
 

@@ -8,7 +8,7 @@ from compiler.candidates.reconfiguration import Reconfiguration
 from compiler.robots.state_and_input import robot_inputs
 from solvers.design import Design
 from solvers.synthesis import Synthesis
-from srgc.reconfiguration_report import change_lines
+from srgc.text_reports.reconfiguration_report import change_lines
 
 
 def _declared_inputs(design: Design) -> list[str]:

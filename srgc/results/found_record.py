@@ -15,7 +15,7 @@ from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import CertificateError, exact_cuts
 from solvers.verifier.claims.design_agreement import disagreement
-from srgc.found_design import FoundDesign
+from srgc.results.found_design import FoundDesign
 from srgc.session import UsageFault
 
 

@@ -25,7 +25,7 @@ from compiler.views.word_transitions import all_words
 from compiler.views.words_view import longest_drawn, words_view
 from compiler.views.workspace_view import workspace_view
 from grammar_lang import ir
-from srgc.chosen_derivation import chosen_derivation
+from srgc.graphs.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen
 
 VIEWS = ("sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace")

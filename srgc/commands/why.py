@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from srgc.arguments import limit_of_time
+from srgc.commands.arguments import limit_of_time
 
 
 @click.command()
@@ -29,8 +29,8 @@ def why(folder: Path, as_json: bool, time_limit: float | None, no_runs: bool) ->
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
     from solvers.progress import Conduct
-    from srgc.why_folder import tried_folder
-    from srgc.why_report import why_json, why_text
+    from srgc.results.why_folder import tried_folder
+    from srgc.text_reports.why_report import why_json, why_text
 
     tried = tried_folder(folder)
     if tried.tried is None:

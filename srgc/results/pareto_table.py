@@ -21,7 +21,7 @@ from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from solvers.design import Design
 from solvers.synthesis import Proved, Synthesis
-from srgc.design_file import efforts
+from srgc.results.design_file import efforts
 
 DIGITS = 4
 """Significant digits to which designs are compared: below them is the noise of a search."""

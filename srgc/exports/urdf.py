@@ -13,8 +13,8 @@ from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles
 from compiler.rigid_links.link_shape import Shape
 from compiler.rigid_links.mass_moments import MassMoments, inertial, legal, token
 from compiler.rigid_links.rigid_tree import PRECISION, axis_of
-from srgc.exported_robot import ExportedRobot, Motor
-from srgc.xml_lines import XmlLines
+from srgc.exports.exported_robot import ExportedRobot, Motor
+from srgc.exports.xml_lines import XmlLines
 
 LEAST = Fraction(1, 10**9)
 """Masses (kg) and principal moments (kg m^2) below it are refused by some readers."""

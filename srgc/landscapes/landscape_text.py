@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from srgc.found_design import FoundDesign
-from srgc.landscape import Landscape
-from srgc.landscape_request import Axis
+from srgc.landscapes.landscape import Landscape
+from srgc.landscapes.landscape_request import Axis
+from srgc.results.found_design import FoundDesign
 
 
 def title(found: FoundDesign, content: Landscape) -> str:

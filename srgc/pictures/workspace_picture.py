@@ -26,7 +26,7 @@ from compiler.geometry.polytope import AXES, Polytope, polytope_of
 from compiler.geometry.volume import around
 from compiler.views.workspace_view import cell_label, drawn
 from grammar_lang.ir import Workspace
-from srgc.svg_figure import COLOURS, INK, PATH, SETTINGS, svg_text
+from srgc.pictures.svg_figure import COLOURS, INK, PATH, SETTINGS, svg_text
 
 Array = NDArray[np.float64]
 PAPER, MOST_PAPER = 7.0, 16.0

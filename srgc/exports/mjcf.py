@@ -15,8 +15,8 @@ from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
 from compiler.rigid_links.link_shape import Shape
 from compiler.rigid_links.mass_moments import inertial
 from compiler.rigid_links.rigid_tree import PRECISION, LinkJoint
-from srgc.exported_robot import ExportedRobot
-from srgc.xml_lines import Value, XmlLines
+from srgc.exports.exported_robot import ExportedRobot
+from srgc.exports.xml_lines import Value, XmlLines
 
 LEAST = Fraction(1, 10**12)
 """The least moment (kg m^2) of a moving body, and its mass (kg) if it has none."""

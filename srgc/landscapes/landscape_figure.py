@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from compiler.discretisation.float_reading import Array
 from solvers.parameters.sample import Sample
-from srgc.landscape import Landscape
-from srgc.landscape_request import Axis
-from srgc.svg_figure import COLOURS, INK, PATH, SETTINGS, svg_text
+from srgc.landscapes.landscape import Landscape
+from srgc.landscapes.landscape_request import Axis
+from srgc.pictures.svg_figure import COLOURS, INK, PATH, SETTINGS, svg_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from typing import Literal
 
 import click
 
-from srgc.arguments import FILE, GRAMMAR
+from srgc.commands.arguments import FILE, GRAMMAR
 from srgc.output_file import write_output
 from srgc.session import program_of
 
@@ -47,7 +47,7 @@ def model(
 ) -> int:
     """Print the equations of motion of a robot: coordinates, parameters, M, c, g, effectors."""
     program = program_of(file)
-    from srgc.model_report import ModelRequest, model_report
+    from srgc.text_reports.model_report import ModelRequest, model_report
 
     symbols = tuple(word.split())
     request = ModelRequest(symbols, grammar, task, workspace, derivation, form, whole)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.formatting import formatted_file, formatted_stdin, replace_file
+from srgc.formatting.canonical_form import formatted_file, formatted_stdin, replace_file
 
 
 def _print(text: str) -> None:

@@ -24,7 +24,7 @@ from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily
 from compiler.semantics.neutral_parameters import neutral_parameters
 from grammar_lang import ir
-from srgc.chosen_derivation import chosen_derivation
+from srgc.graphs.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen
 
 MOST_WRITTEN = 8

@@ -29,7 +29,7 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.effort_check import square_root
 from solvers.verifier.claims.formula_agreement import satisfied_formulas
-from srgc.result_folder import Identity
+from srgc.results.result_folder import Identity
 
 
 def proof_name(index: int) -> str:

@@ -1,0 +1,1 @@
+"""The commands: arguments in, texts and exit statuses out."""

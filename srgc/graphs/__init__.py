@@ -1,0 +1,1 @@
+"""Automata, words, robots and cells as graphs, and their files."""

@@ -1,0 +1,1 @@
+"""How robustness depends on parameters: asked, computed, printed, drawn."""

@@ -1,0 +1,1 @@
+"""Figures of results, cells and plans, as SVG."""

@@ -1,0 +1,1 @@
+"""Result folders: written by a search, read by everything that comes after it."""
