@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-from contextlib import ExitStack
 from fractions import Fraction
 from math import sin
 from pathlib import Path
-from typing import Any
-from unittest import mock
 
+from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.claims.certificate import (
     FoundClaim,
     ParameterClaim,
@@ -19,8 +15,6 @@ from solvers.verifier.claims.certificate import (
     spec_digest,
     to_text,
 )
-from solvers.verifier.proofs import enclosure
-from solvers.verifier.verification import Outcome, verify_directory
 
 DT = Fraction(1, 10)
 SPEC = """\
@@ -105,24 +99,7 @@ def _torque(links: int, joint: int, step: int) -> Fraction:
 
 
 def end_radius(folder: Path) -> float:
-    """The largest radius of an entry of the state at the end of the proved tube."""
-    ends: list[float] = []
-    plain = enclosure.tube
-
-    def recorded(*arguments: Any, **options: Any) -> Iterator[Any]:
-        for segment in plain(*arguments, **options):
-            ends[:] = [max(float(item.rad()) for item in segment.end)]
-            yield segment
-
-    users = [
-        module
-        for name, module in sys.modules.items()
-        if name.startswith("solvers.verifier") and getattr(module, "tube", None) is plain
-    ]
-    with ExitStack() as patches:
-        for module in users:
-            patches.enter_context(mock.patch.object(module, "tube", recorded))
-        report = verify_directory(folder)
-    if report.outcome is not Outcome.VALID or not ends:
-        raise SystemExit(f"{folder}: {report.outcome.value} ({report.reason})")
-    return ends[0]
+    """The largest radius of a coordinate or rate at the end of the proved tube."""
+    tube = certified_tube(folder)
+    ends = tube.at(tube.times[-1])
+    return float((ends[:, 1] - ends[:, 0]).max()) / 2

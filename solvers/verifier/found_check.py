@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from compiler.candidates.kept_parameters import robot_in_task
 from compiler.geometry.abstraction import Abstraction
@@ -22,6 +23,31 @@ from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Report, concluded
 
 
+@dataclass(frozen=True, slots=True)
+class ClaimedRobot:
+    """The robot of a claim and what is claimed to drive it, rebuilt from the spec."""
+
+    derivation: Derivation
+    model: RobotModel
+    motion: Motion
+
+
+def claimed_robot(claim: FoundClaim, program: ir.Program, task: ir.Task) -> ClaimedRobot:
+    """The robot of a claim, which is one of the task's.
+
+    Raises:
+        Refused: it is none, or the numbers of the claim do not fit it.
+    """
+    family = family_of(program, task)
+    derivation = _derivation(claim, family)
+    try:
+        model = robot_in_task(family, task.origin, derivation)
+    except SemanticsError as error:
+        raise Refused(f"the derivation defines no robot: {error}") from None
+    _modules(derivation, program, task)
+    return ClaimedRobot(derivation, model, _motion(claim, model, task))
+
+
 def check_found(
     claim: FoundClaim, program: ir.Program, task: ir.Task, cells: Abstraction
 ) -> tuple[RobotModel, Report]:
@@ -32,19 +58,13 @@ def check_found(
     Raises:
         Refused: the claim is false before anything is integrated.
     """
-    family = family_of(program, task)
-    derivation = _derivation(claim, family)
-    try:
-        model = robot_in_task(family, task.origin, derivation)
-    except SemanticsError as error:
-        raise Refused(f"the derivation defines no robot: {error}") from None
-    _modules(derivation, program, task)
-    motion = _motion(claim, model, task)
+    claimed = claimed_robot(claim, program, task)
+    model, motion = claimed.model, claimed.motion
     findings = [*check_efforts(claim, model, motion, task)]
     _claimed_path(claim, model, task)
     _path_avoids(claim, task, cells)
     if all(finding.status is Status.HOLDS for finding in findings):
-        scene = scene_of(program, task, model, cells, derivation)
+        scene = scene_of(program, task, model, cells, claimed.derivation)
         findings += prove_motion(scene, motion, refute=True)
     return model, concluded(findings)
 

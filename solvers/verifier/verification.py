@@ -7,24 +7,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from compiler.checks.supported import unsupported
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.geometry.refinement import Cut
-from compiler.maps.map_fault import MapFault
-from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
-from solvers.verifier.claims.certificate import (
-    CertificateError,
-    Claim,
-    FoundClaim,
-    ImpossibleClaim,
-    exact_cuts,
-    from_text,
-)
+from solvers.verifier.claims.certificate import CertificateError, FoundClaim, ImpossibleClaim
+from solvers.verifier.claims.claimed_task import ClaimedTask, claimed_task
 from solvers.verifier.claims.design_agreement import disagreement
 from solvers.verifier.claims.formula_agreement import misstated_formula
 from solvers.verifier.claims.outcome import Outcome, Refused
-from solvers.verifier.claims.spec_copy import difference_from, read_copy
 from solvers.verifier.found_check import check_found
 from solvers.verifier.report import Report
 
@@ -45,9 +33,7 @@ def verify_directory(folder: Path, spec: Path | None = None, trust: str | None =
             Outcome.UNDECIDED, None, None, f"there is no certificate in {folder}: nothing to verify"
         )
     try:
-        claim = from_text(path.read_text(encoding="utf-8"))
-        program = _spec_of(folder, claim, spec)
-        return _judged(folder, claim, program, trust)
+        return _judged(folder, claimed_task(folder, spec), trust)
     except OSError as error:
         reason = f"the certificate cannot be read: {error.strerror}"
         return Report(Outcome.UNDECIDED, None, None, reason)
@@ -59,34 +45,10 @@ def verify_directory(folder: Path, spec: Path | None = None, trust: str | None =
         return Report(refusal.outcome, None, None, str(refusal))
 
 
-def _spec_of(folder: Path, claim: Claim, other: Path | None) -> ir.Program:
-    """The program of the folder's own copy of the spec, whose digest the claim must name."""
-    program, files = read_copy(folder / "spec", claim.spec, claim.spec_sha256)
-    if other is not None:
-        try:
-            path = difference_from(files, claim.spec, other)
-        except OSError as error:
-            raise Refused(f"{other}: {error.strerror}", Outcome.UNDECIDED) from None
-        if path is not None:
-            where = "" if path == claim.spec else f" in `{path}`"
-            raise Refused(f"the certificate is not about {other}: the files differ{where}")
-    return program
-
-
-def _judged(folder: Path, claim: Claim, program: ir.Program, trust: str | None) -> Report:
+def _judged(folder: Path, claimed: ClaimedTask, trust: str | None) -> Report:
     """The report on a claim; then whether ``design.json`` says the same."""
-    task = program.tasks.get(claim.task)
-    if task is None:
-        raise Refused(f"the spec has no task `{claim.task}`")
-    for clause in unsupported(task):
-        raise Refused(f"not verified: {clause.message}", Outcome.UNDECIDED)
-    try:
-        program, task = expanded(program, task)
-    except MapFault as fault:
-        raise Refused(f"the spec has errors: {fault.message}") from None
-    cells = _cells(program.workspaces[task.workspace])
+    claim, program, task, cells = claimed.claim, claimed.program, claimed.task, claimed.cells
     if isinstance(claim, FoundClaim):
-        cells = _cut(cells, claim)
         model, report = check_found(claim, program, task, cells)
     else:
         model, report = None, _impossible(folder, claim, program, task, trust)
@@ -97,25 +59,6 @@ def _judged(folder: Path, claim: Claim, program: ir.Program, trust: str | None) 
         if reason is not None:
             raise Refused(reason)
     return report
-
-
-def _cells(workspace: ir.Workspace) -> Abstraction:
-    """The cells of the spec's workspace, which has errors where it has none."""
-    try:
-        return abstract(workspace)
-    except ValueError as error:
-        raise Refused(f"the spec has errors: {error}") from None
-
-
-def _cut(cells: Abstraction, claim: FoundClaim) -> Abstraction:
-    """The cells after the cuts of a claim, which are made in turn."""
-    cuts = [Cut(cell, half_space) for cell, half_space in exact_cuts(claim.cuts)]
-    if any(len(cut.half_space.normal) != cells.dimension for cut in cuts):
-        raise Refused(f"a cut of a cell is not given by {cells.dimension} coordinates")
-    try:
-        return cells.cut(cuts)
-    except ValueError as error:
-        raise Refused(f"the cells cannot be cut as claimed: {error}") from None
 
 
 def _impossible(

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from fractions import Fraction
 
 import pytest
@@ -318,3 +320,23 @@ def test_a_spec_whose_bounds_are_unbounded_or_flat_is_refused(result, bounds):
     report = verify_directory(folder)
     assert report.outcome is Outcome.REFUTED
     assert report.reason.startswith("the spec has errors")
+
+
+@pytest.mark.parametrize("arguments", [(), ("a", "b"), ("--help",)])
+def test_as_a_module_it_says_how_it_is_used(arguments):
+    finished = subprocess.run(
+        [sys.executable, "-m", "solvers.verifier", *arguments],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    usage = "usage: python -m solvers.verifier DIR\n"
+    assert (finished.returncode, finished.stdout, finished.stderr) == (2, "", usage)
+
+
+def test_as_a_module_it_verifies(result, tmp_path):
+    for folder, status, said in ((result("turner"), 0, "valid\n"), (tmp_path, 4, "undecided: ")):
+        finished = subprocess.run(
+            [sys.executable, "-m", "solvers.verifier", folder],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert (finished.returncode, finished.stderr) == (status, "")
+        assert finished.stdout.startswith(said)

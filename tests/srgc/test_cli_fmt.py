@@ -175,7 +175,7 @@ def test_errors_in_standard_input(
 def test_standard_input_too_large(
     srgc: Run, stdin: Callable[[bytes], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(formatting, "LIMIT", 10)
+    monkeypatch.setattr(canonical_form, "LIMIT", 10)
     stdin(b"edge eps;\n")
     assert srgc("fmt", "-").status == 0
     stdin(b"edge eps; \n")
@@ -323,7 +323,7 @@ def test_the_worst_status_is_that_of_the_command(
     def broken(_: object) -> str:
         raise RuntimeError("broken")
 
-    monkeypatch.setattr("grammar_lang.canonical_form.formatter.lay_out", broken)
+    monkeypatch.setattr("grammar_lang.formatting.formatter.lay_out", broken)
     arguments = ["fmt", "--check", str(bad), str(tmp_path), str(ugly)]
     assert cli.run(arguments) == 70
 

@@ -1,0 +1,171 @@
+"""The tube that a certificate rests on, for those who want to see it or to compare with it.
+
+It is computed as ``srgc verify`` computes it (decision 36); bounds are rounded outwards to floats.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from compiler.arithmetic.balls import ball, working_precision
+from solvers.verifier.claims.certificate import FoundClaim
+from solvers.verifier.claims.claimed_task import claimed_task
+from solvers.verifier.claims.outcome import Outcome, Refused
+from solvers.verifier.found_check import claimed_robot
+from solvers.verifier.proofs.disturbed_proof import disturbed_start
+from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
+from solvers.verifier.proofs.initial_set import InitialSet
+from solvers.verifier.proofs.scene import scene_of
+from solvers.verifier.proofs.trajectory_proof import ACCURACIES
+from solvers.verifier.proofs.tube_checks import PointReading
+from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CertifiedTube:
+    """An enclosure of the motion of a found robot, under its stated inputs, at every instant.
+
+    Attributes:
+        times: (m + 1,) the ends of its m segments, in seconds.
+        coordinates: (m, n, 2) lower and upper bounds of the joints' coordinates over each segment,
+            in rad or m.
+        rates: (m, n, 2) bounds of their rates.
+        points: (m, p, d, 2) bounds of the positions of all points in m; effectors come first.
+        disturbed: whether it holds all disturbed motions of a task with ``robust``.
+        segments: the solutions themselves, as polynomials in the coordinates of the equations.
+        reading: how positions follow from the coordinates of the equations.
+        rows: (n, n) the integer matrix D that gives the joints' coordinates, q = D y.
+    """
+
+    times: Array
+    coordinates: Array
+    rates: Array
+    points: Array
+    disturbed: bool
+    segments: tuple[TubeSegment, ...]
+    reading: PointReading
+    rows: tuple[tuple[int, ...], ...]
+
+    def at(self, time: float) -> Array:
+        """Bounds (2 n, 2) of coordinates and rates at an instant of the motion, in seconds.
+
+        Raises:
+            ValueError: the motion has ended, or has not begun.
+        """
+        return _bounds(_joint_states(self.rows, self._state(time)))
+
+    def points_at(self, time: float) -> Array:
+        """Bounds (p, d, 2) of the positions of all points at an instant, in m.
+
+        Raises:
+            ValueError: the motion has ended, or has not begun.
+        """
+        return np.array([_bounds(place) for place in self.reading.positions(self._state(time))])
+
+    def _state(self, time: float) -> list[arb]:
+        if not 0 <= time <= self.times[-1]:
+            raise ValueError(f"the motion lasts from 0 to {self.times[-1]} s, without {time} s")
+        number = int(np.searchsorted(self.times, time, side="right")) - 1
+        segment = self.segments[min(number, len(self.segments) - 1)]
+        return segment.at(arb(time) - segment.start)
+
+    def distances(self, times: Array, states: Array) -> tuple[Array, Array]:
+        """How far states are outside the tube, and from its middle.
+
+        Args:
+            times: (k,) in seconds.
+            states: (k, 2 n) coordinates, then rates.
+
+        Returns:
+            Two arrays (k, 2 n): the distance to the nearer bound, 0 inside; and to the middle.
+        """
+        bounds = np.array([self.at(float(time)) for time in times]).reshape(*states.shape, 2)
+        lower, upper = bounds[..., 0], bounds[..., 1]
+        outside = np.maximum(np.maximum(lower - states, states - upper), 0.0)
+        return outside, np.abs(states - (lower + upper) / 2)
+
+
+def certified_tube(folder: Path) -> CertifiedTube:
+    """The tube of the robot in a result folder; that it does the task is shown by ``verify``.
+
+    Raises:
+        CertificateError: the certificate is none.
+        Refused: it is false before anything is integrated, or holds no robot.
+        EnclosureFailure: no enclosure gets to the end of the motion.
+        OSError, UnicodeDecodeError: the folder cannot be read.
+    """
+    claimed = claimed_task(folder)
+    if not isinstance(claimed.claim, FoundClaim):
+        raise Refused("the verdict is impossible, so there is no motion", Outcome.UNDECIDED)
+    robot = claimed_robot(claimed.claim, claimed.program, claimed.task)
+    scene = scene_of(claimed.program, claimed.task, robot.model, claimed.cells, robot.derivation)
+    for accuracy in ACCURACIES:
+        with working_precision(accuracy.bits):
+            try:
+                return _enclosed(driven_robot(scene, robot.motion), accuracy)
+            except EnclosureFailure:
+                # A disturbed set grows whatever the accuracy.
+                if accuracy is ACCURACIES[-1] or scene.task.robust is not None:
+                    raise
+    raise AssertionError(ACCURACIES)
+
+
+def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
+    """The tube at an accuracy; from all disturbed starts where the task names disturbances."""
+    task, robust = robot.scene.task, robot.scene.task.robust
+    initial, part = InitialSet(robot.state), None
+    if robust is not None:
+        initial = disturbed_start(robot.scene, robot.state)
+        part = ball(robust.effort) if robust.effort else None
+    rows = robot.scene.graph.coordinates.rows
+    segments, states, points = list[TubeSegment](), list[Array](), list[Array]()
+    for segment in tube(robot.field, initial, robot.inputs, ball(task.step), accuracy, part):
+        half = segment.length / 2
+        over = segment.at(half + SIGNED * half)
+        segments.append(segment)
+        states.append(_bounds(_joint_states(rows, over)))
+        places = robot.reading.positions(over)
+        points.append(np.array([_bounds(place) for place in places]))
+    ends = [0.0, *(float((each.start + each.length).mid()) for each in segments)]
+    found, n = np.array(states).reshape(len(segments), -1, 2), len(rows)
+    return CertifiedTube(
+        np.array(ends), found[:, :n], found[:, n:], np.array(points), robust is not None,
+        tuple(segments), robot.reading, rows,
+    )  # fmt: skip
+
+
+SIGNED = arb(0, 1)
+"""The ball [-1, 1]."""
+
+
+def _joint_states(rows: Sequence[Sequence[int]], state: Sequence[arb]) -> list[arb]:
+    """The joints' coordinates and rates of a state in the coordinates of the equations."""
+    n = len(rows)
+    parts = (state[:n], state[n : 2 * n])
+    return [
+        sum((weight * item for weight, item in zip(row, part, strict=True) if weight), arb(0))
+        for part in parts
+        for row in rows
+    ]
+
+
+def _bounds(balls: Sequence[arb]) -> Array:
+    """Floats (k, 2) that no value of the balls lies outside of."""
+    return np.array(
+        [
+            (
+                math.nextafter(float(item.lower()), -math.inf),
+                math.nextafter(float(item.upper()), math.inf),
+            )
+            for item in balls
+        ]
+    ).reshape(len(balls), 2)
