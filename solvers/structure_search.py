@@ -37,7 +37,7 @@ from solvers.parameters.configuration_search import (
 )
 from solvers.parameters.parameter_space import exact_text
 from solvers.parameters.reachable_cells import reachable_cells
-from solvers.parameters.sample import PathSamples
+from solvers.parameters.sample import BlockedPrefix, PathSamples
 from solvers.parameters.standing_robot import standing_configurations
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.progress import Conduct
@@ -89,6 +89,8 @@ class StructureSearch:
     known: list[CounterExample] = field(default_factory=list[CounterExample])
     """The counterexamples found, of cells as they are now."""
     samples: list[PathSamples] = field(default_factory=list[PathSamples])
+    blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
+    """All counterexamples, as they were found."""
     top: tuple[float, tuple[float, ...]] | None = None
     """The best robustness of all paths, with its parameters."""
 
@@ -241,6 +243,10 @@ class StructureSearch:
             names = [cells.cells[cell].name for cell in leader.cells]
             if robustness > self.best and sample is not None:
                 self.stuck = stuck_text(names[:prefix], sample, self.task)
+            place, entered = len(self.samples) - 1, tuple(names[:prefix])
+            self.blocked.append(
+                BlockedPrefix(self.number, place, leader.effector, entered, sample, robustness)
+            )
             excluded = CounterExample(
                 leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
             )

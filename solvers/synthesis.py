@@ -38,7 +38,7 @@ from solvers.design import Design
 from solvers.handing_on import handed_on
 from solvers.inheritance import Inheritance, Searched
 from solvers.look_ahead import LookAhead
-from solvers.parameters.sample import PathSamples
+from solvers.parameters.sample import BlockedPrefix, PathSamples
 from solvers.progress import Conduct, OutOfTimeError
 from solvers.refutation.box_evidence import covered, out_of_reach_of_drives
 from solvers.refutation.disconnection import disconnected, separation_text
@@ -79,6 +79,7 @@ class Synthesis:
     separation: SeparationClaim | None = None
     designs: tuple[Proved, ...] = ()
     samples: tuple[PathSamples, ...] = ()
+    blocked: tuple[BlockedPrefix, ...] = ()
     ended: str | None = None
     unfinished: bool = False
 
@@ -99,6 +100,7 @@ class _Run:
     counts: dict[str, int] = field(default_factory=lambda: dict(NO_COUNTS))
     designs: list[Proved] = field(default_factory=list[Proved])
     samples: list[PathSamples] = field(default_factory=list[PathSamples])
+    blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
     in_vain: int = 0
     stopped: str | None = None
     search: StructureSearch | None = None
@@ -190,6 +192,7 @@ class _Run:
             design, reason = self.motion(search, self.effectors(model, answer))
         finally:
             self.samples += search.samples
+            self.blocked += search.blocked
         design, lack = handed_on(search, design)
         self.remember(search, model, design)
         self.search = None
@@ -304,6 +307,6 @@ def _result(
         verdict, reason, cells = "found", None, design.abstraction
     return Synthesis(
         verdict, reason, design, tuple(run.records), cells, run.counts,
-        designs=tuple(run.designs), samples=tuple(run.samples),
+        designs=tuple(run.designs), samples=tuple(run.samples), blocked=tuple(run.blocked),
         ended=ended if run.every else None, unfinished=unfinished,
     )  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from srgc.session import UsageFault
+from srgc.near_places import unwritable
 
 
 def write_output(path: Path, content: str | bytes) -> None:
@@ -16,4 +16,4 @@ def write_output(path: Path, content: str | bytes) -> None:
     try:
         path.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError as error:
-        raise UsageFault(f"{path}: {error.strerror}") from None
+        raise unwritable(path, error) from None

@@ -3,44 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
 from compiler.checks.grammar_checks import cycle_diagnostics, grammar_diagnostics
 from compiler.checks.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
-from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.findings.diagnostics import Severity, Sink
 from grammar_lang.load import Loaded, load
 from grammar_lang.paused_collection import without_collection
-from grammar_lang.source import Source
+from srgc.faults import Checked, NoAnswer, SpecErrors, SrgcError, UsageFault
+
+__all__ = [
+    "Checked", "NoAnswer", "SpecErrors", "SrgcError", "UsageFault", "check_file", "check_loaded",
+    "chosen", "program_of", "refuse_cycles", "refuse_unsupported",
+]  # fmt: skip
 
 Item = TypeVar("Item")
-
-
-class UsageFault(Exception):
-    """Arguments that cannot be used; exit status 2."""
-
-
-class NoAnswer(Exception):
-    """A command that had to end before it had an answer; exit status 4."""
-
-
-@dataclass(frozen=True, slots=True)
-class Checked:
-    """A file after all checks; the program is None if and only if there is an error."""
-
-    program: ir.Program | None
-    diagnostics: tuple[Diagnostic, ...]
-    sources: tuple[Source, ...]
-
-
-class SpecErrors(Exception):
-    """A spec with errors; exit status 5."""
-
-    def __init__(self, checked: Checked) -> None:
-        super().__init__("the spec has errors")
-        self.checked = checked
 
 
 def check_file(path: Path) -> Checked:
@@ -56,7 +36,20 @@ def check_file(path: Path) -> Checked:
             path.open("rb").close()
     except OSError as error:
         raise UsageFault(f"{path}: {error.strerror}") from None
-    return check_loaded(load(path))
+    return _with_near_name(path, check_loaded(load(path)))
+
+
+def _with_near_name(path: Path, checked: Checked) -> Checked:
+    """Of a file that is not there, the hint says which one may be meant."""
+    if path.exists() or checked.program is not None or len(checked.diagnostics) != 1:
+        return checked
+    from srgc.near_places import near_spec
+
+    meant = near_spec(path)
+    if meant is None:
+        return checked
+    (found,) = checked.diagnostics
+    return replace(checked, diagnostics=(replace(found, hint=f"is it `{meant}`?"),))
 
 
 @without_collection
@@ -135,7 +128,11 @@ def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:
     if name is not None:
         if name in items:
             return items[name]
-        raise UsageFault(f"there is no {kind} `{name}`; the file has: {names or 'none'}")
+        from difflib import get_close_matches
+
+        near = get_close_matches(name, items, 1)
+        meant = f"did you mean `{near[0]}`? " if near and len(items) > 1 else ""
+        raise UsageFault(f"there is no {kind} `{name}`; {meant}the file has: {names or 'none'}")
     if len(items) == 1:
         return next(iter(items.values()))
     if not items:

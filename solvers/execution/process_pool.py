@@ -8,9 +8,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
-from threading import Thread, current_thread, main_thread
+from threading import Thread
 
 from solvers.execution.in_order import in_order
 from solvers.execution.one_thread import ONE_THREAD
@@ -110,14 +110,15 @@ class ProcessPool:
 
 @contextmanager
 def _as_workers_start() -> Iterator[None]:
-    """Processes started in the block have libraries with one thread, and ignore interrupts.
+    """Processes started in the block have libraries with one thread, and no interrupts.
 
-    Those are for their parent to handle.
+    Those are for their parent to handle: one that comes in the block is handled after it, or by
+    another thread of the parent.
     """
     before = {name: os.environ.get(name) for name in ONE_THREAD}
-    in_main = current_thread() is main_thread()
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if in_main else None
+    resource_tracker.ensure_running()  # it would end what follows
     os.environ.update(ONE_THREAD)
+    blocked = _blocked({signal.SIGINT})
     try:
         yield
     finally:
@@ -126,8 +127,15 @@ def _as_workers_start() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
-        if in_main:
-            signal.signal(signal.SIGINT, handler)
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+
+def _blocked(signals: set[signal.Signals]) -> set[int | signal.Signals]:
+    """Block signals in this thread, and so in what it starts; those blocked before."""
+    if hasattr(signal, "pthread_sigmask"):
+        return signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+    return set()
 
 
 def _prepare(lifeline: Connection) -> None:

@@ -30,3 +30,20 @@ class PathSamples:
     path: int
     names: tuple[str, ...]
     samples: tuple[Sample, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BlockedPrefix:
+    """A counterexample: no path that begins with these cells is tried again (ZEROPREFIX).
+
+    ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
+    the one that could not follow.  ``sample`` is the first that the most robust motion cannot be
+    brought to, None where it is not known; ``robustness`` is what that motion has.
+    """
+
+    structure: int
+    path: int
+    effector: int
+    cells: tuple[str, ...]
+    sample: int | None
+    robustness: float

@@ -2,58 +2,68 @@
 
 from __future__ import annotations
 
-from os.path import realpath
+import sys
 from pathlib import Path
 
 import click
 
-from srgc.session import UsageFault
+from srgc.commands.arguments import FOLDER
+from srgc.faults import UsageFault
+from srgc.taught_command import TaughtCommand
+
+FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
+FOLDERS = ("mujoco", "all")
+BINARY = ("npz",)
 
 
-@click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc export out/demo --to urdf -o arm.urdf",
+        "srgc export out/demo --to ros2 -o arm.yaml",
+        "srgc export out/demo --to mujoco -o arm_mujoco",
+        "srgc export out/demo --to all -o arm_files",
+    ],
+    reads_spec=False,
+    read_on="docs/how-to/take-away.md",
+)
+@FOLDER
 @click.option(
     "--to",
     "form",
     required=True,
-    type=click.Choice(["urdf", "mjcf"]),
-    help="The format: URDF (ROS) or MJCF (MuJoCo).",
+    type=click.Choice([*FORMS, *FOLDERS]),
+    help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
+    "(JointTrajectory as YAML), npz (NumPy). Folders: mujoco (robot, torques and a script that "
+    "replays them), all.",
 )
 @click.option(
     "-o",
     "output",
     type=click.Path(path_type=Path, allow_dash=True),
-    help="Write here, not to stdout (`-`).",
+    help="Write here, not to stdout (`-`). A folder for mujoco and all.",
 )
-def export(folder: Path, form: str, output: Path | None) -> int:
-    """Write the robot of a result folder for a simulator.
+@click.option(
+    "--no-effort", is_flag=True, help="ros2: without efforts, which older controllers refuse."
+)
+def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int:  # noqa: FBT001
+    """Write the robot of a result folder, or its motion, for other tools.
 
-    The folder is one that `srgc synth` has written with the verdict found.
+    FOLDER is one that `srgc synth` has written with the verdict found.  Nothing is proved here, and
+    none of its results is overwritten.
     """
-    from srgc.exports.design_export import export_text, left_out
-    from srgc.results.found_design import found_design
+    if no_effort and form != "ros2":
+        raise UsageFault("--no-effort goes with --to ros2 alone")
+    file = None if output == Path("-") else output
+    if file is None and form in BINARY and sys.stdout.isatty():
+        raise UsageFault(f"{form} is not for a terminal; name a file with -o")
+    from srgc.exports.written_export import written_export
 
-    if output is not None and _is_result(output, folder):
-        raise UsageFault(f"{output} is one of the results; write the export elsewhere")
-    design = found_design(folder)
-    text = export_text(design, form)
-    for remark in left_out(design):
-        click.echo(f"note: {remark}", err=True)
-    if output is None or output == Path("-"):
-        click.echo(text.encode(), nl=False)
-        return 0
-    try:
-        output.write_bytes(text.encode())
-    except OSError as error:
-        raise UsageFault(f"{output}: {error.strerror}") from None
+    written = written_export(folder, form, file, efforts=not no_effort)
+    for note in written.notes:
+        click.echo(f"note: {note}", err=True)
+    if written.content is not None:
+        click.echo(written.content, nl=False)
+    elif form in FOLDERS:
+        click.echo("".join(f"{path}\n" for path in written.files), nl=False)
     return 0
-
-
-def _is_result(output: Path, folder: Path) -> bool:
-    """Whether a path, links followed, is where ``synth`` writes in its folder."""
-    from srgc.results.result_folder import OWN_FILES, OWN_FOLDERS
-
-    top, target = Path(realpath(folder)), Path(realpath(output))
-    if top not in target.parents:
-        return False
-    return target.relative_to(top).parts[0] in (*OWN_FILES, *OWN_FOLDERS)

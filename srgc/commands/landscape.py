@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from srgc.output_file import write_output
-from srgc.session import UsageFault
+from srgc.commands.arguments import FOLDER, QUIET
+from srgc.faults import UsageFault
+from srgc.taught_command import TaughtCommand
 
 
-@click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc landscape out/demo --points 3",
+        "srgc landscape out/demo --over 4.length --points 3 -o out/length.svg --csv out/length.csv",
+    ],
+    reads_spec=False,
+    read_on="docs/how-to/designs.md",
+)
+@FOLDER
 @click.option(
     "--over",
     metavar="NAME[,NAME]",
@@ -48,6 +56,7 @@ from srgc.session import UsageFault
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write the grid here.  Default: DIR/landscape.csv.",
 )
+@QUIET
 def landscape(
     folder: Path,
     over: str | None,
@@ -58,6 +67,7 @@ def landscape(
     jobs: int,
     output: Path | None,
     table: Path | None,
+    quiet: bool,  # noqa: FBT001
 ) -> int:
     """Evaluate and draw the robustness of a robot over two of its parameters.
 
@@ -65,6 +75,7 @@ def landscape(
     they are entered and all other parameters are those of the design.
     """
     from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
+    from srgc.output_file import write_output
     from srgc.results.found_design import found_design
     from srgc.results.found_record import found_record
 
@@ -82,10 +93,11 @@ def landscape(
     from srgc.landscapes.landscape import landscape_csv
     from srgc.landscapes.landscape_figure import landscape_svg
     from srgc.landscapes.landscape_text import landscape_text, title
+    from srgc.results.progress_display import progress
     from srgc.workers import workers_for
 
-    with workers_for(jobs) as workers:
-        content = evaluated(found, record, folder, axes, marked, workers, _told)
+    with workers_for(jobs) as workers, progress("landscape", quiet=quiet, unit="points") as display:
+        content = evaluated(found, record, folder, axes, marked, workers, display.part)
     for path in (picture, table or folder / "landscape.csv"):
         _make_room(path)
     write_output(picture, landscape_svg(content, title(found, content)))
@@ -95,15 +107,11 @@ def landscape(
     return 0
 
 
-def _told(done: int, count: int) -> None:
-    """Progress: a line that is overwritten, on a terminal only."""
-    if sys.stderr.isatty():
-        click.echo(f"\r{done} of {count} points", err=True, nl=done == count)
-
-
 def _make_room(path: Path) -> None:
     """Make the folder of a file."""
+    from srgc.near_places import unwritable
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageFault(f"{path.parent}: {error.strerror}") from None
+        raise unwritable(path.parent, error) from None

@@ -6,11 +6,22 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, GRAMMAR
-from srgc.session import UsageFault, chosen, program_of
+from srgc.commands.arguments import FILE, GRAMMAR, QUIET
+from srgc.commands.completions import complete_name, complete_symbol
+from srgc.faults import UsageFault
+from srgc.taught_command import TaughtCommand
 
 
-@click.command()
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc words specs/planar_arm.srg --limit 5",
+        "srgc words specs/planar_arm.srg --count --max-length 15",
+        "srgc words specs/planar_arm.srg --sample 3 --length 11",
+    ],
+    statuses={4: "counting would take too long"},
+    read_on="docs/how-to/words.md",
+)
 @FILE
 @GRAMMAR
 @click.option("--max-length", type=click.IntRange(0), help="Most symbols of a word, edges too.")
@@ -19,6 +30,7 @@ from srgc.session import UsageFault, chosen, program_of
 @click.option("--sample", type=click.IntRange(1), help="Draw so many words of --length uniformly.")
 @click.option("--length", type=click.IntRange(0), help="With --sample: the symbols of a word.")
 @click.option("--seed", type=click.IntRange(0), help="With --sample; default 0.")
+@QUIET
 def words(
     file: Path,
     grammar: str | None,
@@ -28,14 +40,14 @@ def words(
     sample: int | None,
     length: int | None,
     seed: int | None,
+    quiet: bool,  # noqa: FBT001
 ) -> int:
     """List the words of a robot family, shortest first; or count them, or draw some at random.
 
-    Every word has the same chance, however many derivations it has.  Exit 4 where counting an
-    ambiguous grammar would take too long.
+    A word has a symbol for every module and every edge, and 100 words are listed unless --limit
+    says otherwise.  Drawn at random, every word has the same chance, however many derivations it
+    has.
     """
-    from srgc.text_reports.word_list import counted, listed, sampled
-
     if sample is None and length is not None:
         raise UsageFault("--length goes with --sample; for other lists there is --max-length")
     if sample is None and seed is not None:
@@ -44,26 +56,43 @@ def words(
         raise UsageFault("--sample needs --length, and goes with neither --count nor --max-length")
     if limit is not None and (count or sample is not None):
         raise UsageFault("--limit goes with the list of words, not with --count or --sample")
+    from srgc.results.progress_display import progress
+    from srgc.session import chosen, program_of
+    from srgc.text_reports.word_list import counted, listed, sampled
+
     program = program_of(file)
     family = chosen(program.grammars, grammar, "grammar")
-    if sample is not None and length is not None:
-        lines = sampled(program, family, length, sample, seed or 0)
-    elif count:
-        lines = counted(program, family, max_length)
-    else:
-        lines = listed(program, family, max_length, 100 if limit is None else limit)
+    with progress("words", quiet=quiet, plain=False):  # all is counted before the first line
+        if sample is not None and length is not None:
+            lines = sampled(program, family, length, sample, seed or 0)
+        elif count:
+            lines = counted(program, family, max_length)
+        else:
+            lines = listed(program, family, max_length, 100 if limit is None else limit)
     for line in lines:
         click.echo(line)
     return 0
 
 
-@click.command()
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc accepts specs/planar_arm.srg -- B eps JO eps L eps JO eps L eps EN",
+        "srgc accepts specs/planar_arm.srg --trace -- B eps JO eps L eps JO eps L eps EN",
+    ],
+    statuses={0: "accepted", 1: "not accepted"},
+    read_on="docs/how-to/words.md",
+)
 @FILE
 @GRAMMAR
 @click.option("--trace", is_flag=True, help="Show the run of the automaton and a derivation.")
-@click.argument("symbols", nargs=-1)
+@click.argument("symbols", nargs=-1, metavar="[SYM]...", shell_complete=complete_symbol)
 def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ...]) -> int:  # noqa: FBT001
-    """Decide whether a word is in the family.  Exit 0 if accepted, else 1."""
+    """Decide whether a word is in the family, symbol by symbol.
+
+    Of a word that is not accepted the place is named at which no word goes on.
+    """
+    from srgc.session import chosen, program_of
     from srgc.text_reports.acceptance_report import acceptance_text
 
     program = program_of(file)
@@ -73,11 +102,19 @@ def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ..
     return 0 if accepted else 1
 
 
-@click.command()
+@click.command(
+    cls=TaughtCommand,
+    examples=["srgc language specs/planar_arm.srg", "srgc language specs/nested.srg"],
+    read_on="docs/how-to/words.md",
+)
 @FILE
 @GRAMMAR
 def language(file: Path, grammar: str | None) -> int:
-    """Say what kind of language a family is: its automata, its words, whether it is ambiguous."""
+    """Say what kind of language a family is: its automata, its words, whether it is ambiguous.
+
+    Everything that is said is proved; what is undecidable, and stayed undecided, is called so.
+    """
+    from srgc.session import chosen, program_of
     from srgc.text_reports.language_report import language_text
 
     program = program_of(file)
@@ -85,21 +122,29 @@ def language(file: Path, grammar: str | None) -> int:
     return 0
 
 
-@click.command()
+@click.command(
+    cls=TaughtCommand,
+    examples=["srgc compare specs/planar_arm.srg PlanarArm PlanarArm"],
+    statuses={0: "the same words", 1: "different words", 4: "it would take too long"},
+    read_on="docs/how-to/words.md",
+)
 @FILE
-@click.argument("first")
-@click.argument("second")
+@click.argument("first", shell_complete=complete_name)
+@click.argument("second", shell_complete=complete_name)
 @click.option("--max-length", type=click.IntRange(0), default=20, show_default=True)
-def compare(file: Path, first: str, second: str, max_length: int) -> int:
-    """Compare the words of two grammars of a file.  Exit 0 if they are the same, else 1.
+@QUIET
+def compare(file: Path, first: str, second: str, max_length: int, quiet: bool) -> int:  # noqa: FBT001
+    """Compare the words of two grammars of a file.
 
-    Two regular families are compared entirely, others up to --max-length; exit 4 where that would
-    take too long.
+    Two regular families are compared entirely, others up to --max-length.
     """
+    from srgc.results.progress_display import progress
+    from srgc.session import chosen, program_of
     from srgc.text_reports.comparison_report import comparison_text
 
     program = program_of(file)
     families = [chosen(program.grammars, name, "grammar") for name in (first, second)]
-    same, text = comparison_text(program, families[0], families[1], max_length)
+    with progress("compare", quiet=quiet, plain=False):
+        same, text = comparison_text(program, families[0], families[1], max_length)
     click.echo(text)
     return 0 if same else 1

@@ -7,17 +7,38 @@ from typing import Literal
 
 import click
 
-from srgc.commands.arguments import FILE, GRAMMAR
-from srgc.output_file import write_output
-from srgc.session import program_of
+from srgc.commands.arguments import FILE, GRAMMAR, OUTPUT
+from srgc.commands.completions import complete_name, complete_word
+from srgc.taught_command import TaughtCommand
 
 
-@click.command()
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        'srgc model specs/planar_arm.srg --word "B eps JO eps L eps JO eps L eps EN"',
+        'srgc model specs/planar_arm.srg --word "B eps JO eps L eps EN" --format latex',
+    ],
+    read_on="docs/reference/models.md",
+)
 @FILE
-@click.option("--word", metavar='"SYM ..."', required=True, help="The word of the robot.")
+@click.option(
+    "--word",
+    metavar='"SYM ..."',
+    required=True,
+    shell_complete=complete_word,
+    help="The word of the robot.",
+)
 @GRAMMAR
-@click.option("--task", help="Take grammar, workspace, gravity and effort bounds from this task.")
-@click.option("--workspace", help="The workspace, where the file has some of both dimensions.")
+@click.option(
+    "--task",
+    shell_complete=complete_name,
+    help="Take grammar, workspace, gravity and effort bounds from this task.",
+)
+@click.option(
+    "--workspace",
+    shell_complete=complete_name,
+    help="The workspace, where the file has some of both dimensions.",
+)
 @click.option("--derivation", type=click.IntRange(1), help="Which derivation, in order.")
 @click.option(
     "--format",
@@ -28,12 +49,7 @@ from srgc.session import program_of
     help="For people, or as terms for SMT solvers.",
 )
 @click.option("--whole", is_flag=True, help="Equations of more than 8 degrees of freedom, too.")
-@click.option(
-    "-o",
-    "output",
-    type=click.Path(path_type=Path, allow_dash=True),
-    help="Write here, not to stdout (`-`).",
-)
+@OUTPUT
 def model(
     file: Path,
     word: str,
@@ -45,13 +61,18 @@ def model(
     output: Path | None,
     whole: bool,  # noqa: FBT001
 ) -> int:
-    """Print the equations of motion of a robot: coordinates, parameters, M, c, g, effectors."""
-    program = program_of(file)
-    from srgc.text_reports.model_report import ModelRequest, model_report
+    """Print the equations of motion of a robot: coordinates, parameters, M, c, g, effectors.
 
-    symbols = tuple(word.split())
-    request = ModelRequest(symbols, grammar, task, workspace, derivation, form, whole)
-    report = model_report(program, request)
+    M(q) q'' + c(q, q') + g(q) = u, with the parameters of the modules left as letters.
+    """
+    from srgc.chosen_robot import RobotRequest
+    from srgc.output_file import write_output
+    from srgc.session import program_of
+    from srgc.text_reports.model_report import model_report
+
+    program = program_of(file)
+    request = RobotRequest(tuple(word.split()), grammar, task, workspace, derivation)
+    report = model_report(program, request, form, whole=whole)
     for remark in report.remarks:
         click.echo(f"note: {remark}", err=True)
     if output is None or output == Path("-"):

@@ -7,14 +7,24 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, limit_of_time
+from srgc.commands.arguments import FILE, QUIET, TASK, limit_of_time
 from srgc.exit_status import VERDICT_STATUS
-from srgc.session import UsageFault, chosen, program_of, refuse_cycles, refuse_unsupported
+from srgc.faults import UsageFault
+from srgc.taught_command import TaughtCommand
 
 
-@click.command()
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc synth specs/planar_arm.srg -o out/demo",
+        "srgc verify out/demo",
+        "srgc synth specs/nested.srg -o out/nested --seed 1 --time-limit 60 --quiet",
+    ],
+    statuses={0: "found", 3: "impossible", 4: "unknown, or out of time"},
+    read_on="docs/reference/results.md; of an impossible task, `srgc why`",
+)
 @FILE
-@click.option("--task", help="The task, where the file has several.")
+@TASK
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Default: out/TASK.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
@@ -28,6 +38,7 @@ from srgc.session import UsageFault, chosen, program_of, refuse_cycles, refuse_u
 )
 @click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
 @click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default), or another.")
+@QUIET
 @click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
 @click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
 def synth(
@@ -42,16 +53,20 @@ def synth(
     every: bool,  # noqa: FBT001
     solver: str | None,
     search: str | None,
+    quiet: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
     force: bool,  # noqa: FBT001
 ) -> int:
     """Find a robot and prove it, or prove that there is none.
 
-    Exit 0 found, 3 impossible, 4 unknown.
+    The verdict and all evidence are written to a folder, which `srgc verify` checks.  The same
+    file and seed give the same bytes, whatever --jobs.  An interrupted run, or one that the time
+    limit ended, is resumed by the same command.
     """
     if jobs is not None and cluster is not None:
         raise UsageFault("--jobs does not go with --cluster, which has its own workers")
     from solvers.execution.one_thread import ONE_THREAD
+    from srgc.session import chosen, program_of, refuse_cycles, refuse_unsupported
 
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
     program = program_of(file)
@@ -66,7 +81,7 @@ def synth(
 
     folder = output or Path("out") / chosen_task.name
     options = SynthesisOptions(
-        folder, seed, jobs or 1, time_limit, force, as_json, cells, cluster, every,
+        folder, seed, jobs or 1, time_limit, force, as_json or quiet, cells, cluster, every,
         named_solver(solver), named_search(search),
     )  # fmt: skip
     result = run_synthesis(file, program, chosen_task, options)

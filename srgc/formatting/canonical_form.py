@@ -13,8 +13,8 @@ from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, read_file
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.source import Source
+from srgc.faults import Checked, SpecErrors, UsageFault
 from srgc.formatting.line_difference import unified
-from srgc.session import Checked, SpecErrors, UsageFault, check_file
 
 STDIN = "<stdin>"
 
@@ -66,6 +66,8 @@ def formatted_file(path: Path) -> Formatted:
     try:
         data = read_file(path, LIMIT)
     except (OSError, ValueError, TooLarge):
+        from srgc.session import check_file  # which loads all checks, to say what is wrong
+
         checked = check_file(path)
         if checked.program is not None:
             raise UsageFault(f"{path} changes while it is read") from None

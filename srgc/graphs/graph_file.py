@@ -27,12 +27,17 @@ def write_graph(text: str, output: Path) -> str:
     if suffix in TEXT:
         write_output(output, text)
         return ""
-    picture, said = _drawn(text, suffix[1:])
+    picture, said = drawn_by_graphviz(text, suffix[1:])
     write_output(output, picture)
     return said
 
 
-def _drawn(text: str, form: str) -> tuple[bytes, str]:
+def drawn_by_graphviz(text: str, form: str) -> tuple[bytes, str]:
+    """The picture of a DOT text as svg, png or pdf, and what Graphviz has to say of it.
+
+    Raises:
+        UsageFault: Graphviz is missing, or fails.
+    """
     program = shutil.which("dot")
     if program is None:
         raise UsageFault("Graphviz (`dot`) is not installed: write a .dot file instead")

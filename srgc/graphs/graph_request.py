@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from compiler.automata.deterministic_pushdown import deterministic_pushdown
 from compiler.automata.lr_automaton import LrAutomaton, LrTooLarge
 from compiler.automata.pushdown_automaton import sra
-from compiler.geometry.abstraction import abstract
-from compiler.geometry.bisection import bisections
 from compiler.languages.language import Language, language
 from compiler.semantics.attributes import SemanticsError
 from compiler.views.dfa_view import family_dfa_view
@@ -23,7 +21,6 @@ from compiler.views.picture import Picture
 from compiler.views.sra_view import sra_view
 from compiler.views.word_transitions import all_words
 from compiler.views.words_view import longest_drawn, words_view
-from compiler.views.workspace_view import workspace_view
 from grammar_lang import ir
 from srgc.graphs.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen
@@ -79,6 +76,11 @@ def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
                 from compiler.maps.obstacle_pieces import expanded_workspace
 
                 place = expanded_workspace(place)
+            # The others need no numpy.
+            from compiler.geometry.abstraction import abstract
+            from compiler.geometry.bisection import bisections
+            from compiler.views.workspace_view import workspace_view
+
             partition = abstract(place)
             if request.cells is not None:
                 partition = partition.cut(bisections(partition, request.cells))

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from fractions import Fraction
+from math import isfinite
 from typing import Any
 
 from compiler.candidates.reconfiguration import Reconfiguration
@@ -16,6 +17,7 @@ from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
 from solvers.design import Design
+from solvers.parameters.sample import BlockedPrefix
 from solvers.synthesis import Synthesis
 from solvers.verifier.claims.certificate import (
     FoundClaim,
@@ -130,6 +132,19 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
         "evidence": script or boxes or first.reason,
         "same_robot_as": same,
         "boxes": boxes,
+        "reason": first.reason,
+    }
+
+
+def _counterexample(blocked: BlockedPrefix, task: ir.Task) -> dict[str, Any]:
+    known = blocked.sample is not None
+    return {
+        "structure": blocked.structure,
+        "path": blocked.path,
+        "effector": blocked.effector,
+        "cells": list(blocked.cells),
+        "time": float(min(blocked.sample or 0, task.steps) * task.step) if known else None,
+        "robustness": blocked.robustness if isfinite(blocked.robustness) else None,
     }
 
 
@@ -161,6 +176,7 @@ def design_text(
         "reconfiguration": None if change is None else change.describe(),
         "cells": result.abstraction.describe(),
         "structures_tried": [_structure(result, i, r) for i, r in enumerate(result.records)],
+        "counterexamples": [_counterexample(each, task) for each in result.blocked],
         "iterations": result.counts,
         "seed": identity.seed,
         "least_cells": identity.least_cells,

@@ -18,6 +18,7 @@ from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import CertificateError, FoundClaim, exact, from_text
 from solvers.verifier.claims.spec_copy import read_copy
+from srgc.near_places import no_folder
 from srgc.session import UsageFault
 
 
@@ -54,7 +55,7 @@ def found_design(folder: Path) -> FoundDesign:
 
 def _found_claim(folder: Path) -> FoundClaim:
     if not folder.is_dir():
-        raise UsageFault(f"{folder} is not a folder")
+        raise no_folder(folder)
     path = folder / "certificate.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no certificate: no robot was found")

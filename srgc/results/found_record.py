@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from solvers.verifier.claims.certificate import CertificateError, exact_cuts
 from solvers.verifier.claims.design_agreement import disagreement
 from srgc.results.found_design import FoundDesign
 from srgc.session import UsageFault
+from srgc.version import VERSION
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ def found_record(folder: Path, found: FoundDesign) -> FoundRecord:
         UsageFault: there is none, it is of another version, or it and the certificate differ.
     """
     content = _content(folder)
-    ours, theirs = version("srgc"), content.get("version")
+    ours, theirs = VERSION, content.get("version")
     if theirs != ours:
         raise UsageFault(
             f"{folder} holds results of srgc {theirs}; this is {ours}: run `srgc synth` again"

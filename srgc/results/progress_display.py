@@ -1,24 +1,35 @@
-"""Live progress on a terminal, plain lines elsewhere; both on standard error."""
+"""Progress of long work on standard error: one live line on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
+from contextlib import ExitStack
 from types import TracebackType
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.live import Live
-from rich.table import Table
+from srgc.interruption import redrawing
+from srgc.results.estimate import duration_text, estimate_text
+from srgc.terminal import colours, redraws
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+SILENCE = 1.0
+"""Seconds before the live line is shown: what is done by then needs none."""
+SPARSE = 10.0
+"""Seconds between two plain lines about the points of a grid."""
 
 
-class PlainProgress:
-    """One line per structure, path and improvement."""
+class QuietProgress:
+    """What is told of a run, a reporter of a synthesis: here nothing is shown of it."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
-        self._best: float | None = None
+        self._open = ExitStack()
 
-    def __enter__(self) -> PlainProgress:
+    def __enter__(self) -> QuietProgress:
         return self
 
     def __exit__(
@@ -27,11 +38,31 @@ class PlainProgress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Nothing to close."""
+        self._open.close()
 
-    def _line(self, text: str) -> None:
-        sys.stderr.write(f"[{time.monotonic() - self._start:7.2f} s] {text}\n")
-        sys.stderr.flush()
+    def structure(self, number: int, word: tuple[str, ...]) -> None:
+        """A structure is being tried."""
+
+    def path(self, cells: tuple[str, ...]) -> None:
+        """A cell path is being tried."""
+
+    def robustness(self, value: float) -> None:
+        """The best robustness so far."""
+
+    def note(self, text: str) -> None:
+        """A finding worth a line."""
+
+    def part(self, done: int, count: int) -> None:
+        """So many of all parts of the work are done."""
+
+
+class PlainProgress(QuietProgress):
+    """One line per structure, path and improvement."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._best: float | None = None
+        self._told = self._start
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
         """A structure is being tried."""
@@ -44,7 +75,7 @@ class PlainProgress:
         self._line(f"path: {' > '.join(cells)}")
 
     def robustness(self, value: float) -> None:
-        """The best robustness so far; a line where it grew."""
+        """A line where it grew."""
         if self._best is None or value > self._best:
             self._best = value
             self._line(f"best robustness: {value:.4f}")
@@ -53,56 +84,122 @@ class PlainProgress:
         """A finding worth a line."""
         self._line(text)
 
+    def part(self, done: int, count: int) -> None:
+        """A line now and then, and none for work that is done soon."""
+        now = time.monotonic()
+        if now - self._told >= SPARSE:
+            self._told = now
+            self._line(f"{done} of {count}")
 
-class LiveProgress(PlainProgress):
-    """A small table that is redrawn in place."""
+    def _line(self, text: str) -> None:
+        sys.stderr.write(f"[{time.monotonic() - self._start:7.2f} s] {text}\n")
+        sys.stderr.flush()
 
-    def __init__(self, console: Console) -> None:
+
+class LiveProgress(QuietProgress):
+    """A line that is redrawn in place, and is gone at the end.
+
+    What matters most comes first: a terminal that is too narrow cuts the rest.
+    """
+
+    def __init__(self, what: str, unit: str, count: Callable[[], int | None]) -> None:
         super().__init__()
-        self._rows = {"structure": "", "path": "", "best robustness": "", "note": ""}
-        self._live = Live(console=console, get_renderable=self._table, refresh_per_second=8)
+        self._what, self._unit, self._count = what, unit, count
+        self._total: int | None = None
+        self._begun: float | None = None
+        self._number: int | None = None
+        self._durations: list[float] = []
+        self._best: float | None = None
+        self._detail = ""
 
     def __enter__(self) -> LiveProgress:
-        self._live.start()
+        from rich.console import Console
+        from rich.live import Live
+
+        self._total = self._count()
+        plain = not colours(sys.stderr)
+        console = Console(file=sys.stderr, force_terminal=True, no_color=plain, highlight=False)
+        live = Live(
+            console=console, get_renderable=self._shown, refresh_per_second=8, transient=True
+        )
+        self._open.enter_context(redrawing())
+        self._open.enter_context(live)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._live.stop()
+    def structure(self, number: int, word: tuple[str, ...]) -> None:
+        """A structure is being tried: the ones before it are finished."""
+        self._step(number)
+        self._best, self._detail = None, " ".join(word)
 
-    def _table(self) -> Table:
-        table = Table.grid(padding=(0, 2))
-        for name, text in self._rows.items():
-            if text:
-                table.add_row(f"[bold]{name}[/]", text)
-        table.add_row("[bold]time[/]", f"{time.monotonic() - self._start:.1f} s")
-        return table
+    def path(self, cells: tuple[str, ...]) -> None:
+        """Paths are too many to be told one by one."""
+        self._best = None
 
-    def _line(self, text: str) -> None:
-        name, _, rest = text.partition(": ")
-        if name.startswith("structure "):
-            self._rows.update(structure=f"{name[10:]}  {rest}", path="", note="")
-            self._rows["best robustness"] = ""
-        elif name in self._rows:
-            self._rows[name] = rest
-        else:
-            self._rows["note"] = text
+    def robustness(self, value: float) -> None:
+        """The best robustness so far."""
+        if self._best is None or value > self._best:
+            self._best = value
+
+    def note(self, text: str) -> None:
+        """The last finding stands until there is another."""
+        self._detail = " ".join(text.split())
+
+    def part(self, done: int, count: int) -> None:
+        """So many of all parts of the work are done."""
+        self._total = count
+        self._step(done)
+
+    def _step(self, number: int) -> None:
+        now = time.monotonic()
+        if self._begun is not None and self._number is not None and number > self._number:
+            each = (now - self._begun) / (number - self._number)
+            self._durations += [each] * (number - self._number)
+        self._begun, self._number = now, number
+
+    def text(self) -> str:
+        """The line."""
+        now = time.monotonic()
+        parts = [self._what]
+        left = None
+        if self._number is not None:
+            total = "" if self._total is None else f" of {self._total}"
+            parts.append(f"{self._number}{total} {self._unit}")
+            left = None if self._total is None else max(0, self._total - self._number)
+        running = 0.0 if self._begun is None else now - self._begun
+        parts += [duration_text(now - self._start), estimate_text(self._durations, running, left)]
+        if self._best is not None:
+            parts.append(f"best robustness {self._best:.4f}")
+        if self._detail:
+            parts.append(self._detail)
+        return " · ".join(parts)
+
+    def _shown(self) -> Text:
+        from rich.text import Text
+
+        if time.monotonic() - self._start < SILENCE:
+            return Text("")
+        return Text(self.text(), no_wrap=True, overflow="ellipsis")
 
 
-class QuietProgress(PlainProgress):
-    """Nothing at all."""
+def progress(
+    what: str,
+    *,
+    quiet: bool,
+    unit: str = "",
+    count: Callable[[], int | None] = lambda: None,
+    plain: bool = True,
+) -> QuietProgress:
+    """The display that fits standard error.
 
-    def _line(self, text: str) -> None:
-        """Nothing."""
-
-
-def progress(*, quiet: bool) -> PlainProgress:
-    """The display that fits standard error."""
+    Args:
+        what: is being done.
+        quiet: nothing is shown.
+        unit: what is counted.
+        count: how many there are of it, None where that is not known; asked on terminals only.
+        plain: where standard error is no terminal, there are lines.
+    """
     if quiet:
         return QuietProgress()
-    console = Console(stderr=True)
-    return LiveProgress(console) if console.is_terminal else PlainProgress()
+    if redraws(sys.stderr):
+        return LiveProgress(what, unit, count)
+    return PlainProgress() if plain else QuietProgress()

@@ -14,12 +14,13 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from solvers.progress import Recorded
-from srgc.session import UsageFault
+from srgc.faults import UsageFault
+from srgc.near_places import unwritable
 
 JOURNAL = "journal.jsonl"
 OWN_FILES = (
     "design.json", "certificate.json", "trajectory.csv", "evaluations.csv", "landscape.csv",
-    "pareto.csv", "pareto.json", "log.json", JOURNAL,
+    "pareto.csv", "pareto.json", "log.json", "report.html", JOURNAL,
 )  # fmt: skip
 OWN_FOLDERS = ("spec", "proofs", "figures", "designs")
 
@@ -104,9 +105,9 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageFault(f"{path}: {error.strerror}") from None
+        raise unwritable(path, error) from None
     if not os.access(path, os.W_OK):
-        raise UsageFault(f"{path} cannot be written")
+        raise UsageFault(f"{path} cannot be written; choose another folder with -o")
     folder = ResultFolder(path, identity)
     owner = _owner(path)
     if owner is None and any(not _unfinished(item.name) for item in path.iterdir()) and not force:
@@ -127,6 +128,36 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
             folder.discard(name)
     folder.write(JOURNAL, _journal_text(identity, folder.values))
     return folder
+
+
+def copy_results(source: Path, target: Path, *, force: bool) -> Path:
+    """Copy the results of a folder, and of an unfinished run what it needs to go on.
+
+    Raises:
+        UsageFault: the source holds no results, or the target cannot be used (``open_folder``).
+    """
+    identity = _owner(source)
+    if identity is None:
+        raise UsageFault(f"{source} holds no results")
+    if source.resolve() == target.resolve():
+        return target
+    files = {
+        path.relative_to(source).as_posix(): path
+        for path in sorted(source.rglob("*"))
+        if path.is_file() and path.relative_to(source).parts[0] in (*OWN_FILES, *OWN_FOLDERS)
+    }
+    folder = open_folder(target, identity, force=force)
+    for name in (*OWN_FILES, *OWN_FOLDERS):
+        if name != JOURNAL and not any(file.split("/")[0] == name for file in files):
+            folder.discard(name)
+    for name, path in files.items():
+        folder.write(name, path.read_bytes())
+    for top in OWN_FOLDERS:
+        if (target / top).is_dir():
+            folder.keep_only(top, {name[len(top) + 1 :] for name in files})
+    if JOURNAL not in files:
+        folder.finish()
+    return target
 
 
 def _journal_text(identity: Identity, values: Mapping[str, Recorded]) -> str:

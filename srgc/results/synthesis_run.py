@@ -6,7 +6,6 @@ import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 
 from compiler.maps.obstacle_pieces import expanded
@@ -16,6 +15,7 @@ from solvers.progress import Conduct
 from solvers.synthesis import Proved, Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.claims.spec_copy import files_of
+from srgc.interruption import resumable
 from srgc.results.design_file import (
     boxes_name,
     certificate_text,
@@ -26,8 +26,10 @@ from srgc.results.design_file import (
 from srgc.results.evaluations_file import evaluations_csv
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
+from srgc.results.structure_total import structure_total
 from srgc.session import UsageFault
 from srgc.text_reports.reconfiguration_report import change_of
+from srgc.version import VERSION
 from srgc.workers import workers_for
 
 
@@ -68,20 +70,50 @@ def _run(
     files = _spec_files(program)
     digest = spec_digest(files)
     identity = Identity(
-        digest, task.name, options.seed, version("srgc"), options.cells, options.every,
+        digest, task.name, options.seed, VERSION, options.cells, options.every,
         options.solver, options.search,
     )  # fmt: skip
     folder = open_folder(options.output, identity, force=options.force)
-    for name, content in files.items():
-        folder.write(f"spec/{name}", content)
-    folder.keep_only("spec", files)
+    with resumable(options.output):
+        for name, content in files.items():
+            folder.write(f"spec/{name}", content)
+        folder.keep_only("spec", files)
+        program, task = expanded(program, task)
+        result = _searched(folder, program, task, options, workers, started)
+        searched = time.monotonic() - started
+        for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv", "report.html"):
+            folder.discard(name)
+        if result.designs and options.every:
+            _write_all(folder, result, program, task, path.name, files)
+        _write(folder, result, program, task, path.name, identity)
+        total = time.monotonic() - started
+        timings = {"search_s": round(searched, 3), "total_s": round(total, 3), **result.counts}
+        folder.write("log.json", json.dumps(timings, indent=1) + "\n")
+        if not result.unfinished:
+            folder.finish()
+    return result
+
+
+def _searched(
+    folder: ResultFolder,
+    program: ir.Program,
+    task: ir.Task,
+    options: SynthesisOptions,
+    workers: Workers,
+    started: float,
+) -> Synthesis:
+    """The search itself, with its progress."""
 
     def out_of_time() -> bool:
         limit = options.time_limit
         return limit is not None and time.monotonic() - started > limit
 
-    program, task = expanded(program, task)
-    with progress(quiet=options.quiet) as display:
+    with progress(
+        f"synth {task.name}",
+        quiet=options.quiet,
+        unit="structures examined",
+        count=lambda: structure_total(program, task),
+    ) as display:
         conduct = Conduct(
             seed=options.seed,
             workers=workers,
@@ -91,19 +123,7 @@ def _run(
             journal=folder,
             out_of_time=out_of_time,
         )
-        result = synthesise(program, task, conduct, options.cells, every=options.every)
-    searched = time.monotonic() - started
-    for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv"):
-        folder.discard(name)
-    if result.designs and options.every:
-        _write_all(folder, result, program, task, path.name, files)
-    _write(folder, result, program, task, path.name, identity)
-    total = time.monotonic() - started
-    timings = {"search_s": round(searched, 3), "total_s": round(total, 3), **result.counts}
-    folder.write("log.json", json.dumps(timings, indent=1) + "\n")
-    if not result.unfinished:
-        folder.finish()
-    return result
+        return synthesise(program, task, conduct, options.cells, every=options.every)
 
 
 def _spec_files(program: ir.Program) -> dict[str, bytes]:
@@ -149,6 +169,7 @@ def _write_all(
 def alone(result: Synthesis, proved: Proved) -> Synthesis:
     """One design of a result as the result of a search of its structure alone."""
     samples = (each for each in result.samples if each.structure == proved.number)
+    blocked = (each for each in result.blocked if each.structure == proved.number)
     return replace(
         result,
         design=proved.design,
@@ -157,6 +178,7 @@ def alone(result: Synthesis, proved: Proved) -> Synthesis:
         counts=proved.counts,
         designs=(replace(proved, number=0),),
         samples=tuple(replace(each, structure=0) for each in samples),
+        blocked=tuple(replace(each, structure=0) for each in blocked),
     )
 
 

@@ -22,6 +22,7 @@ from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.claims.spec_copy import read_copy
 from srgc.named_search import named_search
 from srgc.named_solver import named_solver
+from srgc.near_places import no_folder
 from srgc.session import UsageFault
 
 
@@ -44,7 +45,7 @@ def tried_folder(folder: Path) -> TriedFolder:
             or a search that is not here.
     """
     if not folder.is_dir():
-        raise UsageFault(f"{folder} is not a folder")
+        raise no_folder(folder)
     path = folder / "design.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no design.json: it holds no finished results")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from grammar_lang.findings.code_pages import find_code, has_page, nearest_codes, page_text, title
 from grammar_lang.findings.codes import Code
-from srgc.session import UsageFault
+from srgc.faults import UsageFault
 
 _BOLD, _RESET = "\033[1m", "\033[0m"
 _HEADING = re.compile(r"^(?:# .*|Fails:|Repaired:)$", re.MULTILINE)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from compiler.definiteness.mass_matrix_check import mass_matrix_check
@@ -18,14 +17,11 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.tape import UndefinedValueError
 from compiler.encodings.model_script import model_script
 from compiler.robots.defined_scalars import scalars_are_defined
-from compiler.robots.planarity import is_planar
-from compiler.robots.robot import RobotModel, RodBody, SolidBody
-from compiler.semantics.attributes import SemanticsError
-from compiler.semantics.family import RobotFamily
+from compiler.robots.robot import RodBody, SolidBody
 from compiler.semantics.neutral_parameters import neutral_parameters
 from grammar_lang import ir
-from srgc.graphs.chosen_derivation import chosen_derivation
-from srgc.session import UsageFault, chosen
+from srgc.chosen_robot import ChosenRobot, RobotRequest, chosen_robot
+from srgc.session import UsageFault
 
 MOST_WRITTEN = 8
 """Equations of more degrees of freedom run to thousands of lines."""
@@ -36,19 +32,6 @@ Form: TypeAlias = Literal["text", "latex", "smt2"]
 
 
 @dataclass(frozen=True, slots=True)
-class ModelRequest:
-    """The robot of a word, and its choices; ``derivation`` counts from 1."""
-
-    word: tuple[str, ...]
-    grammar: str | None = None
-    task: str | None = None
-    workspace: str | None = None
-    derivation: int | None = None
-    form: Form = "text"
-    whole: bool = False
-
-
-@dataclass(frozen=True, slots=True)
 class ModelReport:
     """The report, and what a reader has to know beside it."""
 
@@ -56,60 +39,37 @@ class ModelReport:
     remarks: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class _Robot:
-    program: ir.Program
-    word: tuple[str, ...]
-    labels: tuple[str, ...]
-    model: RobotModel
-    grammar: ir.Grammar
-    task: ir.Task | None
-    whole: bool
-
-    @property
-    def gravity(self) -> tuple[Fraction, ...]:
-        return () if self.task is None else self.task.gravity
-
-
-def model_report(program: ir.Program, request: ModelRequest) -> ModelReport:
-    """What ``srgc model`` prints.
+def model_report(
+    program: ir.Program, request: RobotRequest, form: Form = "text", *, whole: bool = False
+) -> ModelReport:
+    """What ``srgc model`` prints; ``whole``: the equations of many degrees of freedom, too.
 
     Raises:
         UsageFault: choices that do not fit the program, or a word without a robot.
     """
-    task = None if request.task is None else chosen(program.tasks, request.task, "task")
-    named = request.grammar or (None if task is None else task.grammar)
-    grammar = chosen(program.grammars, named, "grammar")
-    dimension = _dimension(program, task, request.workspace)
-    family = RobotFamily(program, grammar, dimension or 3)
-    found = chosen_derivation(family.language, grammar, request.word, request.derivation)
-    if not request.word:
-        raise UsageFault("the empty word is no robot")
+    robot = chosen_robot(program, request)
+    return ModelReport(model_text(robot, form, whole=whole), robot.remarks)
+
+
+def model_text(robot: ChosenRobot, form: Form, *, whole: bool = False) -> str:
+    """The report on a robot.
+
+    Raises:
+        UsageFault: its equations have no value anywhere.
+    """
     try:
-        model = family.robot(found.derivation)
-    except SemanticsError as error:
-        raise UsageFault(str(error)) from None
-    if dimension is None and is_planar(model):
-        model = RobotFamily(program, grammar, 2).robot(found.derivation)
-    labels = tuple(found.derivation.labels)
-    robot = _Robot(program, request.word, labels, model, grammar, task, request.whole)
-    try:
-        return ModelReport(_written(robot, request.form), found.remarks)
+        if form == "smt2":
+            return model_script(robot_graph(robot.model))
+        sections = list(_sections(robot, whole=whole))
     except UndefinedValueError as error:
         raise UsageFault(str(error)) from None
-
-
-def _written(robot: _Robot, form: Form) -> str:
-    if form == "smt2":
-        return model_script(robot_graph(robot.model))
-    sections = list(_sections(robot))
     return to_latex(sections) if form == "latex" else to_text(sections)
 
 
-def _sections(robot: _Robot) -> Iterator[Section]:
+def _sections(robot: ChosenRobot, *, whole: bool) -> Iterator[Section]:
     yield Section("Robot", tuple(_facts(robot)))
     yield from robot_sections(robot.model, robot.word, robot.task)
-    if len(robot.model.dofs) <= MOST_WRITTEN or robot.whole:
+    if len(robot.model.dofs) <= MOST_WRITTEN or whole:
         yield from motion_sections(model_reading(robot.model, robot.gravity))
     else:
         text = f"left out for {len(robot.model.dofs)} degrees of freedom: --whole writes them"
@@ -118,7 +78,7 @@ def _sections(robot: _Robot) -> Iterator[Section]:
         yield section_of_lines(title, lines)
 
 
-def _checks(robot: _Robot) -> Iterator[tuple[str, list[str]]]:
+def _checks(robot: ChosenRobot) -> Iterator[tuple[str, list[str]]]:
     """Titles and lines of what is proved about the robot, the last sections of the report."""
     if robot.model.dofs:
         text = (
@@ -133,7 +93,7 @@ def _checks(robot: _Robot) -> Iterator[tuple[str, list[str]]]:
     yield "Hypothesis of Theorem 1: a value at which a module changes nothing", lines
 
 
-def _facts(robot: _Robot) -> Iterator[Fact]:
+def _facts(robot: ChosenRobot) -> Iterator[Fact]:
     model = robot.model
     yield Fact("word", f"{' '.join(robot.word)} (its symbols are counted from 0)")
     yield Fact("derivation", " ".join(robot.labels))
@@ -149,22 +109,9 @@ def _facts(robot: _Robot) -> Iterator[Fact]:
     yield Fact("gravity", _gravity(robot))
 
 
-def _gravity(robot: _Robot) -> str:
+def _gravity(robot: ChosenRobot) -> str:
     if robot.task is None:
         return "none, since no task is chosen"
     if not any(robot.gravity):
         return f"none in task {robot.task.name}"
     return f"that of task {robot.task.name}"
-
-
-def _dimension(
-    program: ir.Program, task: ir.Task | None, workspace: str | None
-) -> Literal[2, 3] | None:
-    """That of the workspace, or of all workspaces; None where the file has none."""
-    name = workspace or (None if task is None else task.workspace)
-    dimensions = {place.dimension for place in program.workspaces.values()}
-    if name is None and len(dimensions) == 1:
-        return dimensions.pop()
-    if name is None and not dimensions:
-        return None
-    return chosen(program.workspaces, name, "workspace").dimension

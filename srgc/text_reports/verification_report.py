@@ -26,7 +26,7 @@ def verification_text(report: Report) -> str:
         head = f"{head}: {report.verdict}{level}"
     if report.reason:
         head = f"{head}: {report.reason}"
-    shown = list(_by_map(_in_order(report.findings)))
+    shown = list(by_map(in_order(report.findings)))
     width = max([LEAST_WIDTH, *(len(finding.name) for finding in shown)])
     lines = [
         f"  {finding.status.value:<9} {finding.name:<{width}} {_said(finding)}".rstrip()
@@ -52,13 +52,13 @@ def verification_json(report: Report) -> str:
                 "place": list(finding.place) or None,
                 "level": finding.level if finding.status is Status.HOLDS else None,
             }
-            for finding in _in_order(report.findings)
+            for finding in in_order(report.findings)
         ],
     }
     return json.dumps(content, indent=1, ensure_ascii=False)
 
 
-def _in_order(findings: Sequence[Finding]) -> list[Finding]:
+def in_order(findings: Sequence[Finding]) -> list[Finding]:
     """What is violated, what is open, what holds; each by its margin, those without one last."""
     return sorted(findings, key=lambda f: (ORDER.index(f.status), f.margin))
 
@@ -81,7 +81,7 @@ _PIECE = re.compile(r"(?P<what>.* to \w+)\.\d+")
 """A condition on one piece of a map of obstacles: of regions only these have names with a dot."""
 
 
-def _by_map(findings: Sequence[Finding]) -> Iterator[Finding]:
+def by_map(findings: Sequence[Finding]) -> Iterator[Finding]:
     """The findings, of those about the pieces of one map only the first of each status."""
     pieces = [_PIECE.fullmatch(finding.name) for finding in findings]
     kinds = [

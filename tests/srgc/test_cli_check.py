@@ -160,7 +160,7 @@ def test_an_internal_fault_is_one_message(monkeypatch, capsys, arm_file):
     def broken(_path):
         raise RuntimeError("broken")
 
-    monkeypatch.setattr(cli, "check_file", broken)
+    monkeypatch.setattr("srgc.session.check_file", broken)
     assert cli.run(["check", str(arm_file)]) == 70
     err = capsys.readouterr().err
     assert err.startswith("internal error: RuntimeError: broken\n")

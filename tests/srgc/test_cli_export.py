@@ -16,6 +16,7 @@ import pytest
 from srgc.exports.urdf import urdf_text
 from tests.conftest import srgc_process
 from tests.oracles import result_files
+from tests.oracles.driven_claims import CRANE
 from tests.oracles.exported_robots import exported, random_lengths, solid_robot
 from tests.oracles.found_folders import claim_found
 from tests.oracles.small_specs import TURNER, replaced
@@ -24,59 +25,11 @@ from tests.srgc.conftest import ROOT, Ran
 Export = Callable[..., Ran]
 Result = Callable[[str], Path]
 
-SPATIAL = """\
-module B { role base; }
-module H { role joint; dof q: revolute -y in [-90, 45] deg rate in [-1, 2]; }
-module P { role joint; dof s: prismatic x; }
-module V { role joint; dof q: revolute z; }
-module L { role link; param length in [1, 2] m; const mass = 3 kg; }
-module EN { role effector; }
-edge eps;
-grammar Crane {
-  start N;
-  base: N -> B;
-  hinge: N -> N eps H;
-  slide: N -> N eps P;
-  turn: N -> N eps V;
-  link: N -> N eps L;
-  tool: N -> N eps EN;
-}
-semantics Crane {
-  base { this.frame = world * rot(x, 30 deg); }
-  hinge { this.frame = N.frame * rot(-y, H.q); }
-  slide { this.frame = N.frame * move(x, P.s); }
-  turn { this.frame = N.frame * rot(z, V.q); }
-  link {
-    this.frame = N.frame * move(x, L.length);
-    rod(frame: N.frame, axis: x, length: L.length, density: 1 kg/m, radius: 5 cm);
-    solid(frame: N.frame, mass: L.mass, com: (0.5, 0, 0.1),
-      inertia: (0.2, 0.3, 0.4, 0, 0.01, 0));
-  }
-  tool { this.frame = N.frame; effector(frame: N.frame); }
-}
-workspace Yard {
-  space xyz;
-  bounds box [-9, 9] x [-9, 9] x [-9, 9] m;
-  region S box [1, 2] x [0, 1] x [0, 1] m;
-  target T box [0, 1] x [1, 2] x [0, 1] m;
-}
-task Lift {
-  robot Crane;
-  workspace Yard;
-  start in S at rest;
-  reach T;
-  effort <= 7 N*m;
-  effort <= 20 N;
-  horizon 5 steps of 0.0125 s;
-  gravity (0, 1, -9.81) m/s^2;
-}
-"""
-
 
 @pytest.fixture
 def crane(tmp_path: Path) -> Path:
     word = "B eps V eps H eps L eps P eps L eps EN"
-    return claim_found(tmp_path / "crane", SPATIAL, word, ["1.5", "1.25"])
+    return claim_found(tmp_path / "crane", CRANE, word, ["1.5", "1.25"])
 
 
 def check_urdf(path: Path) -> list[str]:
@@ -397,7 +350,7 @@ def test_an_altered_spec(srgc: Export, crane: Path) -> None:
 
 
 def test_an_inertia_that_no_body_has(srgc: Export, tmp_path: Path) -> None:
-    text = replaced(SPATIAL, "(0.2, 0.3, 0.4, 0,", "(0.2, 0.3, 9, 0,")
+    text = replaced(CRANE, "(0.2, 0.3, 0.4, 0,", "(0.2, 0.3, 9, 0,")
     folder = claim_found(tmp_path / "crane", text, "B eps V eps L eps EN", ["1"])
     refused(srgc("export", folder, "--to", "urdf"), "triangle inequality")
 

@@ -222,10 +222,10 @@ def test_the_command_does_not_load_networkx(arm_file):
 
 def test_the_python_interface(arm_file):
     program = load(arm_file)
-    run = graph(program, "words", highlight=FIGURE.split(), near=True)
+    run = graph(program, "words", highlight=FIGURE.split(), near=True).networkx()
     assert len(run) == 25
     assert sum(red for _, red in run.nodes(data="highlighted")) == 9
-    robot = graph(program, "robot", word=("B", "eps", "JO", "eps", "EN"))
+    robot = graph(program, "robot", word=("B", "eps", "JO", "eps", "EN")).networkx()
     assert [label for _, label in robot.nodes(data="label")] == ["B", "JO", "EN"]
     with pytest.raises(UsageFault, match="no view `fsa`"):
         graph(program, "fsa")

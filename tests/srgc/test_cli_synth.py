@@ -13,8 +13,8 @@ from tests.oracles.small_specs import SLIDER, replaced
 DESIGN_FIELDS = [
     "verdict", "reason", "task", "spec", "word", "derivation", "dofs", "parameters", "robustness",
     "effort_peak", "step", "horizon", "path", "leader", "satisfy", "reconfiguration", "cells",
-    "structures_tried", "iterations", "seed", "least_cells", "all_designs", "solver", "search",
-    "spec_sha256", "version",
+    "structures_tried", "counterexamples", "iterations", "seed", "least_cells", "all_designs",
+    "solver", "search", "spec_sha256", "version",
 ]  # fmt: skip
 
 
@@ -89,6 +89,7 @@ def test_design_fields(made):
             "evidence",
             "same_robot_as",
             "boxes",
+            "reason",
         ]
     assert design["structures_tried"][-1]["verdict"] == "found"
     assert all(s["verdict"] == "refuted" for s in design["structures_tried"][:-1])

@@ -33,7 +33,8 @@ from tests.oracles.textmate import Grammar
 
 ROOT = Path(__file__).parents[2]
 LARK = (ROOT / "grammar_lang" / "parsing" / "srg.lark").read_text(encoding="utf-8")
-TEXTMATE = json.loads((ROOT / "editors" / "srg.tmLanguage.json").read_text(encoding="utf-8"))
+EXTENSION = ROOT / "editors" / "vscode"
+TEXTMATE = json.loads((EXTENSION / "syntaxes" / "srg.tmLanguage.json").read_text(encoding="utf-8"))
 SPECS = {
     str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")
     for path in sorted((ROOT / "specs").glob("*.srg"))
@@ -250,8 +251,8 @@ def test_programs_of_the_pages_have_their_scopes(page: str) -> None:
 
 def test_the_programs_of_the_language_page_are_correct() -> None:
     """So that the tests above say something."""
-    assert len(PAGES["docs/language.md"]) >= 4
-    assert all(map(is_correct, PAGES["docs/language.md"]))
+    assert len(PAGES["docs/reference/language.md"]) >= 4
+    assert all(map(is_correct, PAGES["docs/reference/language.md"]))
     assert sum(is_correct(text) for blocks in PAGES.values() for text in blocks) > 20
 
 
@@ -554,15 +555,20 @@ def test_all_scopes_end_with_the_language() -> None:
     assert [name for name in names if not re.fullmatch(r"[a-z.-]+\.srg", name)] == []
 
 
-def test_the_extension_that_is_described_uses_the_grammar() -> None:
-    page = (ROOT / "editors" / "README.md").read_text(encoding="utf-8")
-    [fence] = re.findall(r"^```json\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    contributed = json.loads(fence)["contributes"]
-    [grammar], [language] = contributed["grammars"], contributed["languages"]
-    assert (ROOT / "editors" / grammar["path"]).is_file()
+def test_the_extension_uses_the_grammar() -> None:
+    manifest = json.loads((EXTENSION / "package.json").read_text(encoding="utf-8"))
+    [grammar] = manifest["contributes"]["grammars"]
+    [language] = manifest["contributes"]["languages"]
+    assert json.loads((EXTENSION / grammar["path"]).read_text(encoding="utf-8")) == TEXTMATE
     assert grammar["scopeName"] == TEXTMATE["scopeName"]
     assert language["id"] == grammar["language"]
     assert [f"*{extension}" for extension in language["extensions"]] == SrgLexer.filenames
+
+
+def test_there_is_one_copy_of_the_grammar() -> None:
+    kept = [path for path in (ROOT / "editors").rglob("*.tmLanguage.json")
+            if "node_modules" not in path.parts]  # fmt: skip
+    assert kept == [EXTENSION / "syntaxes" / "srg.tmLanguage.json"]
 
 
 def test_the_lexer_is_declared() -> None:

@@ -1,0 +1,81 @@
+"""The robot of a word of a family, as commands and the Python interface are asked for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from compiler.robots.planarity import is_planar
+from compiler.robots.robot import RobotModel
+from compiler.semantics.attributes import SemanticsError
+from compiler.semantics.family import RobotFamily
+from grammar_lang import ir
+from srgc.graphs.chosen_derivation import chosen_derivation
+from srgc.session import UsageFault, chosen
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRequest:
+    """The robot of a word, and its choices; ``derivation`` counts from 1."""
+
+    word: tuple[str, ...]
+    grammar: str | None = None
+    task: str | None = None
+    workspace: str | None = None
+    derivation: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenRobot:
+    """A robot with where it comes from, and what a reader has to know beside it."""
+
+    program: ir.Program
+    word: tuple[str, ...]
+    labels: tuple[str, ...]
+    model: RobotModel
+    grammar: ir.Grammar
+    task: ir.Task | None
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def gravity(self) -> tuple[Fraction, ...]:
+        """That of the task in m/s^2; none without a task."""
+        return () if self.task is None else self.task.gravity
+
+
+def chosen_robot(program: ir.Program, request: RobotRequest) -> ChosenRobot:
+    """The robot that is asked for.
+
+    Raises:
+        UsageFault: choices that do not fit the program, or a word without a robot.
+    """
+    task = None if request.task is None else chosen(program.tasks, request.task, "task")
+    named = request.grammar or (None if task is None else task.grammar)
+    grammar = chosen(program.grammars, named, "grammar")
+    dimension = _dimension(program, task, request.workspace)
+    family = RobotFamily(program, grammar, dimension or 3)
+    found = chosen_derivation(family.language, grammar, request.word, request.derivation)
+    if not request.word:
+        raise UsageFault("the empty word is no robot")
+    try:
+        model = family.robot(found.derivation)
+    except SemanticsError as error:
+        raise UsageFault(str(error)) from None
+    if dimension is None and is_planar(model):
+        model = RobotFamily(program, grammar, 2).robot(found.derivation)
+    labels = tuple(found.derivation.labels)
+    return ChosenRobot(program, request.word, labels, model, grammar, task, found.remarks)
+
+
+def _dimension(
+    program: ir.Program, task: ir.Task | None, workspace: str | None
+) -> Literal[2, 3] | None:
+    """That of the workspace, or of all workspaces; None where the file has none."""
+    name = workspace or (None if task is None else task.workspace)
+    dimensions = {place.dimension for place in program.workspaces.values()}
+    if name is None and len(dimensions) == 1:
+        return dimensions.pop()
+    if name is None and not dimensions:
+        return None
+    return chosen(program.workspaces, name, "workspace").dimension

@@ -1,0 +1,72 @@
+"""The command that writes a result folder as one HTML page: ``report``."""
+
+from __future__ import annotations
+
+import os
+import sys
+from os.path import realpath
+from pathlib import Path
+
+import click
+
+from srgc.commands.arguments import FOLDER, QUIET
+from srgc.faults import UsageFault
+from srgc.output_file import write_output
+from srgc.taught_command import TaughtCommand
+from srgc.terminal import redraws
+
+NAME = "report.html"
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=["srgc report out/demo", "srgc report out/demo --no-verify -o arm.html"],
+    reads_spec=False,
+    read_on="docs/how-to/report.md",
+)
+@FOLDER
+@QUIET
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help=f"Write the page here.  Default: DIR/{NAME}.",
+)
+@click.option(
+    "--no-verify", is_flag=True, help="Do not check the certificate again; the page says so."
+)
+def report(folder: Path, quiet: bool, output: Path | None, no_verify: bool) -> int:  # noqa: FBT001
+    """Write a result folder as one HTML page that needs nothing else.
+
+    FOLDER is one that `srgc synth` has written, with any verdict.  The certificate is checked
+    again, and the page says what comes of that.
+    """
+    from solvers.execution.one_thread import ONE_THREAD
+
+    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    target = folder / NAME if output is None else output
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise UsageFault(f"{target}: a report is a page; let the name end in .html")
+    _spare_results(target, folder)
+    from srgc.report.page import report_page
+
+    if not (quiet or no_verify) and redraws(sys.stderr):
+        click.echo("checking the certificate", err=True)
+    write_output(target, report_page(folder, verify=not no_verify))
+    click.echo(f"report: {target}")
+    return 0
+
+
+def _spare_results(target: Path, folder: Path) -> None:
+    """Refuse a path that is, links followed, another place where ``synth`` writes in its folder.
+
+    Raises:
+        UsageFault: it is.
+    """
+    from srgc.results.result_folder import OWN_FILES, OWN_FOLDERS
+
+    top, place = Path(realpath(folder)), Path(realpath(target))
+    if place == top / NAME or top not in place.parents:
+        return
+    if place.relative_to(top).parts[0] in (*OWN_FILES, *OWN_FOLDERS):
+        raise UsageFault(f"{target} is one of the results; write the report elsewhere")

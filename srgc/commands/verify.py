@@ -1,0 +1,64 @@
+"""The command ``verify``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from srgc.commands.arguments import FOLDER, QUIET
+from srgc.commands.completions import complete_file
+from srgc.exit_status import REFUSED, UNKNOWN
+from srgc.faults import UsageFault
+from srgc.taught_command import TaughtCommand
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc verify out/demo",
+        "srgc verify out/demo --spec specs/planar_arm.srg --json",
+    ],
+    statuses={
+        0: "the result is valid",
+        1: "it is refuted",
+        4: "undecided, or there is nothing to verify",
+    },
+    reads_spec=False,
+    read_on="docs/explanation/trust.md and docs/explanation/guarantees.md",
+)
+@FOLDER
+@click.option(
+    "--spec",
+    type=click.Path(path_type=Path),
+    shell_complete=complete_file,
+    help="Also: it is about this file.",
+)
+@click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
+@QUIET
+@click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+def verify(
+    folder: Path,
+    spec: Path | None,
+    trust: str | None,
+    quiet: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
+) -> int:
+    """Check a result independently of the search that made it.
+
+    Every condition of the certificate is proved again, with its margin, from the copy of the spec
+    in FOLDER.  No solver and no searcher is loaded for that.
+    """
+    from solvers.verifier.verification import Outcome, verify_directory
+    from srgc.near_places import no_folder
+    from srgc.results.progress_display import progress
+    from srgc.text_reports.verification_report import verification_json, verification_text
+
+    if not folder.is_dir():
+        raise no_folder(folder)
+    if spec is not None and not spec.is_file():
+        raise UsageFault(f"{spec} is not a file")
+    with progress(f"verify {folder}", quiet=quiet, plain=False):
+        report = verify_directory(folder, spec, trust)
+    click.echo(verification_json(report) if as_json else verification_text(report))
+    return {Outcome.VALID: 0, Outcome.REFUTED: REFUSED}.get(report.outcome, UNKNOWN)

@@ -1,0 +1,147 @@
+"""The estimate, against work whose length is known, and the line it stands in."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+
+from compiler.languages.structures import structures
+from compiler.maps.obstacle_pieces import expanded
+from compiler.semantics.family import family_of
+from srgc.results import progress_display
+from srgc.results.estimate import NO_ESTIMATE, duration_text, estimate_text, remaining
+from srgc.results.progress_display import LiveProgress, PlainProgress, QuietProgress, progress
+from srgc.results.structure_total import structure_total
+from srgc.session import program_of
+
+
+@pytest.mark.parametrize("count", [4, 10, 100])
+@pytest.mark.parametrize("each", [0.001, 2.0, 500.0])
+def test_equal_parts_are_estimated_exactly(count, each):
+    for left in (0, 1, 7):
+        low, high = remaining([each] * count, 0.0, left)
+        assert low == pytest.approx(each * left)
+        assert high == pytest.approx(each * left)
+
+
+def test_parts_that_become_longer_are_within_the_range_for_a_while():
+    """Part i takes 1 + i / 10 seconds: the next few are what the range says."""
+    durations = [1 + i / 10 for i in range(40)]
+    for done in range(8, 40):
+        low, high = remaining(durations[:done], 0.0, 1)
+        assert low <= high < durations[done]
+        assert low == pytest.approx(sum(durations[:done]) / done)
+        assert high > durations[done] * 0.75
+
+
+def test_a_part_that_takes_long_raises_the_estimate():
+    highs = [remaining([1.0] * 8, running, 10)[1] for running in (0.0, 1.0, 5.0, 50.0, 500.0)]
+    assert highs[0] == highs[1] == 10
+    assert all(a < b for a, b in pairwise(highs[1:]))
+    assert remaining([1.0] * 8, 500.0, 10)[0] == 10
+
+
+def test_too_little_is_known():
+    assert remaining([1.0] * 3, 1.0, 5) is None
+    assert estimate_text([1.0] * 3, 1.0, 5) == NO_ESTIMATE
+    assert estimate_text([1.0] * 30, 1.0, None) == NO_ESTIMATE
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0, "1 s"), (0.2, "1 s"), (42.4, "42 s"), (99.4, "99 s"), (100, "2 min"), (3600, "60 min"),
+     (6001, "2 h"), (360000, "100 h"), (3.6e6, "1000 h")],
+)  # fmt: skip
+def test_durations(seconds, text):
+    assert duration_text(seconds) == text
+
+
+class Clock:
+    now = 100.0
+
+    def monotonic(self):
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(progress_display, "time", clock)
+    return clock
+
+
+def test_the_line_of_a_synthesis(clock):
+    live = LiveProgress("synth Turn", "structures examined", lambda: 12)
+    live._total = 12
+    assert live.text() == "synth Turn · 1 s · no estimate"
+    for number in range(7):
+        live.structure(number, ("B", "eps", "EN"))
+        clock.now += 2
+    live.robustness(0.5)
+    live.robustness(0.25)
+    # Six took two seconds each and the seventh has: six are left.
+    assert live.text() == (
+        "synth Turn · 6 of 12 structures examined · 14 s · 12 s left for all · "
+        "best robustness 0.5000 · B eps EN"
+    )
+    clock.now += 100
+    assert "12 s to" in live.text()
+    live.note("trying a\nwider margin")
+    assert live.text().endswith("trying a wider margin")
+
+
+def test_structures_that_were_skipped_share_the_time(clock):
+    """A search resumed from a journal, or a landscape, goes on by more than one at once."""
+    live = LiveProgress("landscape", "points", lambda: None)
+    live.part(0, 100)
+    clock.now += 10
+    live.part(50, 100)
+    assert "50 of 100 points · 10 s · 10 s left for all" in live.text()
+
+
+def test_plain_lines_about_a_grid_are_sparse(clock, capsys):
+    plain = PlainProgress()
+    for done in range(101):
+        plain.part(done, 100)
+        clock.now += 0.5
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split("] ")[1] for line in lines] == [f"{n} of 100" for n in (20, 40, 60, 80, 100)]
+
+
+def test_quiet_and_piped(monkeypatch, capsys):
+    for display in (progress("x", quiet=True), progress("x", quiet=False, plain=False)):
+        with display as told:
+            told.structure(0, ("a",))
+            told.path(("a",))
+            told.robustness(1.0)
+            told.note("note")
+            told.part(1, 2)
+    assert capsys.readouterr().err == ""
+    assert type(progress("x", quiet=False)) is PlainProgress
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setattr("sys.stderr", Terminal())
+    monkeypatch.setenv("TERM", "xterm")
+    assert isinstance(progress("x", quiet=False), LiveProgress)
+    assert type(progress("x", quiet=True)) is QuietProgress
+    monkeypatch.setenv("TERM", "dumb")
+    assert type(progress("x", quiet=False)) is PlainProgress
+
+
+def test_how_many_structures_there_are(arm_file):
+    program = program_of(arm_file.with_name("l_shaped.srg"))
+    task = program.tasks["Lift"]
+    every = list(structures(family_of(*expanded(program, task)).language, task.modules))
+    assert structure_total(program, task) == len(every) > 5
+    # Without a bound there is only a limit, and no total.
+    program = program_of(arm_file)
+    task = program.tasks["PickAndPlace"]
+    assert structure_total(program, task) is None
+    assert structure_total(program, replace(task, modules=3)) == 1
+    assert structure_total(program, replace(task, modules=14)) is None

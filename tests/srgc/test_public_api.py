@@ -1,0 +1,405 @@
+"""``import srgc``: the names, what they give, and that a fault is one message."""
+
+from __future__ import annotations
+
+import ast
+import gc
+import inspect
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import traceback
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import srgc
+from srgc.public.spoken_faults import in_python
+from tests.oracles.small_specs import TURNER, replaced
+
+ROOT = Path(__file__).parents[2]
+WORD = "B eps JO eps L eps JO eps L eps EN"
+FALLING = replaced(TURNER, "  reach T;", "  reach T;\n  gravity (0, -9.81) m/s^2;")
+
+
+def fresh(program: str) -> str:
+    """What a program prints in an interpreter of its own."""
+    finished = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    return finished.stdout
+
+
+@pytest.fixture(scope="module")
+def program():
+    return srgc.load(ROOT / "specs" / "planar_arm.srg")
+
+
+@pytest.fixture
+def turned(made):
+    return srgc.open_result(made("turner") / "out")
+
+
+# --- the names ----------------------------------------------------------------------------------
+
+
+def test_importing_loads_nothing():
+    before_and_after = (
+        "import sys; before = set(sys.modules)\nimport srgc\n"
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    assert fresh(before_and_after).split() == ["srgc"]
+
+
+def test_light_calls_load_no_library():
+    loaded = fresh(
+        "import sys, srgc\np = srgc.load('specs/planar_arm.srg'); srgc.words(p, limit=5)\n"
+        "srgc.check(text='module'); print(*sys.modules)"
+    ).split()
+    assert not {"numpy", "casadi", "flint", "matplotlib", "scipy", "click"} & set(loaded)
+
+
+def test_every_name_has_one_home_and_is_known_to_type_checkers():
+    tree = ast.parse((ROOT / "srgc" / "__init__.py").read_text(encoding="utf-8"))
+    [guarded] = [node for node in tree.body if isinstance(node, ast.If)]
+    static = {
+        alias.name: node.module
+        for node in guarded.body
+        for alias in node.names
+        if alias.asname == alias.name
+    }
+    assert static == srgc._HOMES
+    assert sorted(static) == srgc.__all__ == dir(srgc)
+    assert len(static) <= 12
+    for name, home in static.items():
+        thing = getattr(srgc, name)
+        assert getattr(import_module(home), name) is thing
+        assert (thing.__module__, thing.__name__) == (home, name)
+    with pytest.raises(AttributeError, match="has no attribute 'synthesise'"):
+        srgc.synthesise  # noqa: B018
+
+
+@pytest.mark.parametrize("name", [name for name in srgc.__all__ if name != "SrgcError"])
+def test_functions_say_what_they_take(name):
+    function = getattr(srgc, name)
+    text = inspect.getdoc(function)
+    assert "Raises:\n    SrgcError: " in text
+    for parameter in inspect.signature(function).parameters.values():
+        assert parameter.annotation is not inspect.Parameter.empty
+        assert name == "open_result" or f"    {parameter.name}: " in text, parameter.name
+    assert inspect.signature(function).return_annotation is not inspect.Signature.empty
+
+
+def test_every_name_is_in_the_reference():
+    page = (ROOT / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"\.\. auto(?:function|exception):: (\w+)$", page, re.MULTILINE)) == (
+        srgc.__all__
+    )
+
+
+def test_types_are_shipped():
+    assert (ROOT / "srgc" / "py.typed").is_file()
+
+
+def test_a_strictly_typed_program_is_accepted(tmp_path):
+    """And one that mistakes the types is not, so that they are known at all."""
+    sample = tmp_path / "sample.py"
+    sample.write_text(
+        "import srgc\n"
+        "program = srgc.load('arm.srg')\n"
+        "words: list[str] = srgc.words(program, limit=3)\n"
+        "result = srgc.synthesize(program, seed=1)\n"
+        "if result.verdict == 'found' and result.word is not None:\n"
+        "    robot = srgc.robot(program, result.word, result.parameters)\n"
+        "    total: float = robot.mass_matrix([0.1, 0.2]).sum()\n"
+        "    urdf: str = srgc.export(result, 'urdf')\n"
+        "    left: float = min(srgc.verify(result).margins.values())\n"
+        "try:\n    srgc.check(text='module')\n"
+        "except srgc.SrgcError as error:\n    print(str(error).upper())\n"
+        "wrong: int = srgc.words(program)\n",
+        encoding="utf-8",
+    )
+    command = [Path(sys.executable).parent / "mypy", "--strict", "--python-executable",
+               sys.executable, sample]  # fmt: skip
+    found = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=False
+    ).stdout.splitlines()
+    [told] = [line for line in found if line.startswith(str(sample))]
+    assert told.startswith(f"{sample}:14: error: Incompatible types in assignment")
+    assert '"list[str]", variable has type "int"' in told
+
+
+# --- specifications -----------------------------------------------------------------------------
+
+
+def test_findings(tmp_path):
+    found = srgc.check(text="module B { role base; } edge eps")
+    assert not found.ok
+    assert [one.code.value for one in found.errors] == ["SRG0104"]
+    [record] = found.records()
+    assert (record["line"], record["column"]) == (1, 33)
+    assert "\n      |                                 ^\n" in str(found)
+    assert len(found) == 1
+    fine = srgc.check(ROOT / "specs" / "planar_arm.srg")
+    assert fine.ok
+    assert not fine.errors
+
+
+def test_a_text_includes_what_is_in_its_folder(tmp_path):
+    modules, rest = TURNER.split("edge eps;")
+    (tmp_path / "modules.srg").write_text(modules, encoding="utf-8")
+    text = f'include "modules.srg";\nedge eps;{rest}'
+    assert srgc.load(text=text, folder=tmp_path).modules == ("B", "JO", "L", "EN")
+    with pytest.raises(srgc.SrgcError, match="include"):
+        srgc.load(text=text)
+
+
+def test_a_program(program):
+    assert (program.name, program.grammars, program.tasks) == (
+        "planar_arm.srg", ("PlanarArm",), ("PickAndPlace",),
+    )  # fmt: skip
+    assert program.workspaces == ("Bench",)
+    assert program.text == (ROOT / "specs" / "planar_arm.srg").read_text(encoding="utf-8")
+    shortest = "B eps JO eps EN"
+    longer = {f"B eps JO eps {last}" for last in (
+        "JO eps EN", "L eps EN", "EN eps JO", "EN eps L", "EN eps EN",
+    )}  # fmt: skip
+    found = srgc.words(program, max_length=7)
+    assert (found[0], set(found[1:]), len(found)) == (shortest, longer, 6)
+    assert srgc.words(program, limit=2) == found[:2]
+    assert srgc.plan(program).paths == {1: ("S", "free.5", "free.8", "T")}
+
+
+# --- faults -------------------------------------------------------------------------------------
+
+
+def test_errors_read_well():
+    with pytest.raises(srgc.SrgcError) as caught:
+        srgc.load(text=replaced(TURNER, "bounds box [-1, 3] x [-1, 3] m", "bounds box [-1, 3] kg"))
+    lines = str(caught.value).splitlines()
+    assert lines[0] == "the spec has errors"
+    assert lines[1].startswith("spec.srg:26:")
+    assert lines[2] == "   26 |   bounds box [-1, 3] kg;"
+    assert "^" in lines[3]
+
+
+def test_a_traceback_ends_at_the_call(program):
+    with pytest.raises(srgc.SrgcError) as caught:
+        srgc.robot(program, "B eps EN")
+    frames = traceback.extract_tb(caught.value.__traceback__)
+    assert [Path(frame.filename).name for frame in frames] == [
+        "test_public_api.py", "spoken_faults.py",
+    ]  # fmt: skip
+    assert caught.value.__cause__ is None
+    assert caught.value.__suppress_context__
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda p: srgc.graph(p, "robot"), "`of` robot needs the word: `word`"),
+        (lambda p: srgc.graph(p, "fsa"), "no view `fsa`"),
+        (lambda p: srgc.load("nowhere.srg"), "cannot read"),
+        (lambda p: srgc.load(), "give the path"),
+        (lambda p: srgc.load("a.srg", text=""), "give the path"),
+        (lambda p: srgc.words(p, grammar="G"), "no grammar `G`; the file has: PlanarArm"),
+        (lambda p: srgc.words(p, limit=-1), "not negative"),
+        (lambda p: srgc.robot(p, WORD, [1]), "1 parameters: the robot has 4.length, 8.length"),
+        (lambda p: srgc.robot(p, WORD, {"5.length": 1}), "no parameter `5.length`"),
+        (lambda p: srgc.robot(p, WORD, [1, 7]), r"8.length = 7 is not in \[0.5, 5\] m"),
+        (lambda p: srgc.robot(p, WORD, [1, np.nan]), "8.length is nan"),
+        (lambda p: srgc.robot(p, WORD).mass_matrix([1]), r"`q` has the shape \(1,\): \(2,\)"),
+        (lambda p: srgc.synthesize(p, jobs=0), "count from 1"),
+        (lambda p: srgc.synthesize(p, seed=-1), "not negative"),
+        (lambda p: srgc.synthesize(p, time_limit=0), "positive number of seconds"),
+        (lambda p: srgc.plan(p, cells=0), "counts from 1"),
+        (lambda p: srgc.open_result("nowhere"), "not a folder"),
+        (lambda p: srgc.verify("nowhere"), "not a folder"),
+        (lambda p: srgc.why("nowhere"), "not a folder"),
+        (lambda p: srgc.export("nowhere", "urdf"), "not a folder"),
+        (lambda p: srgc.export("nowhere", "step"), "no format `step`"),
+        (lambda p: srgc.export("nowhere", "all"), "give its `path`"),
+    ],
+)  # fmt: skip
+def test_faults_are_one_message(program, call, said):
+    with pytest.raises(srgc.SrgcError, match=said) as caught:
+        call(program)
+    assert "--" not in str(caught.value)
+
+
+def test_options_are_called_as_arguments_are():
+    assert in_python("give --max-length to count it") == "give `max_length` to count it"
+    assert in_python("a -- b, `x--y`") == "a -- b, `x--y`"
+
+
+# --- robots -------------------------------------------------------------------------------------
+
+
+def test_a_robot_is_that_of_the_textbook(program):
+    """Two uniform rods of 1 kg/m; the numbers are those of the formulas of two links."""
+    arm = srgc.robot(program, WORD, [1, 0.5])
+    assert arm.parameters == {"4.length": 1.0, "8.length": 0.5}
+    q, qd = np.array([0.3, 0.4]), np.array([1.5, -0.7])
+    np.testing.assert_allclose(
+        arm.mass_matrix(q), [[1.1052652485, 0.1567992909], [0.1567992909, 0.0416666667]], atol=1e-9
+    )
+    h = 1 * 0.5**2 / 2 * np.sin(0.4)
+    expected = [-h * (2 * 1.5 * -0.7 + 0.7**2), h * 1.5**2]
+    np.testing.assert_allclose(arm.coriolis(q, qd), expected, rtol=1e-12)
+    np.testing.assert_allclose(arm.gravity(q), [0, 0])
+    tip = [np.cos(0.3) + 0.5 * np.cos(0.7), np.sin(0.3) + 0.5 * np.sin(0.7)]
+    np.testing.assert_allclose(arm.effectors(q), [tip], rtol=1e-12)
+    many = np.array([q, [0, 0], [1, 2]])
+    assert arm.mass_matrix(many).shape == (3, 2, 2)
+    assert arm.coriolis(many, many).shape == arm.gravity(many).shape == (3, 2)
+    np.testing.assert_allclose(arm.effectors(many)[0], [tip], rtol=1e-12)
+    assert "M22 = l2^3/3" in arm.equations()
+
+
+def test_gravity_is_that_of_the_task():
+    program = srgc.load(text=FALLING)
+    rod = srgc.robot(program, "B eps JO eps L eps EN", [2], task="Turn")
+    expected = 2 * 9.81 * 1 * np.cos([0, 0.7])
+    np.testing.assert_allclose(rod.gravity([[0], [0.7]])[:, 0], expected, rtol=1e-12)
+    still = srgc.robot(program, "B eps JO eps L eps EN", [2])
+    np.testing.assert_allclose(still.gravity([0.7]), [0])
+
+
+def test_parameters_left_out_are_in_the_middle(program):
+    arm = srgc.robot(program, WORD, {"8.length": 1})
+    assert arm.parameters == {"4.length": 2.75, "8.length": 1.0}
+
+
+# --- results ------------------------------------------------------------------------------------
+
+
+def files(folder):
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != "log.json"
+    }
+
+
+@pytest.mark.parametrize("spec", ["turner", "beyond_reach"])
+def test_a_result_is_what_the_command_writes(made, tmp_path, spec):
+    result = srgc.synthesize(srgc.load(made(spec) / f"{spec}.srg"))
+    written = files(made(spec) / "out")
+    assert files(result.folder) == written
+    target = result.save(tmp_path / "kept")
+    assert files(target) == written
+    assert (target / "log.json").is_file()
+    assert srgc.open_result(target).design == result.design
+    result.save(target)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "diary").write_text("x", encoding="utf-8")
+    with pytest.raises(srgc.SrgcError, match="is not empty"):
+        result.save(tmp_path / "other")
+
+
+def test_a_temporary_folder_lasts_as_long_as_its_result():
+    result = srgc.synthesize(srgc.load(text=TURNER), time_limit=1e-9)
+    folder = result.folder
+    assert (result.verdict, folder.is_dir()) == ("unknown", True)
+    del result
+    gc.collect()
+    assert not folder.exists()
+
+
+def test_an_unfinished_search_goes_on_in_its_folder(tmp_path, made):
+    program = srgc.load(made("turner") / "turner.srg")
+    assert srgc.synthesize(program, folder=tmp_path, time_limit=1e-9).verdict == "unknown"
+    assert srgc.synthesize(program, folder=tmp_path).verdict == "found"
+    assert files(tmp_path) == files(made("turner") / "out")
+
+
+def test_a_found_result(turned):
+    design = json.loads((turned.folder / "design.json").read_text(encoding="utf-8"))
+    assert (turned.verdict, turned.task, turned.reason) == ("found", "Turn", None)
+    assert turned.word == "B eps JO eps L eps EN"
+    [length] = turned.parameters.values()
+    assert list(turned.parameters) == ["4.length"]
+    assert turned.robustness == design["robustness"] == pytest.approx(10 - turned.effort_peak)
+    motion = turned.trajectory
+    assert motion.q.shape == motion.qd.shape == (11, 1)
+    assert motion.u.shape == (10, 1)
+    assert motion.effectors.shape == (11, 1, 2)
+    angles = motion.q[:, 0]
+    tips = length * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    np.testing.assert_allclose(motion.effectors[:, 0], tips, atol=1e-9)
+    np.testing.assert_allclose(turned.robot.effectors(motion.q), motion.effectors, atol=1e-9)
+    assert np.abs(motion.u).max() == pytest.approx(turned.effort_peak)
+    assert turned.designs == ()
+    with pytest.raises(srgc.SrgcError, match="nothing to explain"):
+        srgc.why(turned)
+
+
+def test_the_verifier_is_asked_each_time(result):
+    copy = srgc.open_result(result("turner"))
+    answer = copy.verify()
+    assert (answer.valid, answer.verdict, answer.level) == (True, "found", "validated")
+    assert answer.margins["target T"] > 0
+    path = copy.folder / "trajectory.csv"
+    (copy.folder / "certificate.json").write_text("{}", encoding="utf-8")
+    assert path.is_file()
+    again = srgc.verify(copy)
+    assert (again.valid, again.outcome.value) == (False, "refuted")
+    assert copy.verify().reason == again.reason
+
+
+def test_all_designs(designs):
+    result = srgc.open_result(designs)
+    assert len(result.designs) == len(list((designs / "designs").iterdir())) > 1
+    assert all(one.verdict == "found" and one.verify().valid for one in result.designs[:2])
+
+
+def test_an_impossible_result(made):
+    result = srgc.open_result(made("beyond_reach") / "out")
+    assert (result.verdict, result.word, result.robustness) == ("impossible", None, None)
+    assert result.reason.endswith("are refuted")
+    assert result.verify().valid
+    found = srgc.why(result, runs=False)
+    assert ["an effector starts in `S`"] in found.conflicts
+    assert found.suggestions == []
+    assert "\nspec.srg:" in str(found) or "\nbeyond_reach.srg:" in str(found)
+    for asked in ("robot", "trajectory"):
+        with pytest.raises(srgc.SrgcError):
+            getattr(result, asked)
+    with pytest.raises(srgc.SrgcError):
+        result.landscape()
+
+
+def test_a_landscape(turned):
+    """The paper's rho is concave here: least at the ends of what can be reached."""
+    found = turned.landscape(points=3, ranges={"4.length": (1.21, 1.6)}, marks={"own": [1.3]})
+    assert list(found.axes) == ["4.length"]
+    np.testing.assert_allclose(found.axes["4.length"], [1.21, 1.405, 1.6])
+    assert found.robustness.shape == found.feasible.shape == (3,)
+    assert found.robustness.max() <= turned.robustness + 1e-6
+    assert "own" in found.svg
+    with pytest.raises(srgc.SrgcError, match=r"no parameter `5\.length`"):
+        turned.landscape("5.length")
+
+
+def test_exports(turned, tmp_path):
+    text = srgc.export(turned, "urdf")
+    assert "<robot" in text
+    assert srgc.export(turned, "urdf", tmp_path / "arm.urdf") == (tmp_path / "arm.urdf",)
+    assert (tmp_path / "arm.urdf").read_text(encoding="utf-8") == text
+    assert srgc.export(turned, "npz")[:2] == b"PK"
+    with pytest.raises(srgc.SrgcError, match="is one of the results"):
+        srgc.export(turned, "csv", turned.folder / "trajectory.csv")
+
+
+def test_a_copy_of_a_folder_is_the_same_result(made, tmp_path):
+    shutil.copytree(made("turner") / "out", tmp_path / "moved")
+    result = srgc.open_result(tmp_path / "moved")
+    assert os.fspath(result) == str(tmp_path / "moved")
+    assert srgc.verify(result, spec=made("turner") / "turner.srg").valid

@@ -1,0 +1,249 @@
+"""Colours, redrawn lines, and streams that are narrow, closed or no UTF-8."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import pty
+import re
+import select
+import subprocess
+import sys
+
+import pytest
+
+from srgc.terminal import colours, redraws
+from tests.conftest import ROOT, srgc_process
+from tests.oracles.small_specs import TURNER
+
+ESCAPE = "\x1b["
+WRONG = "module Größe { role linkk; }\n"
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+CASES = {
+    "nothing said": ({}, True, False),
+    "NO_COLOR": ({"NO_COLOR": "1"}, False, False),
+    "an empty NO_COLOR": ({"NO_COLOR": ""}, True, False),
+    "FORCE_COLOR": ({"FORCE_COLOR": "1"}, True, True),
+    "FORCE_COLOR=0": ({"FORCE_COLOR": "0"}, False, False),
+    "an empty FORCE_COLOR": ({"FORCE_COLOR": ""}, True, False),
+    "both": ({"NO_COLOR": "1", "FORCE_COLOR": "1"}, False, False),
+    "a dumb terminal": ({"TERM": "dumb"}, False, False),
+    "a dumb terminal, forced": ({"TERM": "dumb", "FORCE_COLOR": "1"}, True, True),
+}
+
+
+@pytest.fixture
+def plain_environment(monkeypatch):
+    for name in ("NO_COLOR", "FORCE_COLOR", "COLUMNS"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    return monkeypatch
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_who_decides_on_colours(plain_environment, case):
+    environment, terminal, pipe = CASES[case]
+    for name, value in environment.items():
+        plain_environment.setenv(name, value)
+    assert (colours(Terminal()), colours(io.StringIO())) == (terminal, pipe)
+
+
+def test_lines_are_redrawn_on_terminals_alone(plain_environment):
+    plain_environment.setenv("FORCE_COLOR", "1")  # which asks for no more than colours
+    assert redraws(Terminal())
+    assert not redraws(io.StringIO())
+    assert not redraws(None)
+    closed = Terminal()
+    closed.close()
+    assert isinstance(redraws(closed), bool)
+    plain_environment.setenv("TERM", "dumb")
+    assert not redraws(Terminal())
+
+
+MAIN = "from srgc.cli import main; main()"
+
+
+def on_terminal(arguments, folder, columns=80, program=MAIN, **environment):
+    """Exit status and what a command writes to a terminal, both streams in one."""
+    leader, follower = pty.openpty()
+    clean = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "FORCE_COLOR", "COLUMNS")}
+    told = {"PYTHONPATH": str(ROOT), "TERM": "xterm", "COLUMNS": str(columns)}
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, *map(str, arguments)],
+        cwd=folder, stdin=follower, stdout=follower, stderr=follower, start_new_session=True,
+        env={**clean, **told, **environment},
+    )  # fmt: skip
+    os.close(follower)
+    parts = []
+    while True:
+        select.select([leader], [], [], 120)
+        try:
+            data = os.read(leader, 65536)
+        except OSError:  # the other end has been closed
+            break
+        if not data:
+            break
+        parts.append(data)
+    os.close(leader)
+    return process.wait(timeout=60), b"".join(parts).decode().replace("\r\n", "\n")
+
+
+COLOURED = [
+    ["check", "bad.srg"],
+    ["words", "bad.srg"],
+    ["explain", "301"],
+    ["fmt", "--diff", "ugly.srg"],
+]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "bad.srg").write_text(WRONG, encoding="utf-8")
+    (tmp_path / "ugly.srg").write_text("edge  a;\n", encoding="utf-8")
+    return tmp_path
+
+
+@pytest.mark.parametrize("arguments", COLOURED, ids=" ".join)
+def test_every_command_asks_the_same_place(folder, arguments):
+    def piped(**environment):
+        with srgc_process(arguments, folder, TERM="xterm", **environment) as process:
+            out, err = process.communicate(timeout=60)
+        return (out + err).decode()
+
+    assert ESCAPE in on_terminal(arguments, folder)[1]
+    assert ESCAPE not in on_terminal(arguments, folder, NO_COLOR="1")[1]
+    assert ESCAPE not in on_terminal(arguments, folder, TERM="dumb")[1]
+    assert ESCAPE not in piped(NO_COLOR="", FORCE_COLOR="")
+    assert ESCAPE in piped(NO_COLOR="", FORCE_COLOR="1")
+
+
+def test_progress_is_one_line_that_is_gone_at_the_end(tmp_path):
+    (tmp_path / "turner.srg").write_text(TURNER, encoding="utf-8")
+    program = (
+        "import srgc.results.progress_display as d; d.SILENCE = 0.0\n"
+        "from srgc.cli import main; main()"
+    )
+    command = ["synth", "turner.srg", "-o", "out"]
+    status, text = on_terminal(command, tmp_path, columns=200, program=program)
+    assert status == 0
+    progress, _, result = text.rpartition("\x1b[2K")
+    assert "verdict: found" in result
+    assert "synth Turn" not in result
+    # One line: it is erased and drawn, and the cursor never goes down for another.
+    drawn = progress.split("\x1b[2K")
+    assert any(
+        re.search(r"synth Turn · 2 structures examined · \d+ s · no estimate", d) for d in drawn
+    )
+    assert all("\n" not in each.split("\x1b[?25h")[0].strip("\r\n") for each in drawn)
+    assert max(map(len, drawn)) < 200
+    assert text.count("\x1b[?25l") == text.count("\x1b[?25h")
+
+
+def test_quiet_says_nothing_on_standard_error(made, tmp_path):
+    (tmp_path / "turner.srg").write_text(TURNER, encoding="utf-8")
+    with srgc_process(["synth", "turner.srg", "-o", "out", "-q"], tmp_path) as process:
+        out, err = process.communicate(timeout=120)
+    assert (process.returncode, err) == (0, b"")
+    assert out.startswith(b"verdict: found")
+    # Errors are said all the same.
+    with srgc_process(["synth", "none.srg", "-q"], tmp_path) as process:
+        assert b"none.srg" in process.communicate(timeout=60)[1]
+
+
+def escaped(letters):
+    """As JSON without letters beyond ASCII writes them."""
+    return json.dumps(letters)[1:-1]
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
+def test_letters_that_a_terminal_does_not_have(tmp_path, encoding):
+    (tmp_path / "größe-ρ-𝑞.srg").write_text("module Größeρ𝑞 { role linkk; }\n", encoding="utf-8")
+    arguments = ["check", "größe-ρ-𝑞.srg"]
+    with srgc_process(arguments, tmp_path, PYTHONIOENCODING=encoding) as process:
+        out, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (1, b"")
+    # Click takes ASCII for a terminal that was never set up, and writes UTF-8 all the same.
+    encoding = "utf-8" if encoding == "ascii" else encoding
+    shown = out.decode(encoding)
+    if encoding == "utf-8":
+        assert "größe-ρ-𝑞.srg:1:" in shown
+        return
+    assert f"-{escaped('ρ')}-{escaped('𝑞')}.srg:1:" in shown
+    assert "größe-" in shown
+    # JSON remains JSON, and says the same.
+    with srgc_process([*arguments, "--json"], tmp_path, PYTHONIOENCODING=encoding) as process:
+        found = json.loads(process.communicate(timeout=60)[0].decode(encoding))
+    assert {record["file"] for record in found} == {"größe-ρ-𝑞.srg"}
+
+
+@pytest.mark.parametrize("locale", [{"LANG": "C", "LC_ALL": "C"}, {"LC_ALL": "POSIX"}])
+def test_a_bare_locale(folder, locale):
+    for arguments in (["check", "bad.srg"], ["--help"], ["synth", "--help"], ["explain"]):
+        with srgc_process(arguments, folder, **locale) as process:
+            out, err = process.communicate(timeout=60)
+        assert (process.returncode, err) == (arguments == ["check", "bad.srg"], b"")
+        assert out
+
+
+def test_a_narrow_terminal(folder):
+    for columns in (20, 40):
+        for arguments in (["--help"], ["synth", "--help"], ["check", "bad.srg"]):
+            status, text = on_terminal(arguments, folder, columns=columns)
+            assert status == (arguments[0] == "check")
+            assert "Traceback" not in text
+    status, text = on_terminal(["--help"], folder, columns=40)
+    longest = max(map(len, text.splitlines()))
+    assert longest <= 40, text
+
+
+CLOSED = """\
+import os, sys
+os.close(int(sys.argv.pop(1)))
+os.execv(sys.executable, [sys.executable, *sys.argv[1:]])
+"""
+
+
+@pytest.mark.parametrize("stream", [0, 1, 2])
+@pytest.mark.parametrize("arguments", [["check", "bad.srg"], ["fmt", "-"], ["words", "none.srg"]])
+def test_a_stream_that_is_closed(folder, stream, arguments):
+    """As by ``srgc check bad.srg >&-``."""
+    finished = subprocess.run(
+        [sys.executable, "-c", CLOSED, str(stream), "-c", MAIN, *arguments],
+        cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=60,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert b"Traceback" not in finished.stderr
+    expected = {"check": 1, "fmt": 2 if stream == 0 else 0, "words": 5}[arguments[0]]
+    assert finished.returncode == expected, finished.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments", [["check", "bad.srg"], ["words", "bad.srg"], ["--help"], ["synth"]]
+)
+def test_nobody_reads_either_stream(folder, arguments):
+    reader, writer = os.pipe()
+    os.close(reader)
+    finished = subprocess.run(
+        [sys.executable, "-c", MAIN, *arguments],
+        cwd=folder, stdin=subprocess.DEVNULL, stdout=writer, stderr=writer, check=False, timeout=60,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    os.close(writer)
+    assert finished.returncode in (0, 1, 2, 5)
+
+
+def test_as_a_module(folder):
+    finished = subprocess.run(
+        [sys.executable, "-m", "srgc", "--version"],
+        cwd=folder, capture_output=True, text=True, check=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    with srgc_process(["--version"], folder) as process:
+        assert finished.stdout == process.communicate(timeout=60)[0].decode()
