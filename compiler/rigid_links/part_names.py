@@ -25,7 +25,7 @@ class PartNames:
 
 def part_names(
     model: RobotModel,
-    tree: RigidTree,
+    tree: RigidTree | None,
     graph: LabelledGraph,
     modules: Mapping[str, ir.Module],
     tools: Sequence[int | None],
@@ -35,21 +35,24 @@ def part_names(
     A joint has the names of the joint modules that it was merged from; a link that of its first
     module with the role link, the base that of the first base; a link without one that of its
     joint.  An effector has that of its module, whose place ``tools`` holds (``effector_modules``),
-    or else, where that is None, is called ``effector_1`` and so on by its own number.
+    or else, where that is None, is called ``effector_1`` and so on by its own number.  Of a robot
+    that is no tree of rigid links (None), no links are named.
     """
     unused = _Unused()
     role = {node.place: modules[node.module].role for node in graph.nodes}
     name = {node.place: f"{node.module}_{node.place}" for node in graph.nodes}
     joints = [unused.name("_".join(name[place] for place in dof.symbols)) for dof in model.dofs]
-    owners = _owners(model, tree, graph)
-    first: dict[int, str] = {}
-    for place, text in name.items():
-        if role[place] == ("base" if owners[place] == 0 else "link"):
-            first.setdefault(owners[place], text)
-    links = [unused.name(first.get(0, "base"))]
-    for number, link in enumerate(tree.links[1:], start=1):
-        dof = link.joint.dof if link.joint is not None else 0
-        links.append(unused.name(first.get(number, f"{joints[dof]}_link")))
+    links = list[str]()
+    if tree is not None:
+        owners = _owners(model, tree, graph)
+        first: dict[int, str] = {}
+        for place, text in name.items():
+            if role[place] == ("base" if owners[place] == 0 else "link"):
+                first.setdefault(owners[place], text)
+        links.append(unused.name(first.get(0, "base")))
+        for number, link in enumerate(tree.links[1:], start=1):
+            dof = link.joint.dof if link.joint is not None else 0
+            links.append(unused.name(first.get(number, f"{joints[dof]}_link")))
     effectors = [
         unused.name(f"effector_{number}" if place is None else name[place])
         for number, place in enumerate(tools, start=1)

@@ -1,102 +1,123 @@
-"""The robot of a design as it is exported: its tree of links with names, motors and remarks."""
+"""A design in the formats of other tools: as one file, or as a folder of files."""
 
 from __future__ import annotations
 
-from fractions import Fraction
-from importlib.metadata import version
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
 
-from compiler.graphs.labelled_graph import labelled_graph
-from compiler.rigid_links.effector_modules import effector_modules
-from compiler.rigid_links.part_names import part_names
-from compiler.rigid_links.rigid_tree import rigid_tree
-from compiler.rigid_links.viscous_friction import viscous_friction
-from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import robot_inputs
-from grammar_lang import ir
+from srgc.exports.design_robot import exported_robot, remarks
+from srgc.exports.exported_motion import ExportedMotion, exported_motion
 from srgc.exports.exported_robot import ExportedRobot
+from srgc.exports.friction import left_out
+from srgc.exports.joint_trajectory import joint_trajectory
 from srgc.exports.mjcf import mjcf_text
+from srgc.exports.trajectory_arrays import trajectory_arrays
+from srgc.exports.trajectory_json import trajectory_json
+from srgc.exports.trajectory_table import torque_table, trajectory_table
 from srgc.exports.urdf import urdf_text
+from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
-from srgc.session import UsageFault
 
-WRITERS = {"urdf": urdf_text, "mjcf": mjcf_text}
+ROBOTS: Mapping[str, Callable[[ExportedRobot], str]] = {"urdf": urdf_text, "mjcf": mjcf_text}
+MOTIONS: Mapping[str, Callable[[ExportedMotion], str | bytes]] = {
+    "csv": trajectory_table,
+    "json": trajectory_json,
+    "ros2": joint_trajectory,
+    "npz": trajectory_arrays,
+}
+FILE_NAMES = {
+    "urdf": "robot.urdf",
+    "mjcf": "robot.xml",
+    "csv": "trajectory.csv",
+    "json": "trajectory.json",
+    "ros2": "trajectory.yaml",
+    "npz": "trajectory.npz",
+}
+TORQUES, SCRIPT = "torques.csv", "replay.py"
+FORMS = (*ROBOTS, *MOTIONS)
+FOLDERS = ("mujoco", "all")
+BINARY = ("npz",)
+FOLDER_FILES = (*FILE_NAMES.values(), TORQUES, SCRIPT)
 
 
-def export_text(design: FoundDesign, form: str) -> str:
-    """The robot of a design as ``urdf`` or ``mjcf``.
+@dataclass(frozen=True, slots=True)
+class ExportFolder:
+    """Files by their names, and what is not among them, for a reader."""
+
+    files: Mapping[str, bytes]
+    notes: tuple[str, ...]
+
+
+def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> bytes:
+    """A design in one of the ``FORMS``.
+
+    Args:
+        design: the design.
+        form: the format.
+        efforts: whether a ROS 2 message has efforts.
 
     Raises:
-        UsageFault: it is no tree of rigid links, or a link has an inertia that no body has.
+        UsageFault: the format cannot hold it.
     """
+    if form in ROBOTS:
+        return _robot_text(design, form).encode()
+    motion = exported_motion(design)
+    if form == "ros2":
+        return joint_trajectory(motion, efforts=efforts).encode()
+    return _encoded(MOTIONS[form](motion))
+
+
+def export_folder(design: FoundDesign, form: str) -> ExportFolder:
+    """A design as one of the ``FOLDERS``: what MuJoCo replays, or everything.
+
+    Raises:
+        UsageFault: ``mujoco``: the robot cannot be replayed there.
+    """
+    if form == "mujoco":
+        return ExportFolder(_replayed(design, exported_motion(design)), ())
+    motion = exported_motion(design)
+    found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
+    notes = list(remarks(design))
+    for name in ROBOTS:
+        try:
+            found[FILE_NAMES[name]] = _robot_text(design, name).encode()
+        except UsageFault as fault:
+            notes.append(f"no {FILE_NAMES[name]}: {fault}")
     try:
-        return WRITERS[form](exported_robot(design))
+        found |= _replayed(design, motion)
+    except UsageFault as fault:
+        notes.append(f"no {SCRIPT}: {fault}")
+    return ExportFolder(found, tuple(notes))
+
+
+def mujoco_text(design: FoundDesign) -> str:
+    """The MJCF of a robot that moves as planned if the torques of the plan are held.
+
+    Raises:
+        UsageFault: the format cannot hold the robot or its dynamics.
+    """
+    others = left_out(design)
+    if others is not None:
+        raise UsageFault(f"MJCF does not hold {others}, so held torques do not move it as planned")
+    return _robot_text(design, "mjcf")
+
+
+def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
+    return {
+        FILE_NAMES["mjcf"]: mujoco_text(design).encode(),
+        FILE_NAMES["csv"]: trajectory_table(motion).encode(),
+        TORQUES: torque_table(motion).encode(),
+        SCRIPT: files("srgc.exports").joinpath("stand_alone_replay.py").read_bytes(),
+    }
+
+
+def _robot_text(design: FoundDesign, form: str) -> str:
+    try:
+        return ROBOTS[form](exported_robot(design))
     except ValueError as error:
         raise UsageFault(f"the robot cannot be exported: {error}") from None
 
 
-def exported_robot(design: FoundDesign) -> ExportedRobot:
-    """What the export of a design is made of.
-
-    Raises:
-        RigidTreeError: the robot is no tree of rigid links with a joint per degree of freedom.
-    """
-    model, task = design.model, design.task
-    tree = rigid_tree(model, design.theta)
-    grammar = design.program.grammars[task.grammar]
-    modules = design.program.modules
-    graph = labelled_graph(design.program, grammar, design.derivation)
-    tools = effector_modules(design.derivation, grammar.semantics or {}, modules)
-    gravity = [float(value) for value in task.gravity] + [0.0] * 3
-    coordinates = design.start[: 2 * len(model.dofs)]
-    return ExportedRobot(
-        task.name,
-        tree,
-        part_names(model, tree, graph, modules, tools),
-        tuple(motor_bound(model, task, dof) for dof in range(len(model.dofs))),
-        _dampings(design),
-        (gravity[0], gravity[1], gravity[2]),
-        task.step,
-        tuple(float(value) for value in coordinates),
-        (*_origin(design), *left_out(design)),
-    )
-
-
-def motor_bound(model: RobotModel, task: ir.Task, dof: int) -> float | None:
-    """The least bound of the task on the free input of a degree of freedom (N m or N)."""
-    if all(item.dof != dof for item in robot_inputs(model)):
-        return None
-    kind = model.dofs[dof].kind
-    bounds: list[Fraction] = [item.bound for item in task.effort if item.kind == kind]
-    return float(min(bounds)) if bounds else None
-
-
-def _dampings(design: FoundDesign) -> tuple[float, ...]:
-    """The viscous friction of every degree of freedom that has no other dynamics of its own."""
-    found = [0.0] * len(design.model.dofs)
-    for own in design.model.own:
-        for dof, damping in (viscous_friction(own, design.theta) or {}).items():
-            found[dof] = float(damping)
-    return tuple(found)
-
-
-def left_out(design: FoundDesign) -> tuple[str, ...]:
-    """What of a robot an export does not hold."""
-    others = [own for own in design.model.own if viscous_friction(own, design.theta) is None]
-    modules = sorted({(own.symbol, own.module) for own in others})
-    if not modules:
-        return ()
-    names = ", ".join(f"{module} (symbol {symbol})" for symbol, module in modules)
-    remark = f"the dynamics of their own of {names} are left out; every joint has a plain motor"
-    return (remark,)
-
-
-def _origin(design: FoundDesign) -> tuple[str, ...]:
-    claim = design.claim
-    flat = "in the plane xy, where only moments of inertia about z act on the motion"
-    plane = (flat,) if design.model.dimension == 2 else ()
-    return (
-        f"robot: {' '.join(claim.word)}",
-        f"of {claim.spec}, task {claim.task}, spec_sha256 {claim.spec_sha256}",
-        f"exported by srgc {version('srgc')}; SI units",
-        *plane,
-    )
+def _encoded(content: str | bytes) -> bytes:
+    return content.encode() if isinstance(content, str) else content

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import TypeAlias
 
+from srgc.exports.plain_line import plain_line
+
 Value: TypeAlias = str | float | Sequence[float]
 
 
@@ -49,7 +51,7 @@ class XmlLines:
 
     def comment(self, text: str) -> None:
         """A comment of one line; what XML does not allow in it is spelt out."""
-        shown = "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
+        shown = plain_line(text)
         while "--" in shown:
             shown = shown.replace("--", "- -")
         self._indented(f"<!-- {shown} -->")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from compiler.languages.structures import derivations_of
@@ -11,11 +12,12 @@ from grammar_lang.load import load
 from tests.oracles import result_files
 
 
-def claim_found(folder: Path, text: str, word: str, values: list[str]) -> Path:
+def claim_found(folder: Path, text: str, word: str | Sequence[str], values: list[str]) -> Path:
     """A folder that claims the first derivation of a word with these parameters, at rest at zero.
 
-    The spec has one task.
+    The spec has one task.  A word whose symbols have blanks in them is a sequence.
     """
+    symbols = tuple(word.split()) if isinstance(word, str) else tuple(word)
     path = folder / "spec" / "robot.srg"
     path.parent.mkdir(parents=True)
     path.write_text(text, encoding="utf-8")
@@ -23,7 +25,7 @@ def claim_found(folder: Path, text: str, word: str, values: list[str]) -> Path:
     assert program is not None
     (task,) = program.tasks.values()
     family = family_of(program, task)
-    derivation = next(iter(derivations_of(family.language, tuple(word.split()))))
+    derivation = next(iter(derivations_of(family.language, symbols)))
     model = family.robot(derivation)
     zeros = ["0"] * len(robot_inputs(model))
     content = {
@@ -32,7 +34,7 @@ def claim_found(folder: Path, text: str, word: str, values: list[str]) -> Path:
         "task": task.name,
         "spec": path.name,
         "spec_sha256": result_files.spec_digest({path.name: path.read_bytes()}),
-        "word": word.split(),
+        "word": list(symbols),
         "derivation": list(derivation.labels),
         "parameters": [
             {"symbol": p.symbol, "name": p.name, "value": value}

@@ -1,4 +1,4 @@
-"""A TextMate tokeniser: the part of the format that `editors/srg.tmLanguage.json` uses.
+"""A TextMate tokeniser: the part of the format that `srg.tmLanguage.json` uses.
 
 Line by line, a stack of open rules; in each, the leftmost match of its ``end`` and its patterns
 wins, and of several at one place the first, the ``end`` before all.  The semantics, including what

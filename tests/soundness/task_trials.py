@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles import result_files
-from tests.oracles.exported_motions import replay
+from tests.oracles.exported_motions import Replay, replay
 from tests.oracles.hand_arms import SimulatedArm
 from tests.oracles.hand_motions import SampledMotion
-from tests.oracles.proved_tubes import proved_tube
 from tests.oracles.random_sweeps import counterexample, drives_reach, flooded
 from tests.oracles.random_tasks import RandomTask, random_task
 from tests.oracles.spec_figures import Figures, figures_of
@@ -62,6 +62,14 @@ def tried(seed: int, scratch: Path, count: int = POSES) -> Verdict:
     return Verdict(seed, status, None, "")
 
 
+def farthest(folder: Path, seen: Replay) -> float:
+    """By how much a motion leaves the certified tube at most, in SI units; 0 if never."""
+    tube, every = certified_tube(folder), slice(None, None, 5)
+    times = np.minimum(seen.times[every], tube.times[-1])
+    outside, _ = tube.distances(times, seen.states[every])
+    return float(outside.max(initial=0.0))
+
+
 def _driven(task: RandomTask, figures: Figures, folder: Path) -> str | None:
     """What a motion in MuJoCo contradicts, or None."""
     exported = folder.with_suffix(".xml")
@@ -70,11 +78,10 @@ def _driven(task: RandomTask, figures: Figures, folder: Path) -> str | None:
         return f"no export: {said}"
     claim = result_files.read(folder)
     seen = replay(exported.read_text(encoding="utf-8"), claim)
-    proved = proved_tube(folder)
-    if proved.report.outcome is not Outcome.VALID:
-        return f"not verified: {proved.report.reason}"
-    every = slice(None, None, 5)
-    gap = proved.farthest(seen.times[every], seen.states[every])
+    report = verify_directory(folder)
+    if report.outcome is not Outcome.VALID:
+        return f"not verified: {report.reason}"
+    gap = farthest(folder, seen)
     if gap > INFLATED:
         return f"{gap:.3g} outside of the tube"
     values = {p["symbol"]: float(p["value"]) for p in claim["parameters"]}

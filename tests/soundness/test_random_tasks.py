@@ -9,11 +9,10 @@ import pytest
 from srgc.cli import run
 from tests.oracles import result_files
 from tests.oracles.exported_motions import replay
-from tests.oracles.proved_tubes import proved_tube
 from tests.oracles.random_sweeps import counterexample, drives_reach, flooded
 from tests.oracles.random_tasks import random_task
 from tests.oracles.spec_figures import figures_of
-from tests.soundness.task_trials import FOUND, IMPOSSIBLE, INFLATED, tried
+from tests.soundness.task_trials import FOUND, IMPOSSIBLE, INFLATED, farthest, tried
 
 QUICK = {12: FOUND, 16: FOUND, 28: FOUND, 17: IMPOSSIBLE, 18: IMPOSSIBLE, 22: IMPOSSIBLE}
 PART, PARTS = 10, 20
@@ -40,13 +39,9 @@ def test_another_input_leaves_the_tube(made, tmp_path):
     folder, target = made("spatial") / "out", tmp_path / "arm.xml"
     assert run(["export", str(folder), "--to", "mjcf", "-o", str(target)]) == 0
     text, claim = target.read_text(encoding="utf-8"), result_files.read(folder)
-    proved = proved_tube(folder)
-    seen = replay(text, claim)
-    some = slice(None, None, 20)
-    assert proved.farthest(seen.times[some], seen.states[some]) < INFLATED
+    assert farthest(folder, replay(text, claim)) < INFLATED
     claim["inputs"][2][1] = str(float(claim["inputs"][2][1]) * 1.001 + 1e-4)
-    other = replay(text, claim)
-    assert proved.farthest(other.times[some], other.states[some]) > 5 * INFLATED
+    assert farthest(folder, replay(text, claim)) > 5 * INFLATED
 
 
 def test_brute_force_finds_what_was_found():

@@ -1,0 +1,158 @@
+"""The planned motion of a design, sampled at the steps of its task, with names for its columns.
+
+It is integrated anew from the certificate (start, parameters, inputs), as ``trajectory.csv`` was:
+no proof rests on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.discretisation.float_reading import FloatReading
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.state_and_input import robot_inputs, robot_states
+from solvers.motions.fine_motion import fine_motion
+from srgc.exports.design_names import design_names, design_tree
+from srgc.exports.friction import dampings, left_out
+from srgc.exports.planned_inputs import free_inputs, planned_inputs
+from srgc.faults import UsageFault
+from srgc.results.found_design import FoundDesign
+
+Array = NDArray[np.float64]
+
+POSITION_UNITS = {"revolute": "rad", "prismatic": "m"}
+EFFORT_UNITS = {"revolute": "N*m", "prismatic": "N"}
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A column by its name and SI unit."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExportedMotion:
+    """What happens at the k + 1 samples of a motion under k rows of held inputs, in SI units.
+
+    Attributes:
+        times: (k + 1,) exact, in seconds.
+        position, velocity: (k + 1, n) of the joints.
+        acceleration: (k + 1, n) right after the sample; at the end, right before it.
+        effort: (k + 1, n) what a motor at each joint gives at the same instants.
+        input: (k, m) held from each sample to the next.
+        state: (k + 1, r) of the modules' own.
+        effector: (k + 1, e, d) positions.
+        joints, efforts, inputs, states: the columns of position, effort, input, state.
+        effectors: the names of the effectors.
+    """
+
+    design: FoundDesign
+    joints: tuple[Quantity, ...]
+    efforts: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]
+    states: tuple[Quantity, ...]
+    effectors: tuple[str, ...]
+    times: tuple[Fraction, ...]
+    position: Array
+    velocity: Array
+    acceleration: Array
+    effort: Array
+    input: Array
+    state: Array
+    effector: Array
+
+
+def exported_motion(design: FoundDesign) -> ExportedMotion:
+    """The motion that the inputs of a design cause.
+
+    Raises:
+        UsageFault: it has numbers that are no doubles.
+    """
+    with np.errstate(all="ignore"):
+        motion = _integrated(design)
+    values = (motion.position, motion.velocity, motion.acceleration, motion.effort)
+    if not all(np.isfinite(value).all() for value in (*values, motion.state, motion.effector)):
+        raise UsageFault("the motion cannot be simulated in doubles")
+    return motion
+
+
+def _integrated(design: FoundDesign) -> ExportedMotion:
+    model, step = design.model, design.task.step
+    graph = robot_graph(model, design.task.gravity)
+    reading = FloatReading(graph)
+    planned = planned_inputs(design)
+    count, n = len(planned.u), len(model.dofs)
+    moved = fine_motion(reading, planned, float(step))
+    held = planned.u[[*range(count), count - 1]]
+    rates = reading.acceleration(moved.x, held, planned.theta)[0]
+    q, v = moved.x[:, :n], moved.x[:, n : 2 * n]
+    tips = reading.points(q, planned.theta).value[:, : len(model.effectors)]
+    effort = _efforts(design, reading, moved.x, rates[:, :n], held, planned.theta)
+    names = design_names(design, design_tree(design))
+    kinds = [dof.kind for dof in model.dofs]
+    return ExportedMotion(
+        design,
+        _quantities(names.joints, [POSITION_UNITS[kind] for kind in kinds]),
+        _quantities(names.joints, [EFFORT_UNITS[kind] for kind in kinds]),
+        tuple(
+            Quantity(
+                names.joints[item.dof]
+                if item.dof is not None
+                else f"{item.module}_{item.symbol}.{item.name}",
+                item.unit,
+            )
+            for item in robot_inputs(model)
+        ),
+        tuple(
+            Quantity(f"{item.module}_{item.symbol}.{item.name}", item.unit)
+            for item in robot_states(model)
+        ),
+        names.effectors,
+        tuple(i * step for i in range(count + 1)),
+        q,
+        v,
+        rates[:, :n],
+        effort,
+        planned.u,
+        moved.x[:, 2 * n :],
+        tips,
+    )
+
+
+def _quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, ...]:
+    return tuple(Quantity(name, unit) for name, unit in zip(names, units, strict=True))
+
+
+def _efforts(
+    design: FoundDesign,
+    reading: FloatReading,
+    x: Array,
+    acceleration: Array,
+    held: Array,
+    theta: Array,
+) -> Array:
+    """What motors at the joints give: the free inputs, or else what causes the accelerations.
+
+    The friction of a joint whose own dynamics are that and no more is no part of it.
+    """
+    n = len(design.model.dofs)
+    if left_out(design) is None:
+        return held[:, free_inputs(design.model)]
+    q, v = x[:, :n], x[:, n : 2 * n]
+    bias: Array = np.array(
+        [
+            np.asarray(reading.graph.bias(*sample, theta, reading.constants).full())[:, 0]
+            for sample in zip(q, v, strict=True)
+        ]
+    )
+    mass = reading.mass_matrix(q, theta)
+    inertial: Array = (mass @ acceleration[:, :, None])[:, :, 0]
+    friction: Array = np.array(dampings(design)) * v
+    return inertial + bias + friction

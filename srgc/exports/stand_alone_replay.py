@@ -1,0 +1,113 @@
+"""Hold the planned torques in MuJoCo, and compare with the planned motion.
+
+It needs the files that were exported with it, in its own folder, and MuJoCo (pip install mujoco):
+
+    python replay.py                    print the largest differences
+    python replay.py --timestep 0.01    with steps of the simulation that are at most so long (s)
+    python replay.py --view             watch it
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+
+FOLDER = Path(__file__).resolve().parent
+
+
+def rows(name: str) -> list[dict[str, str]]:
+    """The rows of a table."""
+    with (FOLDER / name).open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
+    """The robot at its start, and how many steps of the simulation are one of the task."""
+    model = mujoco.MjModel.from_xml_string((FOLDER / "robot.xml").read_text(encoding="utf-8"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    mujoco.mj_forward(model, data)
+    times = [float(row["t"]) for row in rows("trajectory.csv")]
+    step = times[-1] / (len(times) - 1)
+    steps = max(1, math.ceil(step / (timestep or model.opt.timestep) - 1e-9))
+    model.opt.timestep = step / steps
+    return model, data, steps
+
+
+def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[None]:
+    """Hold every row of torques for its step; stop after every step of the simulation."""
+    for row in rows("torques.csv"):
+        for i in range(model.nu):
+            data.ctrl[i] = float(row[model.actuator(i).name])
+        for _ in range(steps):
+            mujoco.mj_step(model, data)
+            yield
+
+
+def differences(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> tuple[float, float]:
+    """The largest differences of a position and of a velocity at the samples of the plan."""
+    planned = rows("trajectory.csv")
+    largest = [0.0, 0.0]
+
+    def compare(row: dict[str, str]) -> None:
+        for i in range(model.njnt):
+            joint = data.joint(i)
+            for k, (kind, value) in enumerate((("position", joint.qpos), ("velocity", joint.qvel))):
+                gap = abs(float(value[0]) - float(row[f"{kind}.{joint.name}"]))
+                largest[k] = max(largest[k], gap)
+
+    compare(planned[0])
+    for number, _ in enumerate(moved(model, data, steps), start=1):
+        if number % steps == 0:
+            compare(planned[number // steps])
+    return largest[0], largest[1]
+
+
+def view(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> None:
+    """Show the motion again and again, until the window is closed."""
+    import mujoco.viewer
+
+    with mujoco.viewer.launch_passive(model, data) as window:
+        while window.is_running():
+            mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+            begun = time.monotonic()
+            for _ in moved(model, data, steps):
+                if not window.is_running():
+                    return
+                ahead = data.time - (time.monotonic() - begun)
+                if ahead > 0:
+                    window.sync()
+                    time.sleep(ahead)
+            window.sync()
+            time.sleep(1)
+
+
+def main() -> None:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description="Hold the planned torques in MuJoCo.")
+    parser.add_argument("--timestep", type=float, help="longest step of the simulation, in seconds")
+    parser.add_argument("--view", action="store_true", help="watch it")
+    options = parser.parse_args()
+    if options.timestep is not None and not options.timestep > 0:
+        parser.error("--timestep must be positive")
+    model, data, steps = start(options.timestep)
+    if options.view:
+        view(model, data, steps)
+        return
+    position, velocity = differences(model, data, steps)
+    sys.stdout.write(
+        f"steps of {model.opt.timestep:g} s\n"
+        f"largest difference of a position: {position:.2e} rad (m)\n"
+        f"largest difference of a velocity: {velocity:.2e} rad/s (m/s)\n"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The planned inputs in other simulators, compared with the certified tube."""

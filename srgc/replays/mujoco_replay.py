@@ -1,0 +1,150 @@
+"""The planned torques held in MuJoCo (Todorov, Erez & Tassa, IROS 2012)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib import import_module
+from itertools import pairwise
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.motions.trajectory import Trajectory
+from srgc.exports.design_export import mujoco_text
+from srgc.exports.design_names import design_names, design_tree
+from srgc.exports.planned_inputs import free_inputs, planned_inputs
+from srgc.faults import UsageFault
+from srgc.replays.replayed_motion import Array, ReplayedMotion
+from srgc.results.found_design import FoundDesign
+
+INTEGRATORS = {
+    "rk4": "mjINT_RK4",
+    "euler": "mjINT_EULER",
+    "implicit": "mjINT_IMPLICIT",
+    "implicitfast": "mjINT_IMPLICITFAST",
+}
+MOST_STEPS = 100_000_000
+MOST_INSTANTS = 20_000
+"""So many are compared; the ends of the task's steps are always among them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Places:
+    """Where MuJoCo keeps coordinates, rates, inputs and effectors, in our order."""
+
+    q: NDArray[np.int_]
+    v: NDArray[np.int_]
+    motors: NDArray[np.int_]
+    sites: NDArray[np.int_]
+
+
+def replay_in_mujoco(design: FoundDesign, count: int, integrator: str) -> ReplayedMotion:
+    """The motion under the inputs of a design, each held for its step.
+
+    Args:
+        design: the design.
+        count: how many steps of the simulation are one of the task.
+        integrator: one of the ``INTEGRATORS``.
+
+    Raises:
+        UsageFault: MuJoCo is not installed, its format does not hold the robot, there are too many
+            steps, or the simulation diverges.
+    """
+    mujoco = mujoco_module()
+    text = mujoco_text(design)
+    step, planned = design.task.step, planned_inputs(design)
+    if count * len(planned.u) > MOST_STEPS:
+        raise UsageFault(f"that is more than {MOST_STEPS} steps; choose a longer --timestep")
+    model = mujoco.MjModel.from_xml_string(text)
+    model.opt.timestep = float(step / count)
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[integrator])
+    # A simulation that diverges is not to begin anew unseen.
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    with _silent(mujoco):
+        parts = _parts(count, max(1, MOST_INSTANTS // len(planned.u)))
+        times, states, tips = _simulated(mujoco, model, design, planned, parts)
+    if not (np.isfinite(states).all() and np.isfinite(tips).all()):
+        raise UsageFault(
+            f"MuJoCo's simulation diverges with steps of {model.opt.timestep:g} s ({integrator})"
+        )
+    return ReplayedMotion(
+        "MuJoCo", mujoco.__version__, integrator, step / count, times, states, tips, len(parts)
+    )
+
+
+def mujoco_module() -> ModuleType:
+    """The library.
+
+    Raises:
+        UsageFault: it is not installed.
+    """
+    try:
+        return import_module("mujoco")
+    except ImportError:
+        raise UsageFault(
+            'MuJoCo is not installed; it comes with: pip install "srgc[mujoco]"'
+        ) from None
+
+
+def _simulated(
+    mujoco: ModuleType,
+    model: Any,
+    design: FoundDesign,
+    planned: Trajectory,
+    parts: Sequence[int],
+) -> tuple[Array, Array, Array]:
+    """Times, states and effectors, recorded after so many steps of each step of the task."""
+    data, places = mujoco.MjData(model), _places(model, design)
+    n, step = len(design.model.dofs), design.task.step
+    data.qpos[places.q], data.qvel[places.v] = planned.x[0, :n], planned.x[0, n:]
+    instants, states, tips = list[float](), list[Array](), list[Array]()
+
+    def record(time: Fraction) -> None:
+        mujoco.mj_kinematics(model, data)
+        instants.append(float(time))
+        states.append(np.concatenate([data.qpos[places.q], data.qvel[places.v]]))
+        tips.append(data.site_xpos[places.sites][:, : design.model.dimension])
+
+    record(Fraction(0))
+    for number, row in enumerate(planned.u[:, free_inputs(design.model)]):
+        data.ctrl[places.motors] = row
+        done = 0
+        for part in parts:
+            mujoco.mj_step(model, data, nstep=part)
+            done += part
+            record((number + Fraction(done, sum(parts))) * step)
+    return np.array(instants), np.array(states), np.array(tips)
+
+
+def _parts(count: int, most: int) -> list[int]:
+    """A number as a sum of at most so many positive numbers that differ by at most one."""
+    pieces = min(count, most)
+    ends = [count * i // pieces for i in range(pieces + 1)]
+    return [after - before for before, after in pairwise(ends)]
+
+
+def _places(model: Any, design: FoundDesign) -> _Places:
+    names = design_names(design, design_tree(design))
+    joints = [model.joint(name) for name in names.joints]
+    return _Places(
+        np.array([joint.qposadr[0] for joint in joints], dtype=int),
+        np.array([joint.dofadr[0] for joint in joints], dtype=int),
+        np.array([model.actuator(name).id for name in names.joints], dtype=int),
+        np.array([model.site(name).id for name in names.effectors], dtype=int),
+    )
+
+
+@contextmanager
+def _silent(mujoco: ModuleType) -> Iterator[None]:
+    """Without MuJoCo's own warnings, which it would also write into a file."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)

@@ -1,0 +1,144 @@
+"""``srgc export --to mujoco``: the script in the folder does what it says, without srgc."""
+
+from __future__ import annotations
+
+import csv
+import runpy
+import subprocess
+import sys
+import types
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from tests.oracles import result_files
+from tests.oracles.driven_claims import CASES, Driven
+from tests.oracles.mujoco_motions import sampled
+from tests.srgc.conftest import Ran
+
+Export = Callable[..., Ran]
+WORDS = ("position", "velocity")
+
+
+@pytest.fixture(params=CASES.values(), ids=CASES)
+def driven(request: pytest.FixtureRequest) -> Driven:
+    case = request.param
+    assert isinstance(case, Driven)
+    return case
+
+
+@pytest.fixture
+def bundle(srgc: Export, driven: Driven, tmp_path: Path) -> Path:
+    folder = driven.folder(tmp_path / "claimed")
+    target = tmp_path / "an arm" / "for MuJoCo"
+    ran = srgc("export", folder, "--to", "mujoco", "-o", target)
+    names = ("replay.py", "robot.xml", "torques.csv", "trajectory.csv")
+    assert ran == Ran(0, "".join(f"{target / name}\n" for name in names), "")
+    assert sorted(path.name for path in target.iterdir()) == list(names)
+    assert (target / "robot.xml").read_text("utf-8") == srgc("export", folder, "--to", "mjcf").out
+    table = (target / "trajectory.csv").read_text("utf-8")
+    assert table == srgc("export", folder, "--to", "csv").out
+    return target
+
+
+def replayed(bundle: Path, place: Path, *arguments: str) -> dict[str, float]:
+    """The numbers that the script prints, run alone: srgc is not there to be imported."""
+    ran = subprocess.run(
+        [sys.executable, "-I", "-W", "error", bundle / "replay.py", *arguments],
+        cwd=place, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (ran.returncode, ran.stderr) == (0, "")
+    head, *lines = ran.stdout.splitlines()
+    found = {"step": float(head.removeprefix("steps of ").removesuffix(" s"))}
+    for word, line in zip(WORDS, lines, strict=True):
+        found[word] = float(line.removeprefix(f"largest difference of a {word}: ").split()[0])
+    return found
+
+
+def test_the_script_replays_the_plan(bundle: Path, tmp_path: Path, driven: Driven) -> None:
+    fine = replayed(bundle, tmp_path)
+    assert fine["step"] <= 1e-3
+    assert max(fine[word] for word in WORDS) < 1e-7
+    coarse = replayed(bundle, tmp_path, "--timestep", "0.03")
+    assert fine["step"] < coarse["step"] <= 0.03
+    assert not list(tmp_path.glob("MUJOCO_LOG*"))
+    with (bundle / "torques.csv").open(encoding="utf-8", newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head == ["t", *driven.joints]
+    claim = result_files.read(tmp_path / "claimed")
+    stated = [[float(u) for u in row] for row in claim["inputs"]]
+    assert [[float(u) for u in row[1:]] for row in rows] == stated
+
+
+def test_a_spoilt_torque_is_seen(bundle: Path, tmp_path: Path, driven: Driven) -> None:
+    """The difference is that of another motion, which an integration of its own has, too."""
+    path = bundle / "torques.csv"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    cells = lines[2].split(",")
+    cells[1] = str(float(cells[1]) + 3.0)
+    path.write_text("\n".join([*lines[:2], ",".join(cells), *lines[3:]]), encoding="utf-8")
+    claim = result_files.read(tmp_path / "claimed")
+    text = (bundle / "robot.xml").read_text(encoding="utf-8")
+    planned = sampled(text, claim, driven.joints, driven.effectors).states
+    claim["inputs"][1][0] = cells[1]
+    gaps = np.abs(sampled(text, claim, driven.joints, driven.effectors).states - planned)
+    found, n = replayed(bundle, tmp_path), len(driven.joints)
+    assert found["position"] == pytest.approx(gaps[:, :n].max(), rel=5e-3)
+    assert found["velocity"] == pytest.approx(gaps[:, n:].max(), rel=5e-3)
+    assert found["velocity"] > 1e-3
+
+
+def test_view_shows_the_motion_from_its_start(
+    srgc: Export, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a window that is closed after some frames of the second round."""
+    folder = CASES["a slide alone"].folder(tmp_path / "claimed")
+    assert srgc("export", folder, "--to", "mujoco", "-o", tmp_path / "m").status == 0
+    seen: list[tuple[float, float]] = []
+
+    class Window:
+        def __init__(self, data: mujoco.MjData) -> None:
+            self.data, self.rounds, self.before = data, 0, np.inf
+
+        def __enter__(self) -> Window:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            return
+
+        def is_running(self) -> bool:
+            if self.data.time < self.before:
+                self.rounds += 1
+            self.before = self.data.time
+            seen.append((self.data.time, float(self.data.qpos[0])))
+            return self.rounds < 4
+
+        def sync(self) -> None:
+            return
+
+    viewer = types.ModuleType("mujoco.viewer")
+    viewer.launch_passive = lambda _model, data: Window(data)  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "mujoco.viewer", viewer)
+    monkeypatch.setattr(mujoco, "viewer", viewer, raising=False)
+    monkeypatch.setattr("time.sleep", lambda _seconds: None)
+    monkeypatch.setattr(sys, "argv", ["replay.py", "--view"])
+    runpy.run_path(str(tmp_path / "m" / "replay.py"), run_name="__main__")
+    start = float(result_files.read(folder)["start"][0])
+    assert seen[0] == (0.0, start)
+    assert max(time for time, _ in seen) == pytest.approx(2, abs=2e-3)
+    assert seen[-1][0] < 0.01
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "nan", "x"])
+def test_steps_that_are_none(srgc: Export, tmp_path: Path, value: str) -> None:
+    folder = CASES["a slide alone"].folder(tmp_path / "claimed")
+    assert srgc("export", folder, "--to", "mujoco", "-o", tmp_path / "m").status == 0
+    ran = subprocess.run(
+        [sys.executable, tmp_path / "m" / "replay.py", f"--timestep={value}"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 2
+    assert "Traceback" not in ran.stderr
