@@ -1,0 +1,1 @@
+"""The report: a result folder as one HTML page that needs nothing else."""

@@ -1,0 +1,146 @@
+"""From a result folder to the evidence of its report.
+
+The folder is refused where ``srgc why`` and ``srgc export`` refuse it.  What can be read of it is
+reported, whatever the verifier says: the page then says that, too.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from compiler.geometry.abstraction import abstract
+from compiler.maps.map_fault import MapFault
+from compiler.maps.obstacle_pieces import expanded
+from solvers.verifier.claims.certificate import CertificateError, Claim, from_text
+from solvers.verifier.claims.outcome import Outcome
+from solvers.verifier.claims.spec_copy import files_of
+from solvers.verifier.proofs.enclosure import EnclosureFailure
+from solvers.verifier.report import Report
+from solvers.verifier.verification import verify_directory
+from srgc.faults import UsageFault
+from srgc.report.covering_size import CoveringSize, covering_size
+from srgc.report.design_record import checked_design, checked_designs
+from srgc.report.evaluation_table import evaluations
+from srgc.report.evidence import Evidence
+from srgc.report.quick_conflicts import quick_conflicts
+from srgc.report.trajectory import read_trajectory
+from srgc.results.found_design import FoundDesign, found_design
+from srgc.results.found_record import found_record
+from srgc.results.why_folder import tried_folder
+
+if TYPE_CHECKING:
+    from solvers.verifier.certified_tube import CertifiedTube
+
+
+def read_evidence(folder: Path, *, verify: bool) -> Evidence:
+    """All that the report of a result folder is made of.
+
+    Args:
+        folder: one that ``srgc synth`` has written, with any verdict.
+        verify: whether to check the certificate again, and to enclose the motion.
+
+    Raises:
+        UsageFault: there are no results, or they or the spec have been altered.
+    """
+    tried = tried_folder(folder)
+    posed = tried.posed
+    design = _object(folder / "design.json")
+    checked_design(design, folder / "design.json")
+    try:
+        program, task = expanded(posed.program, posed.task)
+        workspace = program.workspaces[task.workspace]
+        cells = abstract(workspace)
+    except (MapFault, ValueError) as error:
+        raise UsageFault(f"{folder}: {error}") from None
+    found = found_design(folder) if design["verdict"] == "found" else None
+    record = trajectory = None
+    if found is not None:
+        record = found_record(folder, found)
+        cells = record.cells
+        trajectory = read_trajectory(
+            folder / "trajectory.csv", len(found.model.dofs), len(found.model.effectors),
+            workspace.dimension,
+        )  # fmt: skip
+    pareto = _object(folder / "pareto.json", needed=False)
+    checked_designs(pareto, folder / "pareto.json")
+    report = verify_directory(folder) if verify else None
+    return Evidence(
+        folder,
+        design,
+        posed.program,
+        posed.task,
+        workspace,
+        cells,
+        files_of(posed.program.sources),
+        _claim(folder, found),
+        found,
+        record,
+        trajectory,
+        _tube(folder, report) if found is not None else None,
+        report,
+        quick_conflicts(tried) if verify else (),
+        evaluations(folder / "evaluations.csv"),
+        evaluations(folder / "landscape.csv"),
+        pareto,
+        _object(folder / "log.json", needed=False),
+        _coverings(folder, design),
+        _digests(folder),
+    )
+
+
+def _object(path: Path, *, needed: bool = True) -> Mapping[str, Any]:
+    """The object in a JSON file; an empty one where it is missing and not needed.
+
+    Raises:
+        UsageFault: it holds none.
+    """
+    try:
+        content = json.loads(path.read_bytes())
+    except OSError as error:
+        if not needed and not path.exists():
+            return {}
+        raise UsageFault(f"{path}: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise UsageFault(f"{path} is not JSON") from None
+    if not isinstance(content, dict):
+        raise UsageFault(f"{path} is no JSON object")
+    return content
+
+
+def _coverings(folder: Path, design: Mapping[str, Any]) -> dict[str, CoveringSize]:
+    names = dict.fromkeys(each["boxes"] for each in design["structures_tried"] if each["boxes"])
+    sizes = {name: covering_size(folder / name) for name in names}
+    return {name: size for name, size in sizes.items() if size is not None}
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    paths = (folder / "design.json", folder / "certificate.json")
+    return {
+        path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths if path.is_file()
+    }
+
+
+def _claim(folder: Path, found: FoundDesign | None) -> Claim | None:
+    """The certificate; none after ``unknown``, and none that cannot be read."""
+    if found is not None:
+        return found.claim
+    try:
+        return from_text((folder / "certificate.json").read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, CertificateError):
+        return None  # the verifier says which of these it is
+
+
+def _tube(folder: Path, report: Report | None) -> CertifiedTube | None:
+    """The enclosure of a motion that is proved; it takes as long as the proof."""
+    if report is None or report.outcome is not Outcome.VALID:
+        return None
+    from solvers.verifier.certified_tube import certified_tube
+
+    try:
+        return certified_tube(folder)
+    except EnclosureFailure:
+        return None  # the proof went through with another subdivision of the motion

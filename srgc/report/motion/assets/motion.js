@@ -1,0 +1,335 @@
+// The motion of a report: moves the marks that the page already shows. The projection and the marks
+// are those of view.py and scene_marks.py.
+(function () {
+  "use strict";
+  const root = document.getElementById("motion");
+  const source = document.getElementById("motion-data");
+  if (!root || !source) return;
+  const data = JSON.parse(source.textContent);
+  const picture = root.querySelector(":scope > figure > .scene");
+  const d = data.dimension;
+  let zoom = 1;
+  const grid = data.unit * data.scale;
+  const motion = data.motion || null;
+  const all = (selector) => Array.from(picture.querySelectorAll(selector));
+  let axes = data.axes;
+
+  // --- projection ---
+
+  function seen(row, at) {
+    let x = 0, y = 0;
+    for (let i = 0; i < d; i++) {
+      x += axes[0][i] * row[at + i];
+      y += axes[1][i] * row[at + i];
+    }
+    return [data.width / 2 + zoom * grid * x, data.height / 2 - zoom * grid * y];
+  }
+
+  const text = (p) => p[0].toFixed(1) + " " + p[1].toFixed(1);
+  const line = (points) => (points.length ? "M" + points.map(text).join("L") : "");
+
+  function outline(points) {
+    const sorted = points.slice().sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    const turn = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    const half = (list) => {
+      const chain = [];
+      for (const p of list) {
+        while (chain.length > 1 && turn(chain[chain.length - 2], chain[chain.length - 1], p) <= 0) chain.pop();
+        chain.push(p);
+      }
+      chain.pop();
+      return chain;
+    };
+    return sorted.length < 3 ? sorted : half(sorted).concat(half(sorted.reverse()));
+  }
+
+  function box(low, high, at) {
+    const corners = [];
+    for (let bits = 0; bits < 1 << d; bits++) {
+      const corner = [];
+      for (let i = 0; i < d; i++) corner.push((bits >> i) & 1 ? high[at + i] : low[at + i]);
+      corners.push(seen(corner, 0));
+    }
+    return line(outline(corners)) + "Z";
+  }
+
+  // --- the sets of the workspace, which only a view of space changes ---
+
+  function drawShapes() {
+    if (d !== 3) return;
+    const labels = new Map(all(".names text").map((label) => [Number(label.dataset.shape), label]));
+    all(".shape").forEach((mark, index) => {
+      const shape = data.shapes[index], corners = [];
+      for (let i = 0; i < shape.corners.length; i += 3) corners.push(seen(shape.corners, i));
+      mark.querySelector(".face").setAttribute("d", line(outline(corners)) + "Z");
+      let edges = "";
+      for (let i = 0; i < shape.edges.length; i += 2) {
+        edges += line([corners[shape.edges[i]], corners[shape.edges[i + 1]]]);
+      }
+      mark.querySelector(".edges").setAttribute("d", edges);
+      const label = labels.get(index);
+      if (!label) return;
+      const xs = corners.map((c) => c[0]), ys = corners.map((c) => c[1]);
+      const left = Math.min(...xs), right = Math.max(...xs);
+      const top = Math.min(...ys), bottom = Math.max(...ys);
+      const fits = right - left > 7.2 * label.textContent.length + 8 && bottom - top > 22;
+      label.setAttribute("x", ((left + right) / 2).toFixed(1));
+      label.setAttribute("y", (fits ? (top + bottom) / 2 + 5 : top - 5).toFixed(1));
+    });
+    all(".triad path").forEach((mark, i) => {
+      mark.setAttribute("d", "M0 0L" + text([34 * axes[0][i], -34 * axes[1][i]]));
+    });
+    all(".triad text").forEach((mark, i) => {
+      mark.setAttribute("x", (44 * axes[0][i]).toFixed(1));
+      mark.setAttribute("y", (-44 * axes[1][i]).toFixed(1));
+    });
+  }
+
+  // --- the motion ---
+
+  const player = motion ? preparedMotion() : null;
+
+  function preparedMotion() {
+    const times = motion.times, end = motion.steps * motion.step;
+    const marks = {
+      foot: all(".robot .foot")[0], bones: all(".robot .bone"), rods: all(".robot .rod"), capsules: all(".robot .capsule"),
+      axes: all(".robot .axis"), joints: all(".robot .joint"), masses: all(".robot .mass"),
+      effectors: all(".robot .effector"), trails: all(".trail"), traces: all(".trace"),
+      cells: all(".cell"), tube: all(".tube")[0], ribbon: all(".ribbon")[0],
+      now: all(".tube-now")[0], instant: all(".instant")[0],
+    };
+    const slider = root.querySelector("input[type=range]");
+    const readings = {
+      time: root.querySelector(".readings .time"), sample: root.querySelector(".readings .sample"),
+      cells: Array.from(root.querySelectorAll(".readings .cell")),
+      q: Array.from(root.querySelectorAll(".readings .q")),
+    };
+    let tips = [], now = 0;
+
+    function before(list, t) {
+      let low = 0, high = list.length - 2;
+      while (low < high) {
+        const middle = (low + high + 1) >> 1;
+        if (list[middle] <= t) low = middle; else high = middle - 1;
+      }
+      return Math.max(low, 0);
+    }
+
+    function between(list, rows, t) {
+      const i = before(list, t), a = rows[i], b = rows[Math.min(i + 1, rows.length - 1)];
+      const width = list[i + 1] - list[i];
+      const s = width > 0 ? Math.min(Math.max((t - list[i]) / width, 0), 1) : 0;
+      return a.map((value, k) => value + s * (b[k] - value));
+    }
+
+    function ends(mark, a, b) {
+      mark.setAttribute("x1", a[0].toFixed(1));
+      mark.setAttribute("y1", a[1].toFixed(1));
+      mark.setAttribute("x2", b[0].toFixed(1));
+      mark.setAttribute("y2", b[1].toFixed(1));
+    }
+
+    const put = (mark, p) => mark.setAttribute("transform", "translate(" + text(p) + ")");
+
+    function drawRobot(row) {
+      const at = (point) => seen(row, point * d);
+      put(marks.foot, at(0));
+      motion.bones.forEach(([a, b], i) => ends(marks.bones[i], at(a), at(b)));
+      let capsule = 0;
+      motion.rods.forEach(([a, b, thick], i) => {
+        ends(marks.rods[i], at(a), at(b));
+        if (thick) ends(marks.capsules[capsule++], at(a), at(b));
+      });
+      let axis = 0;
+      motion.joints.forEach(([point, tip], i) => {
+        const foot = at(point);
+        put(marks.joints[i], foot);
+        if (tip < 0) return;
+        const end = at(tip), x = end[0] - foot[0], y = end[1] - foot[1];
+        const part = Math.min(17 / Math.max(Math.hypot(x, y), 1e-9), 1);
+        ends(marks.axes[axis++], [foot[0] - part * x, foot[1] - part * y], [foot[0] + part * x, foot[1] + part * y]);
+      });
+      motion.masses.forEach((point, i) => put(marks.masses[i], at(point)));
+      motion.effectors.forEach((point, i) => put(marks.effectors[i], at(point)));
+    }
+
+    function drawTraces(row, t) {
+      const i = before(times, t);
+      motion.effectors.forEach((point, e) => {
+        const way = tips[e].slice(0, i + 1);
+        way.push(seen(row, point * d));
+        marks.traces[e].setAttribute("d", line(way));
+      });
+    }
+
+    function instantBoxes(row, t) {
+      const tube = motion.tube, half = between(tube.instants, tube.half, t);
+      const wide = data.factor / data.unit;
+      return motion.effectors.map((point, e) => {
+        const low = [], high = [];
+        for (let i = 0; i < d; i++) {
+          low.push(row[point * d + i] - wide * half[e * d + i]);
+          high.push(row[point * d + i] + wide * half[e * d + i]);
+        }
+        return box(low, high, 0);
+      }).join("");
+    }
+
+    function drawTube(row, t) {
+      const tube = motion.tube;
+      if (!tube) return;
+      const i = Math.min(before(tube.times, t), tube.low.length - 1);
+      marks.now.setAttribute("d", motion.effectors.map((_, e) => box(tube.low[i], tube.high[i], e * d)).join(""));
+      marks.instant.setAttribute("d", instantBoxes(row, t));
+    }
+
+    function read(t) {
+      const sample = Math.min(Math.floor(t / motion.step + 1e-6), motion.steps);
+      const here = motion.visits.map((visits) => {
+        let cell = -1;
+        for (const [since, index] of visits) if (since <= sample) cell = index;
+        return cell;
+      });
+      marks.cells.forEach((mark, index) => mark.classList.toggle("here", here.includes(index)));
+      readings.cells.forEach((mark, e) => { mark.textContent = here[e] < 0 ? "" : motion.cells[here[e]]; });
+      readings.time.textContent = shortTime(t) + " s";
+      readings.sample.textContent = String(sample);
+      between(times, motion.q, t).forEach((value, i) => {
+        const turns = motion.kinds[i] === "revolute";
+        readings.q[i].textContent = turns ? (value * 180 / Math.PI).toFixed(1) + "°" : value.toFixed(4) + " m";
+      });
+      slider.value = String(Math.min(Math.round(t / motion.step), motion.steps));
+      slider.setAttribute("aria-valuetext", shortTime(t) + " s");
+    }
+
+    const shortTime = (t) => String(Number(t.toFixed(end < 1 ? 4 : 3)));
+
+    function draw() {
+      const row = between(times, motion.points, now);
+      drawRobot(row);
+      drawTraces(row, now);
+      drawTube(row, now);
+    }
+
+    function show(t) {
+      now = Math.min(Math.max(t, 0), end);
+      draw();
+      read(now);
+      document.dispatchEvent(new CustomEvent("srgc-time", { detail: { t: now } }));
+    }
+
+    const widths = marks.capsules.map((mark) => Number(mark.getAttribute("stroke-width")));
+
+    function turned() {
+      marks.capsules.forEach((mark, i) => mark.setAttribute("stroke-width", (zoom * widths[i]).toFixed(1)));
+      tips = motion.effectors.map((point) => motion.points.map((row) => seen(row, point * d)));
+      if (d === 3) {
+        marks.trails.forEach((mark, e) => mark.setAttribute("d", line(tips[e])));
+        if (motion.tube) {
+          marks.tube.setAttribute("d", motion.tube.low.map((low, i) =>
+            motion.effectors.map((_, e) => box(low, motion.tube.high[i], e * d)).join("")).join(""));
+        }
+      }
+      if (motion.tube) {
+        marks.ribbon.setAttribute("d", motion.tube.instants.map((t) =>
+          instantBoxes(between(times, motion.points, t), t)).join(""));
+      }
+      draw();
+    }
+
+    // --- play, slider, events ---
+
+    const button = root.querySelector(".play");
+    const speed = root.querySelector(".speed select");
+    const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
+    let frame = 0, last = 0, shown = 0;
+
+    function stop() {
+      cancelAnimationFrame(frame);
+      frame = 0;
+      button.textContent = "▶";
+      button.setAttribute("aria-label", "Play");
+    }
+
+    function tick(instant) {
+      const t = now + (instant - last) / 1000 * Number(speed.value);
+      // Few pictures a second for those who asked for little motion.
+      if (!calm.matches || instant - shown > 700) {
+        last = shown = instant;
+        show(t);
+      }
+      if (now >= end) stop(); else frame = requestAnimationFrame(tick);
+    }
+
+    button.addEventListener("click", () => {
+      if (frame) { stop(); return; }
+      if (now >= end) show(0);
+      button.textContent = "❚❚";
+      button.setAttribute("aria-label", "Pause");
+      last = shown = performance.now();
+      frame = requestAnimationFrame(tick);
+    });
+    slider.addEventListener("input", () => { stop(); show(Number(slider.value) * motion.step); });
+    document.addEventListener("srgc-seek", (event) => {
+      const t = event.detail ? Number(event.detail.t) : NaN;
+      if (Number.isFinite(t)) { stop(); show(t); }
+    });
+    root.querySelectorAll("[data-show]").forEach((mark) => {
+      const apply = () => picture.classList.toggle("hide-" + mark.dataset.show, !mark.checked);
+      mark.addEventListener("change", apply);
+      apply();
+    });
+    root.querySelector(".controls").hidden = false;
+    turned();
+    show(0);
+    return { turned: turned };
+  }
+
+  // --- views of space ---
+
+  function turnable() {
+    const bar = root.querySelector(".views");
+    const buttons = Array.from(bar.querySelectorAll("[data-view]"));
+    let azimuth = data.views[0][1], elevation = data.views[0][2], hold = null;
+
+    function turn(a, e, chosen) {
+      azimuth = a;
+      elevation = Math.min(Math.max(e, -Math.PI / 2), Math.PI / 2);
+      const ca = Math.cos(a), sa = Math.sin(a), ce = Math.cos(elevation), se = Math.sin(elevation);
+      axes = [[ca, sa, 0], [-sa * se, ca * se, ce]];
+      buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(i === chosen)));
+      drawShapes();
+      if (player) player.turned();
+    }
+
+    buttons.forEach((button, i) => {
+      button.addEventListener("click", () => turn(data.views[i][1], data.views[i][2], i));
+    });
+    bar.querySelectorAll("[data-zoom]").forEach((button) => {
+      button.addEventListener("click", () => {
+        zoom = Math.min(Math.max(zoom * Number(button.dataset.zoom), 0.1), 10);
+        turn(azimuth, elevation, buttons.findIndex((each) => each.getAttribute("aria-pressed") === "true"));
+      });
+    });
+    picture.addEventListener("pointerdown", (event) => {
+      hold = [event.clientX, event.clientY, azimuth, elevation];
+      picture.setPointerCapture(event.pointerId);
+    });
+    picture.addEventListener("pointermove", (event) => {
+      if (hold) turn(hold[2] - (event.clientX - hold[0]) / 150, hold[3] + (event.clientY - hold[1]) / 150, -1);
+    });
+    ["pointerup", "pointercancel"].forEach((name) => picture.addEventListener(name, () => { hold = null; }));
+    picture.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      turn(azimuth + step[0], elevation + step[1], -1);
+    });
+    picture.classList.add("turning");
+    bar.hidden = false;
+    turn(azimuth, elevation, 0);
+  }
+
+  if (d === 3) turnable();
+  root.classList.add("live");
+})();

@@ -1,0 +1,19 @@
+// Hovering or focusing a symbol of the word, its module in the picture, its row in the table or its
+// leaf in the derivation tree marks all four.
+(function () {
+  "use strict";
+  const root = document.getElementById("robot");
+  if (!root) return;
+  const marks = Array.from(root.querySelectorAll("[data-symbol]"));
+
+  function light(symbol) {
+    marks.forEach((mark) => mark.classList.toggle("lit", mark.dataset.symbol === symbol));
+  }
+
+  marks.forEach((mark) => {
+    mark.addEventListener("pointerenter", () => light(mark.dataset.symbol));
+    mark.addEventListener("pointerleave", () => light(""));
+    mark.addEventListener("focus", () => light(mark.dataset.symbol));
+    mark.addEventListener("blur", () => light(""));
+  });
+})();

@@ -1,0 +1,133 @@
+"""A report in a real browser: it loads nothing, fits a phone, can be read in the dark, on paper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.oracles.browsers import Opened
+
+Open = Callable[[str], Opened]
+
+SPECS = ["planar_arm", "spatial", "beyond_reach"]
+
+CONTRASTS = """
+const rgba = (text) => {
+  const parts = (text.match(/[\\d.]+/g) || []).map(Number);
+  if (parts.length < 3) return [0, 0, 0, 0];
+  return parts.length > 3 ? parts : [...parts, 1];
+};
+const linear = (v) => (v /= 255) <= 0.03928 ? v / 12.92 : Math.pow((v + 0.055) / 1.055, 2.4);
+const light = (c) => 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
+const paper = (element) => {
+  for (let e = element; e; e = e.parentElement) {
+    const c = rgba(getComputedStyle(e).backgroundColor);
+    if (c[3] === 1) return c;
+  }
+  return rgba(getComputedStyle(document.documentElement).backgroundColor);
+};
+const found = [];
+const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+while (walker.nextNode()) {
+  const element = walker.currentNode.parentElement;
+  if (!walker.currentNode.data.trim() || !element.getClientRects().length) continue;
+  if (element.closest('title, script, style, option, select')) continue;
+  const style = getComputedStyle(element);
+  const ink = rgba(element.closest('svg') ? style.fill : style.color);
+  const a = light(ink), b = light(paper(element));
+  const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  const kind = element.className.baseVal ?? element.className;
+  const words = walker.currentNode.data.trim().slice(0, 40);
+  if (ratio < 4.5) found.push([ratio.toFixed(2), element.tagName, kind, words].join(' '));
+}
+return found;
+"""
+"""All texts whose contrast with what is behind them is below 4.5, by the formula of WCAG 2."""
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_nothing_is_loaded_and_the_console_is_silent(opened: Open, spec: str) -> None:
+    page = opened(spec)
+    assert page.requests() == [page.path.as_uri()]
+    assert page.complaints() == []
+    assert page.path.stat().st_size < 1_000_000
+
+
+def test_without_a_network(opened: Open) -> None:
+    page = opened("turner")
+    page.command("Network.enable")
+    conditions = {"latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
+    page.command("Network.emulateNetworkConditions", offline=True, **conditions)
+    try:
+        page.driver.refresh()
+        assert page.one("#motion.live").is_displayed()
+        assert page.complaints() == []
+    finally:
+        unlimited = dict.fromkeys(("downloadThroughput", "uploadThroughput"), -1)
+        page.command("Network.emulateNetworkConditions", offline=False, latency=0, **unlimited)
+
+
+@pytest.mark.parametrize("width", [320, 360])
+@pytest.mark.parametrize("spec", SPECS)
+def test_a_phone_does_not_scroll_sideways(opened: Open, spec: str, width: int) -> None:
+    page = opened(spec)
+    page.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=width,
+        height=740,
+        deviceScaleFactor=2,
+        mobile=True,
+    )
+    wide = page.run(
+        "return [document.documentElement.scrollWidth, document.documentElement.clientWidth];"
+    )
+    assert wide == [width, width]
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_every_text_can_be_read_by_day_and_in_the_dark(opened: Open, spec: str) -> None:
+    page = opened(spec)
+    page.run("document.querySelectorAll('details').forEach((each) => { each.open = true; });")
+    papers = set()
+    for scheme in ("light", "dark"):
+        page.media("screen", prefers_color_scheme=scheme)
+        papers.add(page.run("return getComputedStyle(document.body).backgroundColor;"))
+        assert page.run(CONTRASTS) == [], scheme
+    assert len(papers) == 2
+
+
+def test_print_has_poses_instead_of_controls(opened: Open) -> None:
+    page = opened("planar_arm")
+    controls, poses = page.one("#motion .controls"), page.one("#motion .poses")
+    assert controls.is_displayed()
+    assert not poses.is_displayed()
+    page.media("print")
+    assert not controls.is_displayed()
+    assert poses.is_displayed()
+    assert len(page.all("#motion .poses svg")) == 6
+
+
+@pytest.mark.parametrize("spec", ["planar_arm", "spatial"])
+def test_poses_have_the_sets_in_their_colours(opened: Open, spec: str) -> None:
+    page = opened(spec)
+    page.media("print")
+    pose = page.one("#motion .poses svg")
+    picture = Image.open(BytesIO(pose.screenshot_as_png)).convert("RGB")
+    red, green, blue = np.moveaxis(np.asarray(picture, dtype=int), -1, 0)
+    dark = np.maximum(np.maximum(red, green), blue) < 60
+    reddish = (red > green + 25) & (red > blue + 25)
+    assert dark.mean() < 0.05
+    assert reddish.mean() > 0.002
+
+
+def test_without_scripts_there_are_poses_and_nothing_that_does_nothing(opened: Open) -> None:
+    page = opened("planar_arm")
+    page.command("Emulation.setScriptExecutionDisabled", value=True)
+    page.driver.refresh()
+    assert page.one("#motion .poses").is_displayed()
+    assert page.one("#motion > figure > .scene .rod").is_displayed()
+    assert not page.one("#motion .controls").is_displayed()
