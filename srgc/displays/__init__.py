@@ -1,0 +1,1 @@
+"""How programs, robots, graphs and results show themselves in notebooks, as HTML."""

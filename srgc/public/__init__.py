@@ -1,0 +1,1 @@
+"""What the functions of ``srgc`` give back: programs, findings, robots, results, reports."""
