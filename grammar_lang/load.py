@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from grammar_lang.lower import lower
 from grammar_lang.partial import sound_part
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Source, Span
+from grammar_lang.syntax_tasks import File
 
 _START = Span(0, 0)
 
@@ -28,28 +30,39 @@ class Loaded:
 
     ``sources`` are all files that were read: the main file, what it includes, maps and images.
     ``sound`` is what of the program has no error, for the checks that look at one grammar,
-    workspace or task at a time; None where nothing could be read.
+    workspace or task at a time; None where nothing could be read.  ``syntax`` is what could be
+    parsed, of all files; None where the main file is no text.
     """
 
     program: ir.Program | None
     diagnostics: tuple[Diagnostic, ...]
     sources: tuple[Source, ...]
     sound: ir.Program | None = None
+    syntax: File | None = None
 
 
 @without_collection
-def load_text(text: str, name: str, folder: Path | None = None) -> Loaded:
+def load_text(
+    text: str,
+    name: str,
+    folder: Path | None = None,
+    open_files: Mapping[str, bytes] | None = None,
+) -> Loaded:
     """Check a text.
 
     Args:
         text: the specification.
         name: what diagnostics call it.
         folder: where the text is taken to stand; without it, it includes nothing.
+        open_files: what an editor holds of other files, by their path without links; these bytes
+            are taken for what stands on the disk.
     """
     sink = Sink()
     text = text.removeprefix("\ufeff")
     data = text.encode("utf-8", "surrogatepass")
-    tree = None if folder is None else FileTree(folder, os.path.realpath(folder), name)
+    tree = None
+    if folder is not None:
+        tree = FileTree(folder, os.path.realpath(folder), name, open_files or {})
     source = Source(name, text, Path(name).name, data)
     if len(data) > LIMIT:
         too_large("the text has", len(data), LIMIT, _START, sink)
@@ -58,15 +71,20 @@ def load_text(text: str, name: str, folder: Path | None = None) -> Loaded:
 
 
 @without_collection
-def load(path: Path) -> Loaded:
+def load(path: Path, open_files: Mapping[str, bytes] | None = None) -> Loaded:
     """Check a file with all it includes.
 
     One that cannot be read gives one diagnostic, never an exception.
+
+    Args:
+        path: the file.
+        open_files: as for :func:`load_text`; the file itself may be one of them.
     """
     sink = Sink()
     name = name_of(path)
     try:
-        data = read_file(path, LIMIT)
+        held = (open_files or {}).get(os.path.realpath(path))
+        data = read_file(path, LIMIT) if held is None else held
         top = os.path.realpath(path.parent)
     except (OSError, ValueError) as error:
         hint = "give the path of an `.srg` file"
@@ -77,7 +95,8 @@ def load(path: Path) -> Loaded:
         return _refused(Source(name, ""), sink=sink)
     text, sound = decoded(data, 0, sink)
     source = Source(name, text, path.name, data)
-    return _checked(source, FileTree(path.parent, top, path.name), sink, sound=sound)
+    tree = FileTree(path.parent, top, path.name, open_files or {})
+    return _checked(source, tree, sink, sound=sound)
 
 
 def _checked(source: Source, tree: FileTree | None, sink: Sink, *, sound: bool) -> Loaded:
@@ -93,10 +112,11 @@ def _checked(source: Source, tree: FileTree | None, sink: Sink, *, sound: bool) 
         sink.error(Code.EMPTY_FILE, "the file declares nothing", _START, hint)
     program = lower(all_of_it.file, sources, all_of_it.maps, sink)
     if not sink.has_errors:
-        return Loaded(program, sink.sorted(), sources, program)
+        return Loaded(program, sink.sorted(), sources, program, all_of_it.file)
     part = sound_part(program, all_of_it.file, sink.found)
     told = without_followers(sink.sorted(), all_of_it.file, complete=all_of_it.complete)
-    return Loaded(None, told, sources, part if all_of_it.complete else None)
+    sound_program = part if all_of_it.complete else None
+    return Loaded(None, told, sources, sound_program, all_of_it.file)
 
 
 def _refused(*sources: Source, sink: Sink) -> Loaded:

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import os
 import posixpath
+from collections.abc import Mapping
+from dataclasses import field
 from pathlib import Path
 
-from grammar_lang.files.source_file import read_file, reason
+from grammar_lang.files.source_file import TooLarge, read_file, reason
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.spelling import nearest
 from grammar_lang.node import node
@@ -73,11 +75,17 @@ def _written(path: str) -> None:
 
 @node
 class FileTree:
-    """The tree below the folder of the main file, as the user names it and without links."""
+    """The tree below the folder of the main file, as the user names it and without links.
+
+    ``open_files`` is what an editor holds of files, by their path without links.
+    """
 
     folder: Path
     top: str
     main: str
+    open_files: Mapping[str, bytes] = field(
+        default_factory=dict[str, bytes], compare=False, repr=False
+    )
 
     def name(self, path: str) -> str:
         """What diagnostics call a file of the tree."""
@@ -120,6 +128,11 @@ class FileTree:
             Refusal: it cannot be read.
             TooLarge: it has more bytes.
         """
+        held = self.open_files.get(place.real)
+        if held is not None:
+            if len(held) > limit:
+                raise TooLarge(len(held))
+            return held
         try:
             return read_file(Path(place.real), limit)
         except (OSError, ValueError) as error:

@@ -205,7 +205,7 @@ def _anchor(page: CodePage) -> str:
 
 
 def catalogue() -> str:
-    """All pages as one, with a table of contents: the text of ``docs/codes.md``."""
+    """All pages as one, with a table of contents: the text of ``docs/reference/codes.md``."""
     pages = [read_page(page_text(code)) for code in Code if has_page(code)]
     lines: list[str] = []
     chapter = ""

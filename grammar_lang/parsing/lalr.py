@@ -109,6 +109,15 @@ class Parser:
             here = resumed
         return self._finish(raw)
 
+    def expected(self, raw: RawItem) -> frozenset[str]:
+        """The terminals that may stand after the tokens of an unfinished item."""
+        self._stack, self._failed = _Stack(), False
+        here: int | None = raw.first
+        while here is not None and here < raw.stop:
+            found = self._advance(self._terminal(here), here)
+            here = self._after(here) if found is None else self._recover(here, raw.stop, found)
+        return frozenset() if here is None else self.tables.expected(self._stack.states)
+
     def _finish(self, raw: RawItem) -> tuple[object | None, bool]:
         """The value at the end of an item; braces left open are closed."""
         while (expected := self._advance(END, raw.stop)) is not None:

@@ -1,0 +1,224 @@
+"""Which names may stand at a cursor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from lsprotocol import types as lsp
+
+from grammar_lang import syntax as s
+from grammar_lang import syntax_tasks as t
+from srgc.language_server.completions.cursor import Cursor, open_call
+from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
+from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.names.declared import (
+    module_names,
+    nonterminals_of,
+    positions_in,
+    productions_of,
+)
+from srgc.language_server.names.names import Key
+from srgc.language_server.names.occurrence_names import named_positions
+
+_KINDS = lsp.CompletionItemKind
+_ROLES = ("base", "joint", "link", "effector")
+_MEMBERS: dict[type, tuple[str, lsp.CompletionItemKind]] = {
+    s.Param: ("parameter", _KINDS.Property),
+    s.Const: ("constant", _KINDS.Constant),
+    s.Dof: ("degree of freedom", _KINDS.Variable),
+    s.State: ("state", _KINDS.Variable),
+    s.Input: ("input", _KINDS.Variable),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A name that may be written; ``insert`` where more than the name is."""
+
+    label: str
+    kind: lsp.CompletionItemKind
+    detail: str
+    insert: str | None = None
+
+
+def _named(names: Iterable[str], kind: lsp.CompletionItemKind, detail: str) -> list[Offer]:
+    return [Offer(name, kind, detail) for name in names]
+
+
+class NamesDue:
+    """The names that may stand at a cursor, by what has been written before it."""
+
+    def __init__(self, analysis: Analysis, cursor: Cursor) -> None:
+        self._analysis = analysis
+        self._declared = analysis.declared
+        self._cursor = cursor
+        self._said = cursor.statement
+        self._last = cursor.statement[-1] if cursor.statement else ""
+        self._value = "NUMBER" in cursor.expected
+
+    def offers(self) -> list[Offer]:
+        """All of them."""
+        kind = self._cursor.item[0]
+        if "NAME" not in self._cursor.expected:
+            return []
+        match kind:
+            case "module":
+                return list(self._module())
+            case "grammar":
+                return list(self._grammar())
+            case "semantics":
+                return list(self._semantics())
+            case "task":
+                return list(self._task())
+            case _:
+                return []
+
+    # --- what is declared ----------------------------------------------------------------------
+
+    def _symbols(self) -> Iterator[Offer]:
+        for name in self._declared.terminals:
+            module = name in self._declared.modules
+            kind = _KINDS.Class if module else _KINDS.EnumMember
+            yield Offer(name, kind, "module" if module else "edge")
+
+    def _nonterminals(self) -> Iterator[Offer]:
+        grammar = self._declared.grammars.get(self._cursor.item[1])
+        if grammar is not None:
+            yield from _named(nonterminals_of(grammar), _KINDS.Interface, "nonterminal")
+
+    def _members(self, module: str, *, semantics: bool) -> Iterator[Offer]:
+        found = self._declared.modules.get(module)
+        for name, item in ({} if found is None else module_names(found)).items():
+            if not semantics or isinstance(item, s.Param | s.Const | s.Dof):
+                detail, kind = _MEMBERS[type(item)]
+                yield Offer(name, kind, detail)
+
+    def _functions(self, names: Iterable[str]) -> Iterator[Offer]:
+        for name in names:
+            yield Offer(name, _KINDS.Function, FUNCTIONS[name].means, f"{name}($0)")
+        yield Offer("pi", _KINDS.Constant, "3.14159…")
+
+    # --- item by item --------------------------------------------------------------------------
+
+    def _module(self) -> Iterator[Offer]:
+        name = self._cursor.item[1]
+        if self._last == "role":
+            yield from _named(_ROLES, _KINDS.EnumMember, "role")
+        elif self._said[-2:] in {("der", "("), ("torque", "("), ("rate", "(")}:
+            due = "state" if self._said[-2] == "der" else "degree of freedom"
+            yield from (o for o in self._members(name, semantics=False) if o.detail == due)
+        elif self._value:
+            own = self._said[:1] in {("der",), ("torque",)}
+            yield from self._members(name, semantics=False)
+            if own:
+                yield Offer("u", _KINDS.Variable, "the free input")
+            functions = ("sin", "cos", "tan", "sqrt", "abs")
+            yield from self._functions((*functions, "rate") if own else functions)
+
+    def _grammar(self) -> Iterator[Offer]:
+        if self._said[:1] == ("accept",):
+            if not self._value:
+                yield from self._symbols()
+        elif self._said == ("start",):
+            yield from self._nonterminals()
+        elif "->" in self._said:
+            yield from self._nonterminals()
+            if self._last != ":" or self._said.count(":") > 1:
+                yield from self._symbols()
+        elif len(self._said) == 2 and self._last == ":":
+            yield from self._nonterminals()
+
+    def _semantics(self) -> Iterator[Offer]:
+        declared = self._declared
+        if self._cursor.before == ("semantics",):
+            free = [name for name in declared.grammars if name not in declared.semantics]
+            yield from _named(free, _KINDS.Module, "grammar")
+            return
+        grammar = declared.grammars.get(self._cursor.item[1])
+        if grammar is None:
+            return
+        productions = productions_of(grammar)
+        if not self._cursor.block:
+            blocks = declared.semantics.get(grammar.name.text)
+            done = set() if blocks is None else {block.label.text for block in blocks.blocks}
+            for label in productions:
+                if label not in done:
+                    yield Offer(label, _KINDS.Function, "production", f"{label} {{ $0 }}")
+        elif self._cursor.block in productions:
+            yield from self._in_block(grammar, productions[self._cursor.block])
+
+    def _in_block(self, grammar: s.Grammar, production: s.Production) -> Iterator[Offer]:
+        nonterminals = nonterminals_of(grammar)
+        places = positions_in(production, {*self._declared.terminals, *nonterminals})
+        call = open_call(self._said)
+        if self._last == ".":
+            owner = self._said[-2] if len(self._said) > 1 else ""
+            symbol = production.left.text
+            if owner in places:
+                symbol = production.right[places[owner]].symbol.text
+            yield from self._members(symbol, semantics=True)
+            yield from self._attributes(grammar.name.text, symbol)
+        elif call is not None and call.name in EMISSIONS and self._last in {"(", ","}:
+            for name, means in EMISSIONS[call.name].parameters:
+                if name not in call.named:
+                    yield Offer(name, _KINDS.Property, means, f"{name}: $0")
+        else:
+            for name, place in places.items():
+                symbol = production.right[place].symbol.text
+                if symbol in nonterminals or symbol in self._declared.modules:
+                    yield Offer(name, _KINDS.Variable, f"this occurrence of {symbol}")
+            if self._value:
+                yield from self._functions(n for n in FUNCTIONS if n != "rate")
+
+    def _attributes(self, grammar: str, nonterminal: str) -> Iterator[Offer]:
+        keys: list[Key] = self._analysis.names.keys("attribute", (grammar, nonterminal))
+        yield from _named([key.name for key in keys], _KINDS.Field, "attribute")
+
+    # --- tasks ---------------------------------------------------------------------------------
+
+    def _task(self) -> Iterator[Offer]:
+        head, declared = self._said[:1], self._declared
+        if self._said == ("robot",):
+            yield from _named(declared.grammars, _KINDS.Module, "grammar")
+        elif self._said == ("workspace",):
+            yield from _named(declared.workspaces, _KINDS.Module, "workspace")
+        elif head == ("from",):
+            yield from self._origin()
+        elif head in {("start",), ("reach",), ("avoid",), ("satisfy",)} and not self._value:
+            yield from self._regions(maps=head in {("avoid",), ("satisfy",)})
+            if self._said == ("avoid",):
+                yield Offer("self", _KINDS.Keyword, "the robot's own bodies")
+        elif self._value:
+            yield Offer("pi", _KINDS.Constant, "3.14159…")
+
+    def _regions(self, *, maps: bool) -> Iterator[Offer]:
+        said = self._cursor.before
+        pairs = pairwise(said)
+        named = next((name for word, name in pairs if word == "workspace"), "")
+        task = self._declared.tasks.get(self._cursor.item[1])
+        if not named and task is not None:
+            items = (i for i in task.items if isinstance(i, t.TaskWorkspace))
+            named = next((item.name.text for item in items), "")
+        scope = (named,)
+        for key in self._analysis.names.keys("region", scope):
+            yield Offer(key.name, _KINDS.Field, f"region of {named}")
+        for key in self._analysis.names.keys("map", scope) if maps else ():
+            yield Offer(key.name, _KINDS.Field, f"map of {named}")
+
+    def _origin(self) -> Iterator[Offer]:
+        if "fixed" not in self._said:
+            yield from self._symbols()
+            return
+        word = [s.Ident(name) for name in self._said[1 : self._said.index("fixed")]]
+        places = named_positions(word, [None] * len(word), self._declared.terminals)
+        if self._last == ".":
+            place = places.get(self._said[-2])
+            if place is not None:
+                found = self._members(word[place].text, semantics=True)
+                yield from (offer for offer in found if offer.detail == "parameter")
+        elif self._last in {"fixed", ","}:
+            for name, place in places.items():
+                if word[place].text in self._declared.modules:
+                    yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place].text}")

@@ -1,0 +1,1 @@
+"""Open documents, the programs they make, and what is found in them."""

@@ -1,0 +1,153 @@
+"""A program as an editor sees it: read from open documents, its names, its findings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang import syntax_tasks as t
+from grammar_lang.findings.diagnostics import Diagnostic
+from grammar_lang.load import Loaded, load, load_text
+from grammar_lang.source import Source, Span
+from srgc.language_server.documents.line_map import UTF16, LineMap
+from srgc.language_server.names.declared import Declared, declared_by
+from srgc.language_server.names.name_marks import name_index
+from srgc.language_server.names.names import Mark, NameIndex
+
+_NOTHING = t.File(())
+
+
+class Analysis:
+    """A main document with all it includes.
+
+    ``name`` is the path of the main file, or the URI of a document that is no file.  Everything is
+    made when it is first asked for: most requests need the syntax alone.
+    """
+
+    def __init__(self, loaded: Loaded, name: str, encoding: str) -> None:
+        self.loaded = loaded
+        self.name = name
+        self._encoding = encoding
+        self._lines: dict[int, LineMap] = {}
+
+    # --- files ---------------------------------------------------------------------------------
+
+    @property
+    def sources(self) -> Sequence[Source]:
+        """All texts that were read; spans count them."""
+        return self.loaded.sources
+
+    @cached_property
+    def _numbers(self) -> Mapping[str, int]:
+        found: dict[str, int] = {}
+        for number in range(len(self.sources)):
+            found.setdefault(self.place(number), number)
+        return found
+
+    @property
+    def places(self) -> list[str]:
+        """The places of all files."""
+        return [*self._numbers]
+
+    def number(self, place: str) -> int | None:
+        """The number of the file with that path without links (of the document with that URI)."""
+        return self._numbers.get(place)
+
+    def place(self, number: int) -> str:
+        """The path without links of a file, or the URI of the main document."""
+        name = self.sources[number].name
+        return os.path.realpath(name) if Path(name).is_absolute() else name
+
+    def path(self, number: int) -> Path | None:
+        """The path of a file; None for a document that is none."""
+        path = Path(self.sources[number].name)
+        return path if path.is_absolute() else None
+
+    def lines(self, number: int) -> LineMap:
+        """The lines of a file."""
+        if number not in self._lines:
+            self._lines[number] = LineMap(self.sources[number].text, self._encoding)
+        return self._lines[number]
+
+    def text(self, span: Span) -> str:
+        """What stands at a span."""
+        return self.sources[span.file].text[span.start : span.end]
+
+    # --- what was read -------------------------------------------------------------------------
+
+    @property
+    def syntax(self) -> t.File:
+        """The items of all files that could be read."""
+        return self.loaded.syntax or _NOTHING
+
+    @property
+    def program(self) -> ir.Program | None:
+        """What of the program is sound."""
+        return self.loaded.sound
+
+    @cached_property
+    def declared(self) -> Declared:
+        """What the items declare."""
+        return declared_by(self.syntax)
+
+    @cached_property
+    def names(self) -> NameIndex:
+        """Where the names of the program stand."""
+        return name_index(self.syntax, self.declared)
+
+    def items(self, number: int) -> list[t.Item]:
+        """The items that stand in a file."""
+        return [item for item in self.syntax.items if item.span.file == number]
+
+    def mark(self, number: int, offset: int) -> Mark | None:
+        """The name at a place."""
+        return self.names.at(number, offset)
+
+    def block(self, number: int, offset: int) -> s.Block | None:
+        """The block of a production's semantics about a place."""
+        for item in self.items(number):
+            if isinstance(item, s.Semantics) and item.span.start <= offset <= item.span.end:
+                blocks = (b for b in item.blocks if b.span.start <= offset <= b.span.end)
+                return next(blocks, None)
+        return None
+
+    @cached_property
+    def findings(self) -> Sequence[Diagnostic]:
+        """All findings of ``srgc check``."""
+        from srgc.session import check_loaded
+
+        return check_loaded(self.loaded).diagnostics
+
+    @property
+    def known_findings(self) -> Sequence[Diagnostic]:
+        """Those that are known already; nothing is computed."""
+        found: Sequence[Diagnostic] = self.__dict__.get("findings", self.loaded.diagnostics)
+        return found
+
+
+def analyse(
+    name: str, text: str, open_files: Mapping[str, bytes], encoding: str = UTF16
+) -> Analysis:
+    """The analysis of an open document.
+
+    Args:
+        name: its absolute path, or its URI if it is no file.
+        text: its text.
+        open_files: what is held of this and other files, by their path without links.
+        encoding: what positions count.
+    """
+    path = Path(name)
+    folder = path.parent if path.is_absolute() else None
+    return Analysis(load_text(text, name, folder, open_files), name, encoding)
+
+
+def analyse_file(
+    path: Path, open_files: Mapping[str, bytes], encoding: str = UTF16
+) -> Analysis | None:
+    """The analysis of a file that is not open; None if it cannot be read."""
+    loaded = load(path, open_files)
+    return Analysis(loaded, str(path), encoding) if loaded.syntax is not None else None

@@ -1,0 +1,110 @@
+"""Findings as one types: soon, but not at every key, and never about a text that has gone."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from lsprotocol import types as lsp
+from pygls.lsp.server import LanguageServer
+
+from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.open_documents import Document
+from srgc.language_server.documents.programs import Programs
+from srgc.language_server.documents.published import diagnostics_of
+
+DEBOUNCE = 0.12
+"""Seconds without a change before a text is looked at."""
+_PATIENCE = 0.4
+"""After so many seconds the findings are shown that are known by then."""
+
+
+_Shown: TypeAlias = tuple[int, list[lsp.Diagnostic]]
+"""The version of a document and what was said about it."""
+
+
+@dataclass(slots=True)
+class Publishing:
+    """Publishes the findings of open documents; each has one task that waits or works."""
+
+    server: LanguageServer
+    programs: Programs
+    _tasks: dict[str, asyncio.Task[None]] = field(default_factory=dict[str, asyncio.Task[None]])
+    _shown: dict[str, _Shown] = field(default_factory=dict[str, _Shown])
+
+    def soon(self, uri: str, wait: float = DEBOUNCE) -> None:
+        """The document, or what it belongs to, has changed."""
+        old = self._tasks.get(uri)
+        if old is not None:
+            old.cancel()
+        self._tasks[uri] = asyncio.get_running_loop().create_task(self._later(uri, wait))
+
+    def all_soon(self) -> None:
+        """Anything may have changed."""
+        for document in [*self.programs.documents]:
+            self.soon(document.uri)
+
+    def closed(self, uri: str) -> None:
+        """A document is closed: nothing is said about it any more."""
+        old = self._tasks.pop(uri, None)
+        if old is not None:
+            old.cancel()
+        if self._shown.pop(uri, (0, []))[1]:
+            self._publish(uri, None, [])
+
+    def stop(self) -> None:
+        """Nothing more is published."""
+        for task in self._tasks.values():
+            task.cancel()
+
+    async def _later(self, uri: str, wait: float) -> None:
+        await asyncio.sleep(wait)
+        try:
+            await self._now(uri)
+        except Exception:
+            logging.getLogger(__name__).exception("the findings of %s", uri)
+
+    async def _now(self, uri: str) -> None:
+        analyses = await self.programs.of(uri)
+        work = asyncio.ensure_future(self.programs.work(_find_all, analyses))
+        done, _ = await asyncio.wait([work], timeout=_PATIENCE)
+        if not done:
+            self._show(analyses, uri)
+            await work
+        else:
+            work.result()
+        self._show(analyses, uri)
+
+    def _show(self, analyses: list[Analysis], uri: str) -> None:
+        """Publish what is known about a document and the others of its programs."""
+        documents = self.programs.documents
+        places = {place for analysis in analyses for place in analysis.places}
+        for document in [*documents]:
+            if document.uri == uri or document.real in places:
+                self._show_one(analyses, document, own=document.uri == uri)
+
+    def _show_one(self, analyses: list[Analysis], document: Document, *, own: bool) -> None:
+        numbers = [analysis.number(document.real) for analysis in analyses]
+        pairs = zip(analyses, numbers, strict=True)
+        if any(n is not None and a.sources[n].text != document.text for a, n in pairs):
+            return  # it has changed; its own task is on the way
+        if not own and any(number is None for number in numbers):
+            self.soon(document.uri)  # it is part of other programs, too
+            return
+        found = diagnostics_of(analyses, document.real, self.programs.documents.uri)
+        if self._shown.get(document.uri) != (document.version, found):
+            self._shown[document.uri] = (document.version, found)
+            self._publish(document.uri, document.version, found)
+
+    def _publish(self, uri: str, version: int | None, found: Iterable[lsp.Diagnostic]) -> None:
+        self.server.text_document_publish_diagnostics(
+            lsp.PublishDiagnosticsParams(uri, [*found], version)
+        )
+
+
+def _find_all(analyses: list[Analysis]) -> None:
+    for analysis in analyses:
+        _ = analysis.findings

@@ -1,0 +1,1 @@
+"""Changes of documents: canonical form, quick fixes, renaming."""

@@ -1,0 +1,65 @@
+"""Quick fixes: the hints of findings that say exactly what to write."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+
+from lsprotocol import types as lsp
+
+_MEANT = re.compile(r"did you mean `([^`]+)`\?")
+_ADD = re.compile(r"add (?:the )?(?:missing )?`([;}]|\*/)`")
+
+Place = Callable[[lsp.Position], int]
+
+
+def _hint(diagnostic: lsp.Diagnostic) -> str:
+    data = diagnostic.data
+    hint = data.get("hint") if isinstance(data, dict) else getattr(data, "hint", None)
+    if isinstance(hint, str):
+        return hint
+    return diagnostic.message.rpartition("\nhint: ")[2]
+
+
+def _edit(diagnostic: lsp.Diagnostic, text: str, place: Place) -> tuple[str, lsp.TextEdit] | None:
+    """The title and the edit of the fix of one finding."""
+    hint, at = _hint(diagnostic), diagnostic.range
+    meant = _MEANT.search(hint)
+    if meant is not None:
+        old = text[place(at.start) : place(at.end)]
+        new = f"{old[0]}{meant[1]}{old[0]}" if old[:1] in {'"', "'"} else meant[1]
+        if not old or "\n" in old or (not old.replace("_", "a").isalnum() and old[0] not in "\"'"):
+            return None
+        return f"Change to `{meant[1]}`", lsp.TextEdit(at, new)
+    added = _ADD.fullmatch(hint)
+    if added is not None:
+        here = at.end if added[1] == "*/" else at.start
+        return f"Add `{added[1]}`", lsp.TextEdit(lsp.Range(here, here), added[1])
+    return None
+
+
+def quick_fixes(
+    uri: str, text: str, place: Place, diagnostics: Sequence[lsp.Diagnostic]
+) -> list[lsp.CodeAction]:
+    """The fixes of findings.
+
+    Args:
+        uri: the document.
+        text: its text.
+        place: gives the offset of a position.
+        diagnostics: the findings about which the client asks.
+    """
+    found: list[lsp.CodeAction] = []
+    for diagnostic in diagnostics:
+        fix = _edit(diagnostic, text, place) if diagnostic.source == "srgc" else None
+        if fix is not None:
+            found.append(
+                lsp.CodeAction(
+                    title=fix[0],
+                    kind=lsp.CodeActionKind.QuickFix,
+                    diagnostics=[diagnostic],
+                    is_preferred=True,
+                    edit=lsp.WorkspaceEdit(changes={uri: [fix[1]]}),
+                )
+            )
+    return found

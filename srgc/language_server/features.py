@@ -1,0 +1,193 @@
+"""The requests of an editor, each answered by a function of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from lsprotocol import types as lsp
+
+from grammar_lang.files.source_file import LIMIT
+from srgc.language_server.completions.completion import completions
+from srgc.language_server.completions.signatures import signature
+from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.open_documents import Document
+from srgc.language_server.documents.places import definition, highlights, references
+from srgc.language_server.documents.programs import Programs, holding
+from srgc.language_server.edits.format_edits import format_edits
+from srgc.language_server.edits.quick_fixes import quick_fixes
+from srgc.language_server.edits.rename import RenameRefused, renamable, rename
+from srgc.language_server.hovers.hover import hover
+from srgc.language_server.outlines.folding import folding
+from srgc.language_server.outlines.include_links import include_links
+from srgc.language_server.outlines.outline import outline, workspace_symbols
+from srgc.language_server.outlines.semantic_tokens import semantic_tokens
+from srgc.language_server.protocol import RequestRefused
+
+Answer = TypeVar("Answer")
+
+
+class _Placed(Protocol):
+    """A request about a place of a document."""
+
+    text_document: lsp.TextDocumentIdentifier
+    position: lsp.Position
+
+
+@dataclass(slots=True)
+class Features:
+    """All that is answered about open documents; about others nothing is known."""
+
+    programs: Programs
+    snippets: bool = True
+
+    def _document(self, uri: str) -> Document | None:
+        document = self.programs.documents.get(uri)
+        return document if document is not None and len(document.text) <= LIMIT else None
+
+    async def _at(
+        self,
+        params: _Placed,
+        function: Callable[[Analysis, int, int], Answer],
+    ) -> Answer | None:
+        """A function of a program, the number of the document in it and an offset."""
+        document = self._document(params.text_document.uri)
+        if document is None:
+            return None
+        offset = document.lines.offset(params.position)
+        found = holding(await self.programs.of(document.uri), document.real)
+        return None if found is None else function(found[0], found[1], offset)
+
+    async def _in(
+        self, uri: str, function: Callable[[Analysis, int], list[Answer]]
+    ) -> list[Answer]:
+        """A function of a program and the number of the document in it."""
+        document = self._document(uri)
+        found = None
+        if document is not None:
+            found = holding(await self.programs.of(uri), document.real)
+        return [] if found is None else function(*found)
+
+    # --- names ---------------------------------------------------------------------------------
+
+    async def hover(self, params: lsp.HoverParams) -> lsp.Hover | None:
+        """What stands at a place."""
+        return await self._at(params, hover)
+
+    async def definition(self, params: lsp.DefinitionParams) -> list[lsp.Location]:
+        """Where the name at a place is declared."""
+        uri_of = self.programs.documents.uri
+        return await self._at(params, lambda a, n, o: definition(a, n, o, uri_of)) or []
+
+    async def references(self, params: lsp.ReferenceParams) -> list[lsp.Location]:
+        """Where the thing at a place is named."""
+        document = self._document(params.text_document.uri)
+        if document is None:
+            return []
+        offset = document.lines.offset(params.position)
+        analyses = await self.programs.of(document.uri)
+        return references(
+            analyses,
+            document.real,
+            offset,
+            self.programs.documents.uri,
+            declarations=params.context.include_declaration,
+        )
+
+    async def highlights(self, params: lsp.DocumentHighlightParams) -> list[lsp.DocumentHighlight]:
+        """The places of a name in its document."""
+        return await self._at(params, highlights) or []
+
+    async def prepare_rename(self, params: lsp.PrepareRenameParams) -> lsp.Range | None:
+        """The name at a place that can be changed."""
+
+        def prepared(analysis: Analysis, number: int, offset: int) -> lsp.Range | None:
+            found = renamable(analysis, number, offset)
+            return None if found is None else analysis.lines(number).range(found.span)
+
+        try:
+            return await self._at(params, prepared)
+        except RenameRefused as refused:
+            raise RequestRefused(str(refused)) from None
+
+    async def rename(self, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
+        """The edits of a new name."""
+        document = self._document(params.text_document.uri)
+        if document is None:
+            return None
+        documents = self.programs.documents
+        offset = document.lines.offset(params.position)
+        analyses = await self.programs.of(document.uri)
+        held, place, uri_of = documents.files(), document.real, documents.uri
+        try:
+            return await self.programs.work(
+                rename, analyses, place, offset, params.new_name, held, uri_of
+            )
+        except RenameRefused as refused:
+            raise RequestRefused(str(refused)) from None
+
+    # --- writing -------------------------------------------------------------------------------
+
+    async def completion(self, params: lsp.CompletionParams) -> lsp.CompletionList:
+        """What may be written at a place."""
+        document = self._document(params.text_document.uri)
+        if document is None:
+            return lsp.CompletionList(is_incomplete=False, items=[])
+        text, offset = document.text, document.lines.offset(params.position)
+
+        def offered(analysis: Analysis, number: int, _: int) -> list[lsp.CompletionItem]:
+            return completions(analysis, text, offset, number, snippets=self.snippets)
+
+        return lsp.CompletionList(is_incomplete=False, items=await self._at(params, offered) or [])
+
+    def signature(self, params: lsp.SignatureHelpParams) -> lsp.SignatureHelp | None:
+        """The call that is being written."""
+        document = self._document(params.text_document.uri)
+        if document is None:
+            return None
+        return signature(document.text, document.lines.offset(params.position))
+
+    def formatting(self, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
+        """The canonical form."""
+        document = self._document(params.text_document.uri)
+        return [] if document is None else format_edits(document.text, document.lines)
+
+    def quick_fixes(self, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
+        """The fixes of findings."""
+        document = self._document(params.text_document.uri)
+        only = params.context.only
+        if document is None or (only and not any(_wants_fixes(kind) for kind in only)):
+            return []
+        place = document.lines.offset
+        return quick_fixes(document.uri, document.text, place, params.context.diagnostics)
+
+    # --- the document as a whole ---------------------------------------------------------------
+
+    async def outline(self, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
+        """The items with what they declare."""
+        return await self._in(params.text_document.uri, outline)
+
+    async def symbols(self, params: lsp.WorkspaceSymbolParams) -> list[lsp.WorkspaceSymbol]:
+        """What is declared anywhere."""
+        analyses = await self.programs.everything()
+        return workspace_symbols(analyses, params.query, self.programs.documents.uri)
+
+    def folding(self, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
+        """What can be folded."""
+        document = self._document(params.text_document.uri)
+        return [] if document is None else folding(document.text, document.lines)
+
+    async def tokens(self, params: lsp.SemanticTokensParams) -> lsp.SemanticTokens:
+        """Every word as what it is."""
+        found = await self._in(params.text_document.uri, lambda a, n: [semantic_tokens(a, n)])
+        return found[0] if found else lsp.SemanticTokens([])
+
+    async def links(self, params: lsp.DocumentLinkParams) -> list[lsp.DocumentLink]:
+        """The files that are named."""
+        uri_of = self.programs.documents.uri
+        return await self._in(params.text_document.uri, lambda a, n: include_links(a, n, uri_of))
+
+
+def _wants_fixes(kind: str) -> bool:
+    return lsp.CodeActionKind.QuickFix.value in {str(kind), str(getattr(kind, "value", kind))}

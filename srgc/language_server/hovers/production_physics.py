@@ -1,0 +1,224 @@
+"""What a production adds to the dynamics of a robot.
+
+A body of mass m whose centre of mass moves with v and that turns with w adds to the kinetic energy
+
+.. math:: T = m |v|^2 / 2 + I w^2 / 2
+
+and so m J_v^T J_v + J_w^T I J_w to the mass matrix M, and -m g . c to the potential energy.  A
+uniform rod has m = density * length and, about its centre of mass and square to its axis,
+I = m * length^2 / 12; about its end m * length^2 / 3.
+
+Source: Murray, Li & Sastry, *A Mathematical Introduction to Robotic Manipulation* (1994), section
+4.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from grammar_lang import constants, ir
+from grammar_lang.ir.expression_text import Names, expression_text, occurrence_names, rule_text
+from srgc.language_server.hovers.monomials import Product, product_of
+from srgc.language_server.hovers.quantity_text import domain_text, rounded
+
+
+@dataclass(frozen=True, slots=True)
+class AddedBody:
+    """A body: what it is, its mass (kg), and its moments of inertia (kg m^2) as text.
+
+    ``least`` and ``most`` are the bounds of its mass over the parameters, where they are known.
+    """
+
+    what: str
+    mass: str
+    inertia: str
+    least: float | None = None
+    most: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AddedPhysics:
+    """What a production adds, each part as text."""
+
+    frames: tuple[str, ...]
+    dofs: tuple[str, ...]
+    bodies: tuple[AddedBody, ...]
+    effectors: tuple[str, ...]
+    torques: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Reader:
+    production: ir.Production
+    modules: tuple[ir.Module | None, ...]
+    names: Names
+
+    def text(self, expression: ir.Expr) -> str:
+        return expression_text(expression, self.names)
+
+    # --- bodies --------------------------------------------------------------------------------
+
+    def body(self, emission: ir.Rod | ir.PointMass | ir.Solid) -> AddedBody:
+        match emission:
+            case ir.Rod():
+                return self._rod(emission)
+            case ir.PointMass(mass=mass):
+                weight = product_of(mass)
+                frame = self.text(emission.frame)
+                return self._weighed(f"a point mass at `{frame}`", weight, "none")
+            case ir.Solid(mass=mass, inertia=inertia):
+                moments = ", ".join(map(self.text, inertia))
+                where = f"{self.text(emission.frame)}` at `{self.text(emission.com)}"
+                shown = moments if len(inertia) == 1 else f"({moments})"
+                return self._weighed(f"a solid in `{where}`", product_of(mass), f"`{shown}` kg*m^2")
+
+    def _rod(self, rod: ir.Rod) -> AddedBody:
+        length = product_of(rod.length)
+        mass = product_of(rod.density) * length
+        squared = mass * length**2
+        centre = squared * Product(Fraction(1, 12), ())
+        end = squared * Product(Fraction(1, 3), ())
+        inertia = (
+            f"`{centre.text(self.names)}` kg*m^2 about its centre of mass, "
+            f"`{end.text(self.names)}` about its beginning"
+        )
+        capsule = "" if rod.radius is None else f", radius `{self.text(rod.radius)}` m"
+        what = (
+            f"a rod of length `{length.text(self.names)}` m along {rod.axis} "
+            f"from `{self.text(rod.frame)}`{capsule}"
+        )
+        return self._weighed(what, mass, inertia)
+
+    def _weighed(self, what: str, mass: Product, inertia: str) -> AddedBody:
+        bounds = self._bounds(mass)
+        text = f"`{mass.text(self.names)}` kg"
+        if bounds is None:
+            return AddedBody(what, text, inertia)
+        return AddedBody(what, text, inertia, *bounds)
+
+    def _bounds(self, product: Product) -> tuple[float, float] | None:
+        """The least and greatest value over the parameters, where it grows with each of them."""
+        low = high = float(product.factor)
+        if product.factor < 0:
+            return None
+        for expression, exponent in product.powers:
+            ends = self._ends(expression)
+            if ends is None or ends[0] < 0 or (exponent < 0 and ends[0] == 0):
+                return None
+            powers = sorted((ends[0] ** exponent, ends[1] ** exponent))
+            low, high = low * powers[0], high * powers[1]
+        return low, high
+
+    def _ends(self, expression: ir.Expr) -> tuple[float, float] | None:
+        try:
+            if constants.is_closed(expression):
+                value = constants.to_float(expression)
+                return value, value
+            if not isinstance(expression, ir.ParameterOf):
+                return None
+            module = self.modules[expression.occurrence]
+            found = () if module is None else module.parameters
+            domain = next((p.domain for p in found if p.name == expression.name), None)
+            if isinstance(domain, ir.Interval):
+                return constants.to_float(domain.lower), constants.to_float(domain.upper)
+            values = [] if domain is None else [constants.to_float(v) for v in domain.values]
+        except (ValueError, OverflowError):
+            return None
+        return (min(values), max(values)) if values else None
+
+    # --- coordinates ---------------------------------------------------------------------------
+
+    def dofs(self) -> Iterator[str]:
+        for position, module in enumerate(self.modules):
+            for dof in () if module is None else module.dofs:
+                unit = "rad" if dof.kind == "revolute" else "m"
+                way = "about" if dof.kind == "revolute" else "along"
+                ranged = "without limits"
+                if dof.range is not None:
+                    ranged = f"in {domain_text(dof.range, unit)}"
+                yield f"`{self.names(position)}.{dof.name}`: {dof.kind} {way} {dof.axis}, {ranged}"
+
+    def torques(self) -> Iterator[str]:
+        for module in self.modules:
+            for torque in () if module is None else module.torques:
+                law = expression_text(torque.value, lambda _: "")
+                yield f"`torque({torque.dof}) = {law}`"
+            for state in () if module is None else module.states:
+                law = expression_text(state.derivative, lambda _: "")
+                yield f"`der({state.name}) = {law}`"
+
+
+def added_physics(program: ir.Program, grammar: ir.Grammar, label: str) -> AddedPhysics | None:
+    """What a production adds to a robot; None where the grammar has no sound semantics.
+
+    Args:
+        program: the program.
+        grammar: a grammar of it.
+        label: a production of the grammar.
+    """
+    production = next((p for p in grammar.productions if p.label == label), None)
+    block = None if grammar.semantics is None else grammar.semantics.get(label)
+    if production is None or block is None:
+        return None
+    called = occurrence_names(production)
+
+    def names(occurrence: int) -> str:
+        return "this" if occurrence == ir.THIS else called[occurrence]
+
+    modules = tuple(program.modules.get(symbol.name) for symbol in production.right)
+    reader = _Reader(production, modules, names)
+    bodies = [e for e in block.emissions if not isinstance(e, ir.Effector)]
+    effectors = [e for e in block.emissions if isinstance(e, ir.Effector)]
+    return AddedPhysics(
+        tuple(f"`{rule_text(rule, names)}`" for rule in block.rules),
+        tuple(reader.dofs()),
+        tuple(map(reader.body, bodies)),
+        tuple(f"`{reader.text(effector.frame)}`" for effector in effectors),
+        tuple(reader.torques()),
+    )
+
+
+def physics_text(added: AddedPhysics, dimension: int | None) -> str:
+    """The addition as Markdown.
+
+    Args:
+        added: what a production adds.
+        dimension: that of the workspace, where it is known.
+    """
+    parts: list[str] = []
+    if added.frames:
+        parts.append("**Frames and attributes**\n\n" + _listed(added.frames))
+    if added.dofs:
+        grows = "a row and a column of M and an input each, unless another joint does the same"
+        parts.append(f"**Degrees of freedom** ({grows})\n\n{_listed(added.dofs)}")
+    if added.torques:
+        parts.append(f"**Own dynamics**\n\n{_listed(added.torques)}")
+    parts += [_body_text(body, dimension) for body in added.bodies]
+    if added.effectors:
+        parts.append(f"**Effector** at {', '.join(added.effectors)}")
+    if not added.bodies:
+        parts.append("It adds no mass: nothing to the kinetic energy.")
+    return "\n\n".join(parts)
+
+
+def _body_text(body: AddedBody, dimension: int | None) -> str:
+    lines = [f"**Adds to the dynamics**: {body.what}", "", f"- mass m = {body.mass}"]
+    if body.least is not None and body.most is not None and body.least != body.most:
+        lines[-1] += f", from {rounded(body.least)} to {rounded(body.most)} kg"
+    if body.inertia == "none":
+        lines += ["- kinetic energy m·|v|²/2", "- mass matrix M: m·JᵥᵀJᵥ, at its place"]
+    else:
+        turning = "I·ω²/2" if dimension == 2 else "ωᵀIω/2"
+        lines += [
+            f"- inertia I = {body.inertia}",
+            f"- kinetic energy m·|v|²/2 + {turning}, at its centre of mass",
+            "- mass matrix M: m·JᵥᵀJᵥ + JωᵀI·Jω",
+        ]
+    lines.append("- with gravity, potential energy −m·g·c")
+    return "\n".join(lines)
+
+
+def _listed(lines: tuple[str, ...]) -> str:
+    return "\n".join(f"- {line}" for line in lines)

@@ -1,0 +1,125 @@
+"""One line about every keyword, by the item in which it stands."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+_TOP = {
+    "module": "`module NAME { … }`: a kind of part: its role, parameters and degrees of freedom.",
+    "edge": "`edge eps, '[';`: labels of connections; symbols of words beside the modules.",
+    "grammar": "`grammar NAME { … }`: which words of modules and edges are robots.",
+    "semantics": "`semantics GRAMMAR { … }`: what every production adds to the robot.",
+    "workspace": "`workspace NAME { … }`: bounds, regions, obstacles and targets.",
+    "task": "`task NAME { … }`: which robots are to do what, where and in what time.",
+    "include": '`include "FILE";`: the items of another file, relative to this one.',
+}
+_MODULE = {
+    "role": "`role base;` (`joint`, `link`, `effector`): what the module is for.",
+    "base": "The role of the part that stands on the ground.",
+    "joint": "The role of a part that moves.",
+    "link": "The role of a rigid part.",
+    "effector": "The role of the part that has to be somewhere.",
+    "param": "`param NAME in [lo, hi] unit;` or `in {v1, v2} unit;`: the synthesis chooses it.",
+    "const": "`const NAME = expr;`: a value with a name.",
+    "dof": "`dof NAME: revolute AXIS in [lo, hi] unit rate in [lo, hi] unit;`: a coordinate.",
+    "revolute": "The coordinate is an angle about the axis.",
+    "prismatic": "The coordinate is a length along the axis.",
+    "rate": "The bounds of the rate; in an expression, `rate(q)` is the rate of a coordinate.",
+    "state": "`state NAME unit = init;`: a state of the module's own, zero at first by default.",
+    "input": "`input NAME in [lo, hi] unit;`: an input of the module's own with its bounds.",
+    "der": "`der(STATE) = expr;`: the derivative of a state.",
+    "torque": "`torque(DOF) = expr;`: the generalised force on it, instead of its input `u`.",
+    "u": "The free input of the degree of freedom.",
+}
+_GRAMMAR = {
+    "start": "`start N;`: the nonterminal that stands for a whole robot.",
+    "accept": "`accept CONDITION;`: only these words are robots; several hold together.",
+    "contains": "The word has these symbols, one after the other, somewhere.",
+    "starts": "`starts with W`: the word begins with these symbols.",
+    "ends": "`ends with W`: the word ends with these symbols.",
+    "count": "`count(SYM) <= n`: how often a symbol occurs.",
+    "length": "`length <= n`: the number of symbols, edges too.",
+    "matches": "`matches REGEX`: the whole word, with `|`, `*`, `+`, `?` and parentheses.",
+    "empty": "The empty word.",
+}
+_SEMANTICS = {
+    "this": "The left side of the production.",
+    "world": "The fixed frame.",
+    "rod": "A uniform rod from the origin of a frame along an axis.",
+    "point": "A point mass at the origin of a frame.",
+    "solid": "A rigid body with mass, centre of mass and inertia about it.",
+    "effector": "An effector at the origin of a frame.",
+    "rot": "`rot(axis, angle)`: turned about an axis of the local frame.",
+    "move": "`move(axis, d)` or `move((x, y, z))`: moved in the local frame.",
+}
+_WORKSPACE = {
+    "plane": "`plane xy;`: the robot moves in the plane.",
+    "space": "`space xyz;`: the robot moves in space.",
+    "bounds": "`bounds SHAPE;`: no effector ever leaves it.",
+    "region": "`region NAME SHAPE;`: a closed convex set with a name.",
+    "obstacle": "`obstacle NAME SHAPE;`: a region that a task is expected to `avoid`.",
+    "target": "`target NAME SHAPE;`: a region that a task is expected to reach.",
+    "obstacles": '`obstacles from "FILE";`: a map_server map or GeoJSON.',
+    "box": "`box [lo, hi] x [lo, hi] unit`: a product of intervals.",
+    "polytope": "`polytope { inequalities } unit`: a bounded intersection of half-spaces.",
+    "hull": "`hull (..), (..) unit`: the convex hull of points.",
+}
+_TASK = {
+    "robot": "`robot GRAMMAR;`: the family of robots.",
+    "workspace": "`workspace NAME;`: where the task is.",
+    "start": "`start in R at rest;` or `start at (…);`: the pose at time 0.",
+    "reach": "`reach R;`: an effector is in R at the final instant.",
+    "avoid": "`avoid R with effector;` (`body`, `margin d`): at every instant.",
+    "effort": "`effort <= v unit;`: the bound of every free input of that kind.",
+    "norm": "`norm 2`: the bound is that of the Euclidean norm of all inputs.",
+    "horizon": "`horizon k steps of dt;`: k inputs, each held for dt; the end is at k·dt.",
+    "steps": "The number of inputs.",
+    "slack": "`slack v;`: the tolerance of C.6; 1e-6 if not given.",
+    "gravity": "`gravity (gx, gy) m/s^2;`: zero if not given.",
+    "modules": "`modules <= n;`: robots of so many modules at most, edges not counted.",
+    "bounds": "`bounds with body;`: the bounds hold for all bodies, not for effectors alone.",
+    "from": "`from WORD;`: an existing robot that is to be changed.",
+    "fixed": "`fixed L1.length = 2 m`: a parameter of a kept module that stays as it is.",
+    "satisfy": "`satisfy FORMULA;`: linear temporal logic on the finite motion.",
+    "robust": "`robust start …;` or `robust effort p %;`: disturbances to be borne.",
+    "effector": "The n-th effector, in word order; or all of them after `with`.",
+    "body": "All rods, points and solids of the robot.",
+    "margin": "`margin d`: the Euclidean distance is at least d.",
+    "rest": "`at rest`: all rates are zero.",
+    "rates": "`rates <= v`: the rates at the start are chosen within this bound.",
+    "self": "`avoid self with body;`: bodies that no module joins stay apart.",
+    "always": "`always F`, `always[t1, t2] F`: F at every instant from now on (of the window).",
+    "eventually": "`eventually F`, `eventually[t1, t2] F`: F at some instant (of the window).",
+    "until": "`F until G`: G at some instant, and F at all before it.",
+    "next": "`next F`: F one step later; false at the last.",
+    "last": "`last[d] F`: F throughout the last d of the motion.",
+    "implies": "`F implies G`: not F, or G.",
+}
+_ANYWHERE = {
+    "pi": "The circle's ratio, 3.14159…",
+    "sin": "The sine of an angle in rad.",
+    "cos": "The cosine of an angle in rad.",
+    "tan": "The tangent of an angle in rad.",
+    "sqrt": "The square root.",
+    "abs": "The absolute value.",
+    "and": "Both hold.",
+    "or": "One of the two holds, or both.",
+    "not": "It does not hold.",
+}
+_BY_ITEM = MappingProxyType(
+    {
+        "": {},
+        "module": _MODULE,
+        "grammar": _GRAMMAR,
+        "semantics": _SEMANTICS,
+        "workspace": _WORKSPACE,
+        "task": _TASK,
+    }
+)
+
+
+def explained(word: str, item: str) -> str | None:
+    """What a keyword means in an item of that kind (empty: outside all items)."""
+    if not item or word == item:
+        return _TOP.get(word)
+    return _BY_ITEM.get(item, {}).get(word) or _ANYWHERE.get(word)

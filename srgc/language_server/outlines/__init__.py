@@ -1,0 +1,1 @@
+"""The shape of a document: outline, folds, colours, links."""

@@ -1,0 +1,138 @@
+"""The outline of a document and the symbols of all documents."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from lsprotocol import types as lsp
+
+from grammar_lang import syntax as s
+from grammar_lang import syntax_tasks as t
+from grammar_lang.source import Span, written
+from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.line_map import LineMap
+from srgc.language_server.documents.places import location
+from srgc.language_server.documents.published import UriOf
+
+_KINDS = lsp.SymbolKind
+_MOST = 500
+_MEMBERS: dict[type, lsp.SymbolKind] = {
+    s.Param: _KINDS.Property,
+    s.Const: _KINDS.Constant,
+    s.Dof: _KINDS.Variable,
+    s.State: _KINDS.Variable,
+    s.Input: _KINDS.Variable,
+}
+
+
+class _Outline:
+    def __init__(self, analysis: Analysis, number: int) -> None:
+        self._analysis = analysis
+        self._lines: LineMap = analysis.lines(number)
+
+    def symbol(
+        self,
+        name: s.Ident,
+        kind: lsp.SymbolKind,
+        whole: Span,
+        detail: str | None = None,
+        children: Sequence[lsp.DocumentSymbol] = (),
+    ) -> lsp.DocumentSymbol:
+        """One symbol; the place of its name is always a part of its own."""
+        inner = Span(max(name.span.start, whole.start), min(name.span.end, whole.end))
+        if inner.start > inner.end:
+            inner = whole
+        return lsp.DocumentSymbol(
+            name=name.text or "?",
+            kind=kind,
+            range=self._lines.range(whole),
+            selection_range=self._lines.range(inner),
+            detail=detail,
+            children=list(children),
+        )
+
+    def item(self, item: t.Item) -> Iterator[lsp.DocumentSymbol]:
+        match item:
+            case s.Module():
+                children = list(self._members(item))
+                yield self.symbol(item.name, _KINDS.Class, item.span, "module", children)
+            case s.Edges(names=names):
+                for name in names:
+                    yield self.symbol(name, _KINDS.EnumMember, name.span, "edge")
+            case s.Grammar():
+                parts = list(self._productions(item))
+                yield self.symbol(item.name, _KINDS.Module, item.span, "grammar", parts)
+            case s.Semantics(blocks=blocks):
+                made = [self.symbol(b.label, _KINDS.Method, b.span) for b in blocks]
+                yield self.symbol(item.grammar, _KINDS.Namespace, item.span, "semantics", made)
+            case t.Workspace():
+                parts = list(self._regions(item))
+                yield self.symbol(item.name, _KINDS.Package, item.span, "workspace", parts)
+            case t.Task():
+                yield self.symbol(item.name, _KINDS.Event, item.span, "task")
+            case t.Include(path=path):
+                yield self.symbol(path, _KINDS.File, item.span, "include")
+
+    def _members(self, module: s.Module) -> Iterator[lsp.DocumentSymbol]:
+        for item in module.items:
+            if isinstance(item, s.Param | s.Const | s.Dof | s.State | s.Input):
+                detail = written(item.span, self._analysis.sources)
+                yield self.symbol(item.name, _MEMBERS[type(item)], item.span, detail)
+
+    def _productions(self, grammar: s.Grammar) -> Iterator[lsp.DocumentSymbol]:
+        for item in grammar.items:
+            if isinstance(item, s.Production):
+                right = " ".join(o.symbol.text for o in item.right) or "empty"
+                detail = f"{item.left.text} -> {right}"
+                yield self.symbol(item.label, _KINDS.Function, item.span, detail)
+
+    def _regions(self, workspace: t.Workspace) -> Iterator[lsp.DocumentSymbol]:
+        for item in workspace.items:
+            if isinstance(item, t.Region) and item.name is not None:
+                yield self.symbol(item.name, _KINDS.Field, item.span, item.kind)
+            elif isinstance(item, t.ObstaclesFrom):
+                yield self.symbol(item.path, _KINDS.File, item.span, "obstacles")
+
+
+def outline(analysis: Analysis, number: int) -> list[lsp.DocumentSymbol]:
+    """The items of a document with what they declare."""
+    maker = _Outline(analysis, number)
+    return [symbol for item in analysis.items(number) for symbol in maker.item(item)]
+
+
+_INDEXED = {
+    "terminal": _KINDS.Class,
+    "label": _KINDS.Function,
+    "nonterminal": _KINDS.Interface,
+    "grammar": _KINDS.Module,
+    "workspace": _KINDS.Package,
+    "region": _KINDS.Field,
+    "task": _KINDS.Event,
+}
+
+
+def _matches(name: str, query: str) -> bool:
+    """Whether the letters of a query occur in a name in that order, whatever their case."""
+    letters = iter(name.lower())
+    return all(letter in letters for letter in query.lower())
+
+
+def workspace_symbols(
+    analyses: Sequence[Analysis], query: str, uri_of: UriOf
+) -> list[lsp.WorkspaceSymbol]:
+    """What is declared in all programs, by a part of its name."""
+    found: dict[tuple[str, int, str], lsp.WorkspaceSymbol] = {}
+    for analysis in analyses:
+        for mark in analysis.names.marks:
+            kind = _INDEXED.get(mark.key.kind)
+            if kind is None or not mark.defines or not _matches(mark.key.name, query):
+                continue
+            key = (analysis.place(mark.span.file), mark.span.start, mark.key.kind)
+            container = ".".join(mark.key.scope) or None
+            found[key] = lsp.WorkspaceSymbol(
+                location=location(analysis, mark.span, uri_of),
+                name=mark.key.name,
+                kind=kind,
+                container_name=container,
+            )
+    return [found[key] for key in sorted(found)][:_MOST]

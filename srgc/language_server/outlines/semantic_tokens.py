@@ -1,0 +1,77 @@
+"""Semantic tokens: every word as what it is, keywords only where they are keywords."""
+
+from __future__ import annotations
+
+from lsprotocol import types as lsp
+
+from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.parsing.parse import parse_tokens
+from grammar_lang.parsing.tokens import SKIPPED, Tokens
+from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
+from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.names.names import Key
+
+_KEYWORD, _NUMBER, _STRING, _UNIT = "keyword", "number", "string", "type"
+TYPES = (
+    _KEYWORD, _NUMBER, _STRING, _UNIT, "class", "enumMember", "interface", "function", "variable",
+    "property", "namespace", "event", "parameter",
+)  # fmt: skip
+MODIFIERS = ("declaration",)
+_OF_KIND = {
+    "nonterminal": "interface",
+    "label": "function",
+    "occurrence": "parameter",
+    "member": "property",
+    "attribute": "property",
+    "grammar": "namespace",
+    "workspace": "namespace",
+    "region": "variable",
+    "map": "variable",
+    "task": "event",
+}
+LEGEND = lsp.SemanticTokensLegend(list(TYPES), list(MODIFIERS))
+
+
+def _of_key(analysis: Analysis, key: Key) -> str:
+    if key.kind == "terminal":
+        return "class" if key.name in analysis.declared.modules else "enumMember"
+    return _OF_KIND[key.kind]
+
+
+def _of_token(tokens: Tokens, index: int) -> str | None:
+    kind, text = tokens.kinds[index], tokens.at(index)
+    if kind == "NUMBER":
+        return _NUMBER
+    if kind == "STRING":
+        return _STRING
+    if kind == "UNIT":
+        return _UNIT
+    if kind == "NAME":
+        called = index + 1 < len(tokens) and tokens.kinds[index + 1] == "("
+        return "function" if called and (text in EMISSIONS or text in FUNCTIONS) else None
+    return _KEYWORD if kind == text and text.isidentifier() else None
+
+
+def semantic_tokens(analysis: Analysis, number: int) -> lsp.SemanticTokens:
+    """The tokens of a document, each relative to the one before."""
+    tokens = parse_tokens(analysis.sources[number].text, Sink(), number)[1]
+    lines = analysis.lines(number)
+    marks = {mark.whole.start: mark for mark in analysis.names.marks if mark.whole.file == number}
+    data: list[int] = []
+    line = column = 0
+    for index, start in enumerate(tokens.starts):
+        if tokens.kinds[index] == SKIPPED:
+            continue
+        mark = marks.get(start)
+        kind = _of_token(tokens, index) if mark is None else _of_key(analysis, mark.key)
+        if kind is None:
+            continue
+        here, end = lines.position(start), lines.position(tokens.ends[index])
+        if here.line != end.line:
+            continue
+        column = column if here.line == line else 0
+        declares = int(mark is not None and mark.defines)
+        size = end.character - here.character
+        data += [here.line - line, here.character - column, size, TYPES.index(kind), declares]
+        line, column = here.line, here.character
+    return lsp.SemanticTokens(data)

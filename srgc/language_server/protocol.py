@@ -1,0 +1,103 @@
+"""JSON-RPC as the specifications of JSON-RPC 2.0 and LSP 3.17 have it, on top of pygls.
+
+pygls leaves some messages without an answer: what is no JSON, a request with wrong parameters, one
+before ``initialize`` or after ``shutdown``.  Here each has its error.  Documents are not kept
+twice: pygls's own copies are never made.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from lsprotocol import types as lsp
+from pygls.exceptions import JsonRpcException
+from pygls.protocol import LanguageServerProtocol, lsp_method
+
+_PARSE_ERROR = lsp.ErrorCodes.ParseError.value
+_INVALID_REQUEST = lsp.ErrorCodes.InvalidRequest.value
+_INVALID_PARAMS = lsp.ErrorCodes.InvalidParams.value
+_NOT_INITIALIZED = lsp.ErrorCodes.ServerNotInitialized.value
+
+
+class Answered(Exception):
+    """A message that has got its answer already."""
+
+
+class RequestRefused(JsonRpcException):
+    """A request that cannot be done; the message is for the user."""
+
+    CODE = lsp.LSPErrorCodes.RequestFailed.value
+    MESSAGE = "Request failed"
+
+
+class Protocol(LanguageServerProtocol):
+    """The protocol of one connection."""
+
+    initialized = False
+    stopped = False
+
+    def refuse(self, request: Any, code: int, message: str) -> None:
+        """Answer a request, or a message that is none (None), with an error."""
+        self._send_data(
+            {"jsonrpc": "2.0", "id": request, "error": {"code": code, "message": message}}
+        )
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        """An object of a message; a request that is none is refused."""
+        try:
+            return super().structure_message(data)
+        except Exception as error:
+            if "method" in data and isinstance(data.get("id"), int | str):
+                self.refuse(data["id"], _INVALID_PARAMS, f"wrong parameters: {data['method']}")
+            raise Answered from error
+
+    def refuse_unreadable(self, error: Exception) -> None:
+        """Answer a message that could not be handled, if it has no answer yet."""
+        if isinstance(error, Answered):
+            return
+        if isinstance(error, json.JSONDecodeError | UnicodeDecodeError | RecursionError):
+            self.refuse(None, _PARSE_ERROR, "this is no JSON")
+        else:
+            self.refuse(None, _INVALID_REQUEST, "this is no message")
+
+    def handle_message(self, message: Any) -> None:
+        """Handle a message where the state of the connection allows it."""
+        if not hasattr(message, "jsonrpc"):
+            self.refuse(None, _INVALID_REQUEST, "this is no message")
+            return
+        method = getattr(message, "method", None)
+        request = getattr(message, "id", None) if method is not None else None
+        if request is not None and message.jsonrpc != self.VERSION:
+            self.refuse(request, _INVALID_REQUEST, "this is not JSON-RPC 2.0")
+        elif method is None or method == lsp.EXIT:
+            super().handle_message(message)
+        elif self.stopped:
+            if request is not None:
+                self.refuse(request, _INVALID_REQUEST, "the server is shut down")
+        elif not self.initialized and method != lsp.INITIALIZE:
+            if request is not None:
+                self.refuse(request, _NOT_INITIALIZED, "the server is not initialized")
+        elif self.initialized and method == lsp.INITIALIZE:
+            self.refuse(request, _INVALID_REQUEST, "the server is initialized already")
+        else:
+            self.initialized = True
+            self.stopped = method == lsp.SHUTDOWN
+            super().handle_message(message)
+
+    # --- documents: kept by ``OpenDocuments`` alone ----------------------------------------------
+
+    @lsp_method(lsp.TEXT_DOCUMENT_DID_OPEN)
+    def lsp_text_document__did_open(self, params: lsp.DidOpenTextDocumentParams) -> Any:
+        """A document is opened."""
+        yield self.fm.features[lsp.TEXT_DOCUMENT_DID_OPEN], (params,), None
+
+    @lsp_method(lsp.TEXT_DOCUMENT_DID_CHANGE)
+    def lsp_text_document__did_change(self, params: lsp.DidChangeTextDocumentParams) -> Any:
+        """A document is changed."""
+        yield self.fm.features[lsp.TEXT_DOCUMENT_DID_CHANGE], (params,), None
+
+    @lsp_method(lsp.TEXT_DOCUMENT_DID_CLOSE)
+    def lsp_text_document__did_close(self, params: lsp.DidCloseTextDocumentParams) -> Any:
+        """A document is closed."""
+        yield self.fm.features[lsp.TEXT_DOCUMENT_DID_CLOSE], (params,), None

@@ -1,0 +1,1 @@
+"""Tasks run from the editor: lenses, commands, verdicts."""

@@ -1,0 +1,171 @@
+"""The commands of the lenses: ``srgc.check``, ``srgc.synth`` and ``srgc.verify``."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from lsprotocol import types as lsp
+from pygls.lsp.server import LanguageServer
+
+from grammar_lang.findings.diagnostics import Severity
+from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.programs import Programs
+from srgc.language_server.protocol import RequestRefused
+from srgc.language_server.tasks.subprocess_jobs import Ended, Jobs
+from srgc.language_server.tasks.verdicts import Verdicts, current_files, folder_of
+
+_VERDICTS = {0: "found", 3: "impossible", 4: "unknown", 130: "interrupted"}
+_OUTCOMES = {0: "verified", 1: "refuted", 4: "not decided"}
+
+
+@dataclass(slots=True)
+class TaskCommands:
+    """The commands; ``refresh`` has lenses drawn again."""
+
+    server: LanguageServer
+    programs: Programs
+    verdicts: Verdicts
+    refresh: Callable[[], None]
+    running: dict[tuple[str, str], str] = field(default_factory=dict[tuple[str, str], str])
+    jobs: Jobs = field(default_factory=Jobs)
+    _tokens: itertools.count[int] = field(default_factory=itertools.count)
+
+    async def check(self, uri: str, task: str) -> dict[str, Any]:
+        """All findings of the program of a task, counted and told."""
+        analysis = await self._program(uri, task)
+        found = await self.programs.work(lambda: analysis.findings)
+        errors = sum(each.severity is Severity.ERROR for each in found)
+        warnings = sum(each.severity is Severity.WARNING for each in found)
+        text = f"{task}: {errors} errors, {warnings} warnings"
+        if not found:
+            text = f"{task}: no findings"
+        self._say(text, lsp.MessageType.Error if errors else lsp.MessageType.Info)
+        return {"errors": errors, "warnings": warnings}
+
+    async def synth(self, uri: str, task: str) -> dict[str, Any]:
+        """Synthesise, and verify what was found."""
+        path = await self._saved(uri, task)
+        folder = folder_of(path, task)
+        relative = folder.relative_to(path.parent)
+        arguments = ["synth", path.name, "--task", task, "-o", str(relative)]
+        if any((folder / name).exists() for name in ("design.json", "journal.jsonl")):
+            arguments.append("--force")  # results of ours, perhaps of an older text
+        ended = await self._run(path, task, "synth", arguments)
+        verdict = _VERDICTS.get(ended.status)
+        if verdict is None:
+            self._say(f"{task}: {_last(ended)}", lsp.MessageType.Error)
+            return {"verdict": None, "status": ended.status}
+        self._say(f"{task}: {verdict}", lsp.MessageType.Info)
+        if verdict in {"found", "impossible"}:
+            await self.verify(uri, task)
+        return {"verdict": verdict, "status": ended.status}
+
+    async def verify(self, uri: str, task: str) -> dict[str, Any]:
+        """Verify the results of a task."""
+        path = await self._path(uri, task)
+        folder = folder_of(path, task)
+        if not folder.is_dir():
+            raise RequestRefused(f"{folder} is no result folder yet: synthesise first")
+        relative = str(folder.relative_to(path.parent))
+        ended = await self._run(path, task, "verify", ["verify", relative])
+        outcome = _OUTCOMES.get(ended.status)
+        if outcome is None:
+            self._say(f"{task}: {_last(ended)}", lsp.MessageType.Error)
+        else:
+            self.verdicts.note(folder, outcome)
+            self._say(f"{task}: {outcome}", lsp.MessageType.Info)
+        self.refresh()
+        return {"outcome": outcome, "status": ended.status}
+
+    # --- what a command is about ---------------------------------------------------------------
+
+    async def _program(self, uri: str, task: str) -> Analysis:
+        for analysis in await self.programs.of(uri):
+            if task in analysis.declared.tasks:
+                return analysis
+        raise RequestRefused(f"there is no task `{task}` in an open document")
+
+    async def _path(self, uri: str, task: str) -> Path:
+        path = (await self._program(uri, task)).path(0)
+        if path is None:
+            raise RequestRefused("save the document as a file first")
+        return path
+
+    async def _saved(self, uri: str, task: str) -> Path:
+        """The main file; what is on the disk must be what is shown."""
+        analysis = await self._program(uri, task)
+        path = await self._path(uri, task)
+        for number, (name, data) in enumerate(current_files(analysis).items()):
+            at = analysis.path(number)
+            try:
+                saved = at is not None and at.read_bytes() == data
+            except OSError:
+                saved = False
+            if not saved:
+                raise RequestRefused(f"save {name} first")
+        return path
+
+    # --- runs ----------------------------------------------------------------------------------
+
+    async def _run(self, path: Path, task: str, what: str, arguments: list[str]) -> Ended:
+        key = (str(path), task)
+        if key in self.running:
+            raise RequestRefused(f"{self.running[key]} of {task} is going on")
+        self.running[key] = what
+        self.refresh()
+        token = await self._begin(f"{what} {task}")
+        try:
+            return await self.jobs.run(
+                arguments, path.parent, lambda text: self._report(token, text),
+                lambda: self._cancelled(token),
+            )  # fmt: skip
+        except OSError as error:
+            raise RequestRefused(f"srgc cannot be started: {error.strerror}") from None
+        finally:
+            del self.running[key]
+            self._end(token)
+            self.programs.disk_changed()
+            self.refresh()
+
+    def _say(self, text: str, kind: lsp.MessageType) -> None:
+        self.server.window_show_message(lsp.ShowMessageParams(kind, text))
+
+    # --- progress ------------------------------------------------------------------------------
+
+    async def _begin(self, title: str) -> str | None:
+        """A token for progress, if the client shows any."""
+        window = self.server.client_capabilities.window
+        if window is None or not window.work_done_progress:
+            return None
+        token = f"srgc-{next(self._tokens)}"
+        progress = self.server.work_done_progress
+        try:
+            await asyncio.wait_for(progress.create_async(token), 5)
+        except Exception:  # a client that refuses gets none
+            return None
+        progress.begin(token, lsp.WorkDoneProgressBegin(title, cancellable=True))
+        return token
+
+    def _report(self, token: str | None, text: str) -> None:
+        if token is not None:
+            self.server.work_done_progress.report(token, lsp.WorkDoneProgressReport(message=text))
+
+    def _cancelled(self, token: str | None) -> bool:
+        if token is None:
+            return False
+        found = self.server.work_done_progress.tokens.get(token)
+        return found is not None and found.cancelled()
+
+    def _end(self, token: str | None) -> None:
+        if token is not None:
+            self.server.work_done_progress.end(token, lsp.WorkDoneProgressEnd())
+
+
+def _last(ended: Ended) -> str:
+    lines = (ended.errors or ended.output).splitlines()
+    return lines[-1] if lines else f"exit status {ended.status}"

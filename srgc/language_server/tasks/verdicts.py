@@ -1,0 +1,111 @@
+"""What the result folder of a task says, and whether it is about the text as it is now."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from grammar_lang.files.source_file import decoded
+from grammar_lang.findings.diagnostics import Sink
+from srgc.language_server.documents.analysis import Analysis
+
+_LONGEST = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """A verdict: ``text`` is what a lens shows of it; ``stale`` if it is about another text."""
+
+    kind: str
+    text: str
+    stale: bool
+
+
+def folder_of(path: Path, task: str) -> Path:
+    """Where the results of a task are written: ``out/TASK`` beside the file."""
+    return path.parent / "out" / task
+
+
+def current_files(analysis: Analysis) -> dict[str, bytes]:
+    """The files of a program, as ``synth`` would copy them.
+
+    An editor gives a text without byte order mark; where it holds just what the file says, the
+    bytes of the file count.
+    """
+    found: dict[str, bytes] = {}
+    for number, source in enumerate(analysis.sources):
+        data = source.data
+        path = analysis.path(number)
+        try:
+            on_disk = data if path is None else path.read_bytes()
+        except (OSError, ValueError):
+            on_disk = data
+        if on_disk != data and decoded(on_disk, 0, Sink())[0] == source.text:
+            data = on_disk
+        found[source.path] = data
+    return found
+
+
+@dataclass(slots=True)
+class Verdicts:
+    """The verdicts, and which of them were verified since the server was started."""
+
+    _verified: dict[str, tuple[str, str]] = field(default_factory=dict[str, tuple[str, str]])
+
+    def note(self, folder: Path, outcome: str) -> None:
+        """``srgc verify`` has said something about the certificate that is there now."""
+        digest = _digest(folder / "certificate.json")
+        if digest is not None:
+            self._verified[str(folder)] = (digest, outcome)
+
+    def read(self, folder: Path, files: Mapping[str, bytes]) -> Verdict | None:
+        """The verdict in a folder, None if there is none.
+
+        Args:
+            folder: the result folder.
+            files: the files of the spec as they are now.
+        """
+        design = _design(folder)
+        if design is None:
+            return None
+        from solvers.verifier.claims.certificate import spec_digest
+
+        kind = str(design["verdict"])
+        text = _said(kind, design)
+        known = self._verified.get(str(folder))
+        if known is not None and known[0] == _digest(folder / "certificate.json"):
+            text = f"{text} ({known[1]})"
+        stale = design.get("spec_sha256") != spec_digest(files)
+        return Verdict(kind, f"stale: {text}" if stale else text, stale)
+
+
+def _said(kind: str, design: Mapping[str, Any]) -> str:
+    word = design.get("word")
+    reason = design.get("reason")
+    more = ""
+    if kind == "found" and isinstance(word, list):
+        more = " ".join(map(str, word))
+    elif isinstance(reason, str):
+        more = " ".join(reason.split())
+    if len(more) > _LONGEST:
+        more = f"{more[: _LONGEST - 1]}…"
+    return f"{kind}: {more}" if more else kind
+
+
+def _design(folder: Path) -> dict[str, Any] | None:
+    try:
+        content = json.loads((folder / "design.json").read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return None
+    return content if isinstance(content, dict) and "verdict" in content else None
+
+
+def _digest(path: Path) -> str | None:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return None

@@ -1,0 +1,121 @@
+"""The lenses' commands: a synthesis with progress, its verdict, and one that is cancelled."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from srgc.language_server.documents.analysis import analyse
+from srgc.language_server.documents.uris import uri_of
+from srgc.language_server.tasks.task_lenses import task_lenses
+from srgc.language_server.tasks.verdicts import Verdicts
+from tests.language_server.client import Client
+from tests.oracles.small_specs import TURNER
+
+LONG = TURNER.replace("modules <= 1", "").replace(
+    "[1.2, 1.9] x [-0.3, 0.3]", "[2.4, 2.5] x [0, 0.1]"
+)
+
+
+def titles(client: Client, uri: str) -> list[str]:
+    lenses = client.ask("textDocument/codeLens", {"textDocument": {"uri": uri}})
+    return [lens["command"]["title"] for lens in lenses]
+
+
+def command(name: str, uri: str) -> dict[str, Any]:
+    return {"command": name, "arguments": [uri, "Turn"]}
+
+
+def test_synthesis(client: Client) -> None:
+    path = client.folder / "turner.srg"
+    path.write_text(TURNER, encoding="utf-8", newline="")
+    uri = uri_of(path)
+    client.open(uri, TURNER)
+    assert titles(client, uri) == ["check", "synth"]
+    answer = client.ask("workspace/executeCommand", command("srgc.synth", uri))
+    assert answer == {"verdict": "found", "status": 0}
+    design = json.loads((client.folder / "out" / "Turn" / "design.json").read_text("utf-8"))
+    found = f"found: {' '.join(design['word'])} (verified)"
+    assert titles(client, uri) == ["check", "synth", found]
+    kinds = [
+        message["params"]["value"]["kind"]
+        for message in client.notifications
+        if message["method"] == "$/progress"
+    ]
+    assert kinds[0] == "begin"
+    assert kinds.count("begin") == kinds.count("end") == 2
+    assert "report" in kinds
+    asked = {message["method"] for message in client.requests}
+    assert asked == {"window/workDoneProgress/create", "workspace/codeLens/refresh"}
+    # A blank more, and the verdict is about another text.
+    at = {"line": 0, "character": 0}
+    client.change(uri, {"range": {"start": at, "end": at}, "text": " "})
+    assert titles(client, uri) == ["check", "synth", f"stale: {found}"]
+    error = client.error("workspace/executeCommand", command("srgc.synth", uri))
+    assert "save turner.srg first" in error["message"]
+    client.change(uri, {"text": TURNER})
+    assert titles(client, uri) == ["check", "synth", found]
+    # A certificate that is no longer the one that was verified is not called verified.
+    certificate = client.folder / "out" / "Turn" / "certificate.json"
+    certificate.write_text(certificate.read_text("utf-8") + " ", encoding="utf-8")
+    assert titles(client, uri)[2] == found.removesuffix(" (verified)")
+
+
+def test_cancelling(client: Client) -> None:
+    """The run ends, is resumable, and is said to be interrupted."""
+    folder = client.folder / "long"
+    folder.mkdir()
+    path = folder / "long.srg"
+    path.write_text(LONG, encoding="utf-8")
+    uri = uri_of(path)
+    client.open(uri, LONG)
+    number = client.begin("workspace/executeCommand", command("srgc.synth", uri))
+    begun = client.notified("$/progress", lambda p: p["value"]["kind"] == "report")
+    assert any(title.startswith("synth (") for title in titles(client, uri))
+    again = client.error("workspace/executeCommand", command("srgc.synth", uri))
+    assert "going on" in again["message"]
+    client.notify("window/workDoneProgress/cancel", {"token": begun["token"]})
+    answer = client.response(number)["result"]
+    assert answer["verdict"] == "interrupted"
+    assert (folder / "out" / "Turn" / "journal.jsonl").exists()
+    assert titles(client, uri) == ["check", "synth"]
+
+
+def test_lenses_of_other_verdicts(tmp_path: Path) -> None:
+    path = tmp_path / "turner.srg"
+    path.write_bytes(b"\xef\xbb\xbf" + TURNER.encode())
+    folder = tmp_path / "out" / "Turn"
+    folder.mkdir(parents=True)
+    analysis = analyse(str(path), TURNER, {})
+
+    def title(content: str) -> str | None:
+        (folder / "design.json").write_text(content, encoding="utf-8")
+        lenses = task_lenses(analysis, 0, uri_of(path), Verdicts(), {})
+        found = [lens.command.title for lens in lenses if lens.command is not None]
+        return found[2] if len(found) > 2 else None
+
+    assert title("{") is None
+    assert title("[]") is None
+    assert title('{"verdict": 3}') == "stale: 3"
+    assert title('{"verdict": "impossible", "reason": null}') == "stale: impossible"
+    assert title('{"verdict": "unknown", "reason": "no\\n time"}') == "stale: unknown: no time"
+
+
+def test_the_bytes_of_a_file_count_where_the_buffer_is_the_same(tmp_path: Path) -> None:
+    """An editor takes the byte order mark away; the results are not stale for that."""
+    from solvers.verifier.claims.certificate import spec_digest
+
+    path = tmp_path / "turner.srg"
+    data = b"\xef\xbb\xbf" + TURNER.encode()
+    path.write_bytes(data)
+    folder = tmp_path / "out" / "Turn"
+    folder.mkdir(parents=True)
+    digest = spec_digest({"turner.srg": data})
+    design = {"verdict": "found", "word": ["B"], "spec_sha256": digest}
+    (folder / "design.json").write_text(json.dumps(design), encoding="utf-8")
+    for text, title in ((TURNER, "found: B"), (TURNER + "\n", "stale: found: B")):
+        analysis = analyse(str(path), text, {})
+        lenses = task_lenses(analysis, 0, uri_of(path), Verdicts(), {})
+        assert lenses[2].command is not None
+        assert lenses[2].command.title == title
