@@ -1,0 +1,1 @@
+"""Starter files, and what `srgc new` says about them."""
