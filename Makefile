@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow golden grammar fmt lint types bench lock clean
+.PHONY: demo test test-slow editor docs pictures golden grammar fmt lint types bench lock clean
 
 .venv/installed: requirements/dev.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -26,6 +26,27 @@ test: .venv/installed
 
 test-slow: .venv/oracles
 	$(BIN)/pytest -n 2
+
+# The pages as a site, with the notebooks run; a warning is an error.
+docs: .venv/installed
+	$(BIN)/sphinx-build -W --keep-going -n -q -b html docs out/docs/html
+	@echo "pages: out/docs/html/index.html"
+
+# The pictures of the pages, drawn again by srgc; the suite compares them with what it draws.
+pictures: .venv/installed
+	mkdir -p out
+	sed -n '/^```srg fetch.srg/,/^```$$/{/^```/!p}' README.md > out/fetch.srg
+	$(BIN)/srgc synth out/fetch.srg --force -o out/fetch
+	cp out/fetch/figures/workspace.svg docs/pictures/fetch.svg
+
+# The extension for VS Code, as out/srg-VERSION.vsix; needs Node 20 and npm.
+editors/vscode/node_modules/.package-lock.json: editors/vscode/package-lock.json
+	cd editors/vscode && npm ci
+	touch $@
+
+editor: editors/vscode/node_modules/.package-lock.json
+	mkdir -p out
+	cd editors/vscode && npm run --silent package -- -o ../../out/
 
 # Rewrites what the pages of codes and of tests/golden show; read the difference before you keep it.
 golden: .venv/installed
@@ -54,16 +75,7 @@ types: .venv/installed
 	touch $@
 
 bench: .venv/compared
-	$(BIN)/python benchmarks/front_end.py
-	$(BIN)/python benchmarks/language.py
-	$(BIN)/python benchmarks/dynamics.py
-	$(BIN)/python benchmarks/planning.py
-	$(BIN)/python benchmarks/partition.py
-	$(BIN)/python benchmarks/search.py --seeds 5
-	$(BIN)/python benchmarks/control.py -o out/control/growth.svg
-	$(BIN)/python benchmarks/codesign.py
-	$(BIN)/python benchmarks/verify.py
-	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/record.py -o out/bench
 
 # Needs pip-tools and the network; every other target uses what it wrote.
 lock:
@@ -77,4 +89,4 @@ lock:
 	  -o requirements/slow.lock pyproject.toml
 
 clean:
-	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info
+	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info editors/vscode/node_modules editors/vscode/dist

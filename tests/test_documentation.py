@@ -8,22 +8,32 @@ import shlex
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
+import click
 import pytest
+import yaml
 
 import srgc.cli
+from srgc.command_table import command_named
 from tests.oracles import pages
+from tests.oracles.page_session import NUMBER, Session
 
 ROOT = Path(__file__).parents[1]
 RUN_ELSEWHERE = (
-    "docs/codes.md",  # its examples are to fail: tests/test_golden.py runs them
-    "docs/language.md",  # tests/test_language_reference.py
+    "docs/reference/codes.md",  # its examples are to fail: tests/test_golden.py runs them
+    "docs/reference/language.md",  # tests/test_language_reference.py
 )
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("benchmarks/*.md")])
-DECISIONS = sorted(ROOT.glob("docs/decisions/*.md"))
+DECISIONS = sorted(ROOT.glob("docs/decisions/[0-9]*.md"))
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
-DECIMAL = re.compile(r"-?\d+\.\d+(?:e-?\d+)?")
-LONG = ("synth", "verify", "landscape")
+RUN = [
+    page
+    for page, text in TEXTS.items()
+    if page != RUN_ELSEWHERE[0]
+    and {"console", "python"} & {block.kind for block in pages.blocks(text)}
+]
+WITHOUT_THE_FIRST_PAGE = ("README.md", "docs/reference/language.md")
 
 
 def blocks(kind: str) -> list[tuple[str, str]]:
@@ -31,31 +41,10 @@ def blocks(kind: str) -> list[tuple[str, str]]:
     return [
         (page, block.body)
         for page, text in TEXTS.items()
-        if page != "docs/codes.md"
+        if page != "docs/reference/codes.md"
         for block in pages.blocks(text)
         if block.kind == kind and not block.name
     ]
-
-
-def commands() -> list[tuple[str, list[str], int, str]]:
-    """The page, the arguments, the status and the output shown of every ``$ srgc`` line."""
-    found = []
-    for page, content in blocks("console"):
-        for part in re.split(r"^\$ ", content, flags=re.MULTILINE)[1:]:
-            line, _, output = part.partition("\n")
-            exits = re.search(r"# exits (\d+)$", line)
-            program, *arguments = shlex.split(line, comments=True)
-            assert program == "srgc", line
-            found.append((page, arguments, int(exits[1]) if exits else 0, output))
-    return found
-
-
-QUICK = [command for command in commands() if command[1][0] not in LONG]
-SLOW = [command for command in commands() if command[1][0] in LONG]
-
-
-def name(value: object) -> str | None:
-    return " ".join(map(str, value)) if isinstance(value, list) else None
 
 
 @pytest.fixture
@@ -74,59 +63,55 @@ def test_examples_check(tmp_path: Path) -> None:
             assert srgc.cli.run(["check", str(file)]) == 0, page
 
 
-@pytest.mark.parametrize(("page", "arguments", "status", "output"), QUICK, ids=name)
-def test_commands_print_what_is_shown(
+@pytest.mark.parametrize("page", RUN)
+def test_pages_run_as_shown(
     page: str,
-    arguments: list[str],
-    status: int,
-    output: str,
     checkout: Path,
+    made: Callable[[str], Path],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    for file, content in pages.files(TEXTS[page]).items():
-        (checkout / file).parent.mkdir(parents=True, exist_ok=True)
-        (checkout / file).write_text(content, encoding="utf-8")
-    assert srgc.cli.run(arguments) == status, page
-    assert capsys.readouterr().out == output
-    if "-o" in arguments:
-        assert (checkout / arguments[arguments.index("-o") + 1]).is_file()
+    if page not in WITHOUT_THE_FIRST_PAGE:
+        for name, body in pages.files(TEXTS["README.md"]).items():
+            (checkout / name).write_text(body, encoding="utf-8")
+    Session(TEXTS[page], checkout, srgc.cli.run, lambda: capsys.readouterr().out, made).follow()
+    if page == "README.md":
+        drawn = checkout / "out" / "fetch" / "figures" / "workspace.svg"
+        assert_alike(drawn, ROOT / "docs" / "pictures" / "fetch.svg")
 
 
-def shape(output: str) -> list[str]:
-    """The lines of an output without its measured numbers, whose order depends on them."""
-    lines = (re.sub(r"\s+", " ", DECIMAL.sub("#", line)) for line in output.splitlines())
-    return sorted(re.sub(r"margin \S+", "margin #", line) for line in lines)
+def assert_alike(drawn: Path, kept: Path) -> None:
+    """One picture, but for the last digits of a search: points of a path within half a point."""
+    ours, theirs = (list(ElementTree.parse(file).iter()) for file in (drawn, kept))
+    assert [node.tag for node in ours] == [node.tag for node in theirs]
+    for our, their in zip(ours, theirs, strict=True):
+        a, b = (NUMBER.findall(node.get("d", "")) for node in (our, their))
+        assert [float(x) for x in a] == pytest.approx([float(x) for x in b], abs=0.5)
 
 
-@pytest.mark.slow
-def test_the_tour_ends_as_shown(
-    made: Callable[[str], Path], checkout: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    tour = [command for command in SLOW if command[0] == "README.md"]
-    (_, synth, _, synth_output), (_, verify, _, verify_output) = tour
-    folder = synth[synth.index("-o") + 1]
-    assert synth[:2] == ["synth", "specs/planar_arm.srg"]
-    assert verify == ["verify", folder]
-    done = made("planar_arm")
-    printed = (done / "stdout").read_text(encoding="utf-8").replace("out\n", f"{folder}\n")
-    assert shape(printed) == shape(synth_output)
-    shutil.copytree(done / "out", checkout / folder)
-    assert srgc.cli.run(verify) == 0
-    assert shape(capsys.readouterr().out) == shape(verify_output)
+def test_the_first_page_is_short() -> None:
+    text = TEXTS["README.md"]
+    assert text.count("\n") < 100
+    [file] = pages.files(text).values()
+    assert len([line for line in file.splitlines() if line]) <= 24
+    pictures = [*(ROOT / "docs" / "pictures").iterdir()]
+    assert all(picture.stat().st_size < 100_000 for picture in pictures)
 
 
-def test_all_designs_and_a_landscape_end_as_shown(
-    checkout: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    page = "docs/designs.md"
-    for file, content in pages.files(TEXTS[page]).items():
-        (checkout / file).write_text(content, encoding="utf-8")
-    shown = [command for command in SLOW if command[0] == page]
-    assert [arguments[0] for _, arguments, _, _ in shown] == ["synth", "landscape"]
-    for _, arguments, status, output in shown:
-        assert srgc.cli.run(arguments) == status
-        assert shape(capsys.readouterr().out) == shape(output)
-    assert {command[0] for command in SLOW} == {page, "README.md"}
+@pytest.mark.parametrize(("page", "content"), blocks("sh"), ids=lambda part: part[:30])
+def test_lines_for_a_shell_have_options_that_there_are(page: str, content: str) -> None:
+    for line in content.splitlines():
+        program, *arguments = shlex.split(line, comments=True) or [""]
+        if program == "srgc":
+            command = command_named(arguments[0])
+            context = click.Context(command)
+            command.make_parser(context).parse_args(arguments[1:])
+
+
+def test_data_are_what_they_seem() -> None:
+    for _, content in blocks("yaml"):
+        assert yaml.safe_load(content)
+    for _, content in blocks("json"):
+        assert json.loads(content)
 
 
 def keys(content: object) -> set[str]:
@@ -142,7 +127,7 @@ HEADS = {"slider": "t,q1,qd1,u1,e1_x,e1_y", "motor": "t,q1,qd1,s1,u1,e1_x,e1_y"}
 
 @pytest.mark.parametrize("spec", [*HEADS, "beyond_reach"])
 def test_the_fields_of_results_are_described(made: Callable[[str], Path], spec: str) -> None:
-    page = TEXTS["docs/results.md"]
+    page = TEXTS["docs/reference/results.md"]
     words = set(re.findall(r"`([\w.]+)`", page)) | {"structures", "evaluations", "paths"}
     folder = made(spec) / "out"
     for file in ("design.json", "certificate.json", "log.json"):
@@ -166,7 +151,7 @@ def test_the_rules_of_figure_1_are_shown_as_they_are() -> None:
 def test_of_a_length_of_zero_is_said_what_is_shown(
     checkout: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert "`param length in [0, 1] m`, the robot above" in TEXTS["docs/models.md"]
+    assert "`param length in [0, 1] m`, the robot above" in TEXTS["docs/reference/models.md"]
     [shown] = [body for _, body in blocks("text") if body.startswith("not positive definite")]
     file = checkout / "specs" / "motor_arm.srg"
     text = file.read_text(encoding="utf-8")
@@ -175,6 +160,16 @@ def test_of_a_length_of_zero_is_said_what_is_shown(
     file.write_text(changed, encoding="utf-8")
     assert srgc.cli.run(["model", str(file), "--word", "B eps M eps L eps EN"]) == 0
     assert f"\n{shown}" in capsys.readouterr().out
+
+
+def test_recorded_benchmarks_are_those_that_there_are() -> None:
+    for file in sorted((ROOT / "benchmarks" / "results").glob("*.json")):
+        record = json.loads(file.read_text(encoding="utf-8"))
+        python, script, *_ = record["command"].split()
+        assert python == "python"
+        assert (ROOT / script).is_file(), file.name
+        assert record["output"]
+        assert str(ROOT) not in file.read_text(encoding="utf-8")
 
 
 def test_targets_named_exist() -> None:
@@ -200,7 +195,17 @@ def test_links_lead_somewhere(page: str) -> None:
         target = (ROOT / page).parent / path if path else ROOT / page
         assert target.exists(), link
         if fragment:
-            assert fragment in pages.anchors(target.read_text(encoding="utf-8")), link
+            assert fragment in pages.anchors(whole(target)), link
+
+
+def whole(page: Path) -> str:
+    """A page with what it includes."""
+    return re.sub(
+        r"^```\{include\} (\S+)$",
+        lambda found: (page.parent / found[1]).read_text(encoding="utf-8"),
+        page.read_text(encoding="utf-8"),
+        flags=re.MULTILINE,
+    )
 
 
 def test_what_one_must_trust_is_one_screen() -> None:

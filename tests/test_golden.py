@@ -28,7 +28,7 @@ from srgc.session import check_file
 ROOT = Path(__file__).parents[1]
 GOLDEN = sorted((ROOT / "tests" / "golden").glob("*.md"))
 CATALOGUE = sorted(FOLDER.glob("*.md"))
-ALL_CODES = ROOT / "docs" / "codes.md"
+ALL_CODES = ROOT / "docs" / "reference" / "codes.md"
 UPDATE = "UPDATE_GOLDEN" in os.environ
 
 # The files of examples that a page cannot show, by page.
@@ -125,7 +125,7 @@ def test_golden_pages_are_for_reading(page: Path) -> None:
 def test_the_page_of_all_codes_is_up_to_date() -> None:
     if UPDATE and ALL_CODES.read_text(encoding="utf-8") != catalogue():
         ALL_CODES.write_text(catalogue(), encoding="utf-8")
-        pytest.fail("docs/codes.md is rewritten: read the difference, then run again")
+        pytest.fail("docs/reference/codes.md is rewritten: read the difference, then run again")
     assert ALL_CODES.read_text(encoding="utf-8") == catalogue()
 
 

@@ -36,7 +36,7 @@ from srgc.session import check_file
 from tests.oracles.pages import Block, blocks, files, prose
 
 ROOT = Path(__file__).parents[1]
-FILE = ROOT / "docs" / "language.md"
+FILE = ROOT / "docs" / "reference" / "language.md"
 PAGE = FILE.read_text(encoding="utf-8")
 LARK = (ROOT / "grammar_lang" / "parsing" / "srg.lark").read_text(encoding="utf-8")
 BLOCKS = blocks(PAGE)
@@ -75,7 +75,7 @@ def test_of_examples_is_said_what_is_shown(program: Block, folder: Path) -> None
     if said and expected and said != expected and "UPDATE_GOLDEN" in os.environ:
         text = FILE.read_text(encoding="utf-8")
         FILE.write_text(text.replace(expected, said, 1), encoding="utf-8")
-        pytest.fail("docs/language.md is rewritten: read the difference, then run again")
+        pytest.fail("docs/reference/language.md is rewritten: read the difference, then run again")
     assert said == expected
 
 
@@ -354,8 +354,8 @@ def test_every_clause_that_is_refused_is_listed() -> None:
     assert {clause.split()[0] for clause in refused_clauses()} == named
 
 
-def test_the_readme_names_what_is_refused() -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_what_is_supported_names_what_is_refused() -> None:
+    page = (ROOT / "docs" / "reference" / "index.md").read_text(encoding="utf-8")
     for clause in refused_clauses():
-        assert f"`{clause.partition(' ')[0]}" in readme, clause
-    assert "SRG0190" in readme
+        assert f"`{clause.partition(' ')[0]}" in page, clause
+    assert "SRG0190" in page
