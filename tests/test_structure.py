@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.oracles.loaded_modules import loaded_after
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ["grammar_lang", "compiler", "solvers", "srgc"]
@@ -21,17 +21,6 @@ def tool(name, *arguments):
         [Path(sys.executable).parent / name, *arguments],
         cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
-
-
-def loaded_after(program):
-    """The modules that a fresh interpreter has loaded after running a program."""
-    ending = "\nimport json, sys\nprint(json.dumps(sorted(sys.modules)), file=sys.stderr)"
-    finished = subprocess.run(
-        [sys.executable, "-c", program + ending],
-        cwd=ROOT, capture_output=True, text=True, check=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
-    return set(json.loads(finished.stderr.splitlines()[-1]))
 
 
 def test_the_layers():

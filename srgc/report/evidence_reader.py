@@ -7,7 +7,6 @@ reported, whatever the verifier says: the page then says that, too.
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +29,7 @@ from srgc.report.quick_conflicts import quick_conflicts
 from srgc.report.trajectory import read_trajectory
 from srgc.results.found_design import FoundDesign, found_design
 from srgc.results.found_record import found_record
+from srgc.results.json_object import json_object
 from srgc.results.why_folder import tried_folder
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def read_evidence(folder: Path, *, verify: bool) -> Evidence:
     """
     tried = tried_folder(folder)
     posed = tried.posed
-    design = _object(folder / "design.json")
+    design = json_object(folder / "design.json")
     checked_design(design, folder / "design.json")
     try:
         program, task = expanded(posed.program, posed.task)
@@ -65,7 +65,7 @@ def read_evidence(folder: Path, *, verify: bool) -> Evidence:
             folder / "trajectory.csv", len(found.model.dofs), len(found.model.effectors),
             workspace.dimension,
         )  # fmt: skip
-    pareto = _object(folder / "pareto.json", needed=False)
+    pareto = json_object(folder / "pareto.json", needed=False)
     checked_designs(pareto, folder / "pareto.json")
     report = verify_directory(folder) if verify else None
     return Evidence(
@@ -86,29 +86,10 @@ def read_evidence(folder: Path, *, verify: bool) -> Evidence:
         evaluations(folder / "evaluations.csv"),
         evaluations(folder / "landscape.csv"),
         pareto,
-        _object(folder / "log.json", needed=False),
+        json_object(folder / "log.json", needed=False),
         _coverings(folder, design),
         _digests(folder),
     )
-
-
-def _object(path: Path, *, needed: bool = True) -> Mapping[str, Any]:
-    """The object in a JSON file; an empty one where it is missing and not needed.
-
-    Raises:
-        UsageFault: it holds none.
-    """
-    try:
-        content = json.loads(path.read_bytes())
-    except OSError as error:
-        if not needed and not path.exists():
-            return {}
-        raise UsageFault(f"{path}: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise UsageFault(f"{path} is not JSON") from None
-    if not isinstance(content, dict):
-        raise UsageFault(f"{path} is no JSON object")
-    return content
 
 
 def _coverings(folder: Path, design: Mapping[str, Any]) -> dict[str, CoveringSize]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from grammar_lang import ir
 from solvers.verifier.claims.certificate import CertificateError, exact_cuts
 from solvers.verifier.claims.design_agreement import disagreement
 from srgc.results.found_design import FoundDesign
+from srgc.results.json_object import json_object
 from srgc.session import UsageFault
 from srgc.version import VERSION
 
@@ -40,7 +40,7 @@ def found_record(folder: Path, found: FoundDesign) -> FoundRecord:
     Raises:
         UsageFault: there is none, it is of another version, or it and the certificate differ.
     """
-    content = _content(folder)
+    content = json_object(folder / "design.json")
     ours, theirs = VERSION, content.get("version")
     if theirs != ours:
         raise UsageFault(
@@ -55,19 +55,6 @@ def found_record(folder: Path, found: FoundDesign) -> FoundRecord:
     if reason is not None:
         raise UsageFault(f"{folder}: {reason}")
     return _record(folder, content, cells, len(found.model.effectors))
-
-
-def _content(folder: Path) -> dict[str, Any]:
-    path = folder / "design.json"
-    try:
-        content = json.loads(path.read_bytes())
-    except OSError as error:
-        raise UsageFault(f"{path}: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise UsageFault(f"{path} is not JSON") from None
-    if not isinstance(content, dict):
-        raise UsageFault(f"{path} is no JSON object")
-    return content
 
 
 def _cells(found: FoundDesign, program: ir.Program, task: ir.Task) -> Abstraction:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
 import sys
 import tomllib
 from importlib.metadata import version
@@ -13,6 +10,7 @@ import pytest
 
 from srgc.version import VERSION
 from tests.conftest import ROOT
+from tests.oracles.loaded_modules import loaded_after
 
 OURS = {
     "srgc", "srgc.cli", "srgc.command_table", "srgc.exit_status", "srgc.fault_report",
@@ -20,27 +18,17 @@ OURS = {
 }  # fmt: skip
 
 
-def modules_of(program):
-    ending = "\nimport json, sys\nprint(json.dumps(sorted(sys.modules)), file=sys.stderr)"
-    finished = subprocess.run(
-        [sys.executable, "-c", program + ending],
-        cwd=ROOT, capture_output=True, text=True, check=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
-    return set(json.loads(finished.stderr.splitlines()[-1]))
-
-
 @pytest.fixture(scope="module")
 def bare():
     """What Python and click load by themselves."""
-    return modules_of("import click, click.shell_completion, gettext, locale, difflib")
+    return loaded_after("import click, click.shell_completion, gettext, locale, difflib")
 
 
 def loaded(arguments, bare, **environment):
     program = (
         f"import os; os.environ |= {environment!r}\nfrom srgc.cli import run\nrun({arguments!r})"
     )
-    return modules_of(program) - bare
+    return loaded_after(program) - bare
 
 
 def not_of_the_library(names):
@@ -82,8 +70,8 @@ def test_completion_loads_no_compiler(bare, words):
 
 def test_the_entry_point_imports_nothing():
     """Until main has seen to it an interrupt is a traceback: so main is there at once."""
-    before = modules_of("import sys")
-    after = modules_of("import srgc.cli")
+    before = loaded_after("import sys")
+    after = loaded_after("import srgc.cli")
     assert after - before == {"srgc", "srgc.cli"}
 
 
