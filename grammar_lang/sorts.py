@@ -116,7 +116,7 @@ def mismatch(
         return
     if hint is None:
         unit = symbol(dimension)
-        hint = f"write it in `{unit}`: `3 {unit}`"
+        hint = f"write it in `{unit}`, as in `3 {unit}`"
         if dimension == ONE:
             hint = "write a plain number or an angle"
     notes = [] if value.declared is None else [(value.declared, "declared here")]

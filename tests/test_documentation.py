@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 import srgc.cli
+from grammar_lang.load import load_text
 from srgc.command_table import command_named
 from tests.oracles import pages
 from tests.oracles.page_session import NUMBER, Session
@@ -86,6 +87,32 @@ def assert_alike(drawn: Path, kept: Path) -> None:
     for our, their in zip(ours, theirs, strict=True):
         a, b = (NUMBER.findall(node.get("d", "")) for node in (our, their))
         assert [float(x) for x in a] == pytest.approx([float(x) for x in b], abs=0.5)
+
+
+def proposals() -> list[str]:
+    """The changes that the tutorial proposes at its end."""
+    section = TEXTS["docs/tutorial.md"].partition("## A robot of your own")[2]
+    return [part for part in section.split("\n- ")[1:] if re.search(r"`[^`]+;`", part)]
+
+
+@pytest.mark.parametrize("proposal", proposals(), ids=lambda part: part[:20])
+def test_what_the_tutorial_proposes_checks_without_warnings(
+    proposal: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert srgc.cli.run(["new", "planar"]) == 0
+    text = Path("planar.srg").read_text(encoding="utf-8")
+    for line in re.findall(r"`([^`]+;)`", proposal):
+        word = line.split()[0]
+        if word in {"accept", "avoid"}:
+            text, count = re.subn(rf"(?m)^  {word} .*;", f"  {line}", text)
+        else:
+            before = "target Shelf" if word == "obstacle" else "effort <= 10"
+            text, count = re.subn(rf"(?m)^  (?={before})", f"  {line}\n  ", text)
+        assert count == 1, line
+    assert [
+        d.message for d in load_text(text, "p.srg").diagnostics if d.severity.value != "note"
+    ] == []
 
 
 def test_the_first_page_is_short() -> None:

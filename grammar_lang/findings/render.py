@@ -53,7 +53,12 @@ def _window(text: str, column: int) -> tuple[str, int]:
 
 
 def _excerpt(source: Source, span: Span, paint: str, *, colour: bool) -> list[str]:
-    """The source line and the carets under it; tabs are kept so that they align."""
+    """The source line and the carets under it; tabs are kept so that they align.
+
+    Nothing of a file that is empty or could not be read.
+    """
+    if not source.text:
+        return []
     line, column = source.position(span.start)
     part, column = _window(source.line(line), column)
     text = _shown(part)

@@ -32,6 +32,8 @@ _LOOKALIKES = {
     "\N{RIGHTWARDS ARROW}": "`->`",
     "\N{NO-BREAK SPACE}\N{ZERO WIDTH SPACE}\N{ZERO WIDTH NO-BREAK SPACE}": "a plain blank",
 }
+_COMPARISONS = frozenset({"<", "<=", "==", ">=", ">"})
+_HORIZON = "write a number of steps and how long one is, as in `horizon 10 steps of 0.2 s`"
 _DESCRIBED = {
     "NAME": "a name",
     "NUMBER": "a number",
@@ -101,7 +103,10 @@ def _unfinished(tokens: Tokens, item: RawItem, expected: frozenset[str], sink: S
 
 def _unknown_unit(tokens: Tokens, here: int, sink: Sink) -> None:
     word = _shortened(tokens.at(here))
-    close = nearest(word, UNIT_NAMES)
+    # `Nm` stands for a product; in `kgm` or `rads` a stroke may be missing instead.
+    factors = word[:1], word[1:]
+    product = factors[0].isupper() and all(factor in UNIT_NAMES for factor in factors)
+    close = "*".join(factors) if product else nearest(word, UNIT_NAMES)
     known = f"the units are {' '.join(UNIT_NAMES)}, joined by `*`, `/` and `^`"
     hint = known if close is None else f"did you mean `{close}`? {known}"
     sink.error(Code.UNKNOWN_UNIT, f"unknown unit `{word}`", tokens.span(here), hint)
@@ -112,6 +117,17 @@ def _is_unknown_unit(tokens: Tokens, here: int, expected: frozenset[str]) -> boo
     if "UNIT" not in expected or not _WORD.fullmatch(word) or word in tables().words:
         return False
     return tokens.kinds[here - 1] in {"NUMBER", ")", "]", "}"} and not tokens.on_new_line(here)
+
+
+def _habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
+    """What to write instead of something that other notations have."""
+    if wanted in {"`steps`", "`of`"}:
+        return _HORIZON
+    if wanted == "`(`" and tokens.at(here - 1) == "at":
+        return "write coordinates of joints, as in `start at (30 deg, 0)`, or `start in` a region"
+    if wanted == "`;` or `}`" and tokens.at(here) in _COMPARISONS:
+        return "an inequality has two sides: write two of them, with `;` between"
+    return None
 
 
 def _wrong(tokens: Tokens, here: int, expected: frozenset[str], sink: Sink) -> None:
@@ -126,7 +142,7 @@ def _wrong(tokens: Tokens, here: int, expected: frozenset[str], sink: Sink) -> N
         if word in RESERVED and "NAME" in expected:
             hint = f"`{word}` is reserved; choose another name"
         due = "`;`" if ";" in expected and word in {",", ":", "."} else wanted
-        hint = hint or f"write {due} here"
+        hint = hint or _habit_hint(tokens, here, wanted) or f"write {due} here"
         message = f"expected {wanted}, found `{word}`"
         sink.error(Code.SYNTAX, message, tokens.span(here), hint)
 

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 GHOSTS = 12
+MOST_INSTANTS = 120
+"""Of a trace; from 128 on, matplotlib leaves out points of a line as it sees fit."""
 
 
 def workspace_figure(
@@ -47,7 +49,7 @@ def workspace_figure(
         _draw_regions(axes, workspace)
         _draw_skeleton(axes, _skeletons(design, task))
         _draw_ghosts(axes, points, design, reading)
-        tips = points[:, design.leader]
+        tips = _effector_line(design, reading, float(task.step))
         axes.plot(*tips.T, color=INK, lw=2.0, label="effector", zorder=6)
         axes.plot(*tips[0], "o", color=INK, ms=5, zorder=7)
         axes.plot(*tips[-1], "*", color=INK, ms=11, zorder=7)
@@ -140,10 +142,28 @@ def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
         if name in named:
             continue
         named.add(name)
-        top = max(corners.tolist(), key=lambda corner: (corner[1] - corner[0], corner[1]))
+        tops = corners[corners[:, 1] == corners[:, 1].max()]
         axes.annotate(
-            name, top, (0, 3), textcoords="offset points", color=INK, weight="bold", zorder=8
-        )
+            name, tops[tops[:, 0].argmin()], (0, 3), ha="left" if len(tops) > 1 else "center",
+            textcoords="offset points", color=INK, weight="bold", zorder=8,
+        )  # fmt: skip
+
+
+def _effector_line(design: Design, reading: FloatReading, step: float) -> Array:
+    """The way of the leading effector, (K, 2), between the samples by Hermite's cubic.
+
+    Chords would cut corners, and with few samples go through obstacles that the motion avoids.
+    """
+    from scipy.interpolate import CubicHermiteSpline
+
+    trajectory, n = design.configuration.outcome.trajectory, len(design.model.dofs)
+    samples = np.arange(len(trajectory.x))
+    parts = max(1, MOST_INSTANTS // samples[-1])
+    instants = np.arange(parts * samples[-1] + 1) / parts
+    q, slopes = trajectory.x[:, :n], trajectory.x[:, n : 2 * n] * step
+    between = np.asarray(CubicHermiteSpline(samples, q, slopes)(instants))
+    line: Array = reading.points(between, trajectory.theta).value[:, design.leader, :2]
+    return line
 
 
 def _skeletons(design: Design, task: ir.Task) -> list[Array]:

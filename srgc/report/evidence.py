@@ -38,7 +38,7 @@ class Evidence:
         found: the design; None unless the verdict is ``found``.  ``found.program`` and
             ``found.task`` are as written, too.
         record: how the design was found; None together with ``found``.
-        trajectory: its sampled motion; None together with ``found``.
+        trajectory: its sampled motion, by the certificate; None together with ``found``.
         tube: the enclosure of its motion; None without a design, where it was not computed, or
             where that failed.
         report: what the verifier says of the folder now; None where it was not asked.

@@ -25,8 +25,8 @@ from srgc.report.covering_size import CoveringSize, covering_size
 from srgc.report.design_record import checked_design, checked_designs
 from srgc.report.evaluation_table import evaluations
 from srgc.report.evidence import Evidence
+from srgc.report.planned_trajectory import planned_trajectory
 from srgc.report.quick_conflicts import quick_conflicts
-from srgc.report.trajectory import read_trajectory
 from srgc.results.found_design import FoundDesign, found_design
 from srgc.results.found_record import found_record
 from srgc.results.json_object import json_object
@@ -61,10 +61,7 @@ def read_evidence(folder: Path, *, verify: bool) -> Evidence:
     if found is not None:
         record = found_record(folder, found)
         cells = record.cells
-        trajectory = read_trajectory(
-            folder / "trajectory.csv", len(found.model.dofs), len(found.model.effectors),
-            workspace.dimension,
-        )  # fmt: skip
+        trajectory = planned_trajectory(found)
     pareto = json_object(folder / "pareto.json", needed=False)
     checked_designs(pareto, folder / "pareto.json")
     report = verify_directory(folder) if verify else None

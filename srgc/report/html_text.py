@@ -25,6 +25,9 @@ def number(value: float, digits: int = 4) -> str:
     short = f"{value:.{digits}g}"
     if "e" in short and 1e-6 <= abs(value) < 1e9:
         short = f"{float(short):.12f}".rstrip("0").rstrip(".")
+    mantissa, mark, exponent = short.partition("e")
+    if mark:
+        return f"{mantissa}e{int(exponent)}"
     return "0" if short == "-0" else short
 
 
@@ -32,6 +35,23 @@ def with_unit(value: float, unit: str, digits: int = 4) -> str:
     """A number with its unit, a middle dot for the product; dimensionless ones stand alone."""
     shown = number(value, digits)
     return shown if unit in ("", "1") else f"{shown} {unit.replace('*', '·')}"
+
+
+LONGEST_NAME = 24
+"""Characters of a name that pictures have room for."""
+
+
+def name_in_picture(name: str) -> str:
+    """A name, its middle left out where it is too long for a picture."""
+    if len(name) <= LONGEST_NAME:
+        return name
+    return f"{name[: LONGEST_NAME - 9]}…{name[-8:]}"
+
+
+def many(count: int, thing: str) -> str:
+    """How many of a thing there are, in words that fit the number."""
+    plural = f"{thing}es" if thing.endswith("x") else f"{thing}s"
+    return f"{count} {thing if count == 1 else plural}"
 
 
 def json_script(name: str, data: object) -> str:

@@ -16,7 +16,9 @@ from srgc.report.html_text import number, text
 from srgc.report.trajectory import Array
 
 WIDTH, HEIGHT = 360, 190
-LEFT, RIGHT, TOP, BOTTOM = 46, 58, 10, 26
+LEFT, RIGHT, TOP, BOTTOM = 56, 58, 10, 26
+LONGEST_LABEL = 7
+"""Characters of a number; longer ones get an exponent, with which they have room, too."""
 GAUGE = 14
 """Width of the gauge, in units of the picture."""
 VISIBLE = 0.6
@@ -85,10 +87,19 @@ class Scale:
 
 
 def ticks(low: float, high: float, most: int = 5) -> list[float]:
-    """Round numbers in an interval, at most so many, with equal steps of 1, 2 or 5 times 10^k."""
+    """Round numbers in an interval, with equal steps of 1, 2 or 5 times 10^k.
+
+    There are two at least, and at most so many (4 or more).
+    """
     span = high - low
     power = 10.0 ** math.floor(math.log10(span / most))
-    step = next(power * m for m in (1, 2, 5, 10, 20) if span / (power * m) <= most)
+    steps = [power * m for m in (0.5, 1, 2, 5, 10, 20)]
+    place = next(i for i, step in enumerate(steps) if i and span / step <= most)
+    found = _multiples(steps[place], low, high)
+    return found if len(found) > 1 else _multiples(steps[place - 1], low, high)
+
+
+def _multiples(step: float, low: float, high: float) -> list[float]:
     first = math.ceil(low / step - 1e-9)
     last = math.floor(high / step + 1e-9)
     return [round(i * step, 12) for i in range(first, last + 1)]
@@ -103,14 +114,26 @@ def padded(low: float, high: float) -> tuple[float, float]:
 
 
 def tick_labels(values: Sequence[float]) -> list[str]:
-    """The labels of equally spaced values, with as many decimals as tell them apart."""
+    """The labels of equally spaced values, with as many digits as tell them apart.
+
+    None is longer than ``LONGEST_LABEL``, unless steps are that small beside the values.
+    """
     if len(values) < 2:
-        return [number(value) for value in values]
-    step = values[1] - values[0]
-    if not 1e-5 < step < 1e6:
-        return [number(value) for value in values]
-    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
-    return [f"{value + 0.0:.{decimals}f}" for value in values]
+        return [number(value, 3) for value in values]
+    finest = math.floor(math.log10(values[1] - values[0]) + 1e-9)
+    plain = [f"{value + 0.0:.{max(0, -finest)}f}" for value in values]
+    if max(map(len, plain)) <= LONGEST_LABEL:
+        return plain
+    return [_with_exponent(value, finest) for value in values]
+
+
+def _with_exponent(value: float, finest: int) -> str:
+    """A number whose last digit counts ``10**finest``, as ``-1.5e-8``."""
+    if value == 0:
+        return "0"
+    digits = max(0, math.floor(math.log10(abs(value)) + 1e-9) - finest)
+    mantissa, exponent = f"{value:.{digits}e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
 
 
 def line_chart(curve: Curve) -> str:
@@ -140,11 +163,17 @@ def _described(curve: Curve) -> str:
     return f"{curve.title}: between {number(least)} and {number(most)} {curve.unit}"
 
 
+def _extent(curve: Curve) -> tuple[float, float]:
+    """The least and the greatest value of the curve and its tube."""
+    low, high = float(curve.values.min()), float(curve.values.max())
+    if curve.band is None:
+        return low, high
+    return min(low, float(curve.band.min())), max(high, float(curve.band.max()))
+
+
 def _range(curve: Curve) -> tuple[float, float]:
     """What is shown: the curve, its tube, and bounds that are not far."""
-    low, high = float(curve.values.min()), float(curve.values.max())
-    if curve.band is not None:
-        low, high = min(low, float(curve.band.min())), max(high, float(curve.band.max()))
+    low, high = _extent(curve)
     span = high - low
     lower, upper = curve.bounds
     if lower is not None and low - lower <= NEAR * span:
@@ -163,14 +192,15 @@ def _axes(across: Scale, up: Scale) -> str:
         y = up(value)
         parts.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>')
         parts.append(f'<text x="{LEFT - 5}" y="{y + 3.5:.1f}" text-anchor="end">{label}</text>')
-    for value in ticks(across.low, across.high, 6):
+    times = ticks(across.low, across.high, 6)
+    for value in times:
         x = across(value)
+        unit = " s" if value == times[-1] else ""
         parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{base}" y2="{base + 4}"/>')
         parts.append(
-            f'<text x="{x:.1f}" y="{base + 16}" text-anchor="middle">{number(value)}</text>'
+            f'<text x="{x:.1f}" y="{base + 16}" text-anchor="middle">{number(value)}{unit}</text>'
         )
-    parts.append(f'<text x="{WIDTH - RIGHT + 5}" y="{base + 16}">s</text></g>')
-    return "".join(parts)
+    return "".join([*parts, "</g>"])
 
 
 def _path(curve: Curve, across: Scale, up: Scale) -> str:
@@ -213,7 +243,7 @@ def _gauge(curve: Curve) -> str:
     if lower is None or upper is None or not lower < upper:
         return ""
     up = Scale(lower, upper, HEIGHT - BOTTOM, TOP)
-    least, most = float(curve.values.min()), float(curve.values.max())
+    least, most = _extent(curve)
     x, top = WIDTH - RIGHT + 10, max(up(most), TOP)
     height = max(min(up(least), HEIGHT - BOTTOM) - top, 1.5)
     return (

@@ -11,6 +11,7 @@ from srgc.report.evidence import Evidence
 from srgc.report.evidence_reader import read_evidence
 from srgc.report.html_text import text
 from srgc.report.motion import motion_section, robot_section
+from srgc.report.sections.change import change_section
 from srgc.report.sections.charts import charts_section
 from srgc.report.sections.check_yourself import check_section
 from srgc.report.sections.history import history_section
@@ -20,6 +21,7 @@ from srgc.report.sections.why_not import why_not_section
 
 SECTIONS = (
     robot_section,
+    change_section,
     motion_section,
     charts_section,
     margins_section,

@@ -38,18 +38,24 @@ class Point:
 
 
 def scatter_chart(
-    points: Sequence[Point], label: str, unit: str, best: Sequence[tuple[float, float]] = ()
+    points: Sequence[Point],
+    label: str,
+    unit: str,
+    best: Sequence[tuple[float, float]] = (),
+    *,
+    counted: bool = False,
 ) -> str:
     """Points over an axis.  Infeasible ones stand on a rail below, where there are feasible ones.
 
-    ``best`` is a line of the best value so far.
+    ``best`` is a line of the best value so far; ``counted``: the axis has whole numbers only.
     """
     good = [point for point in points if point.mark != "bad"]
     low, high = padded(*_ends([point.y for point in good or points]))
     left, right = padded(*_ends([point.x for point in points]))
     rail = HEIGHT - BOTTOM - (RAIL if len(good) < len(points) and good else 0)
     across, up = Scale(left, right, LEFT, WIDTH - EDGE), Scale(low, high, rail - 4, TOP)
-    parts = [_opened(HEIGHT, f"robustness over {label}: {len(points)}"), _axes(across, up, unit)]
+    says = f"robustness over {label}: {len(points)}"
+    parts = [_opened(HEIGHT, says), _axes(across, up, unit, counted=counted)]
     if rail < HEIGHT - BOTTOM:
         parts.append(f'<rect class="rail" x="{LEFT}" y="{rail}" width="{WIDTH - EDGE - LEFT}" '
                      f'height="{RAIL}"/>')  # fmt: skip
@@ -83,7 +89,7 @@ def _mark(point: Point, x: float, y: float) -> str:
     return f'<path class="{point.mark}" d="{shape}">{title}</path>'
 
 
-def _axes(across: Scale, up: Scale, unit: str) -> str:
+def _axes(across: Scale, up: Scale, unit: str, *, counted: bool) -> str:
     base = HEIGHT - BOTTOM
     parts = ['<g class="axes">']
     heights = ticks(up.low, up.high, 4)
@@ -91,14 +97,16 @@ def _axes(across: Scale, up: Scale, unit: str) -> str:
         y = up(value)
         parts.append(f'<line x1="{LEFT}" x2="{WIDTH - EDGE}" y1="{y:.1f}" y2="{y:.1f}"/>')
         parts.append(_label(LEFT - 5, y + 3.5, "end", label))
-    parts += _below(across, base + 14)
+    parts += _below(across, base + 14, counted=counted)
     return "".join([*parts, _label(WIDTH - EDGE, base + 25, "end", unit), "</g>"])
 
 
-def _below(across: Scale, y: float) -> list[str]:
+def _below(across: Scale, y: float, *, counted: bool = False) -> list[str]:
     """The values along the axis."""
     values = ticks(across.low, across.high)
-    labels = tick_labels(values)
+    if counted:
+        values = [value for value in values if value.is_integer()]
+    labels = [number(value) for value in values] if counted else tick_labels(values)
     return [
         _label(across(value), y, "middle", label)
         for value, label in zip(values, labels, strict=True)
@@ -175,7 +183,10 @@ def _plane_axes(across: Scale, up: Scale, labels: tuple[str, str], size: int) ->
     parts = ['<g class="axes">']
     parts += _below(across, size - BOTTOM + 14)
     values = ticks(up.low, up.high)
-    parts += [_label(LEFT - 5, up(value) + 3.5, "end", number(value)) for value in values]
+    parts += [
+        _label(LEFT - 5, up(value) + 3.5, "end", label)
+        for value, label in zip(values, tick_labels(values), strict=True)
+    ]
     parts.append(_label(across.last, size - BOTTOM + 27, "end", f"→ {labels[0]},  ↑ {labels[1]}"))
     return "".join([*parts, "</g>"])
 

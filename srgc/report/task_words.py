@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from math import degrees
 
 from compiler.descriptions.domain_text import closed_text
 from compiler.robots.input_bounds import EFFORT_UNITS
 from compiler.specifications.formula_text import formula_text
 from grammar_lang import ir
-from srgc.report.html_text import number, with_unit
+from srgc.report.html_text import many, number, with_unit
+
+RATE_UNITS: dict[ir.DofKind, str] = {"revolute": "rad/s", "prismatic": "m/s"}
 
 
 def task_sentences(program: ir.Program, task: ir.Task) -> tuple[str, ...]:
@@ -22,8 +25,9 @@ def _sentences(program: ir.Program, task: ir.Task) -> Iterator[str]:
     kind = "in the plane" if workspace.dimension == 2 else "in space"
     yield f"Robots are those of the family `{task.grammar}`, {kind}{_modules(task)}"
     if task.origin is not None:
-        yield f"They are made from the existing robot `{' '.join(task.origin.word)}`" + _kept(task)
-    yield _start(task)
+        word = " ".join(task.origin.word)
+        yield f"They are made from the existing robot `{word}`{_kept(program, task.origin)}"
+    yield _start(program, task)
     if task.reach is not None:
         yield _reach(task, task.reach)
     yield from _avoided(task)
@@ -38,30 +42,46 @@ def _modules(task: ir.Task) -> str:
     return "" if task.modules is None else f", of at most {task.modules} modules"
 
 
-def _kept(task: ir.Task) -> str:
-    fixed = () if task.origin is None else task.origin.fixed
-    if not fixed:
+def _kept(program: ir.Program, origin: ir.Origin) -> str:
+    if not origin.fixed:
         return ""
-    return ", whose parameters keep their values: " + ", ".join(
-        f"`{each.name}` of symbol {each.symbol}: {closed_text(each.value)}" for each in fixed
-    )
+    said = []
+    for each in origin.fixed:
+        module = program.modules[origin.word[each.symbol]]
+        (unit,) = (own.unit for own in module.parameters if own.name == each.name)
+        shown = closed_text(each.value) + ("" if unit == "1" else f" {unit.replace('*', '·')}")
+        said.append(f"`{module.name}.{each.name}` of symbol {each.symbol}: {shown}")
+    return f", whose parameters keep their values: {', '.join(said)}"
 
 
 def _who(effector: int | None) -> str:
     return "an effector" if effector is None else f"effector {effector}"
 
 
-def _start(task: ir.Task) -> str:
+def _start(program: ir.Program, task: ir.Task) -> str:
     if isinstance(task.start, ir.StartAt):
         return "The robot starts at rest in the pose that the spec gives"
     rates = task.start.rates
-    how = "at rest" if not rates else f"with rates of at most {_value(rates)}"
+    how = (
+        "at rest"
+        if not rates
+        else f"with rates of at most {_value(rates)} {_rate_unit(program, task)}"
+    )
     return f"The robot starts {how}, with {_who(task.start.effector)} in `{task.start.region}`"
+
+
+def _rate_unit(program: ir.Program, task: ir.Task) -> str:
+    """The units of rates of the joints in a family."""
+    symbols = {s.name for rule in program.grammars[task.grammar].productions for s in rule.right}
+    modules = [program.modules[name] for name in symbols if name in program.modules]
+    kinds = {dof.kind for module in modules for dof in module.dofs}
+    units = [unit for kind, unit in RATE_UNITS.items() if kind in kinds]
+    return " or ".join(units)
 
 
 def _reach(task: ir.Task, reach: ir.Reach) -> str:
     end = _value(task.steps * task.step)
-    steps = f"{task.steps} steps of {_value(task.step)} s"
+    steps = f"{many(task.steps, 'step')} of {_value(task.step)} s"
     bound = isinstance(task.start, ir.StartIn) and task.start.effector is None
     who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
     rest = ", at rest" if reach.at_rest else ""
@@ -72,11 +92,11 @@ def _avoided(task: ir.Task) -> Iterator[str]:
     for clause in task.avoid:
         who = "the whole body stays" if clause.subject == "body" else "every effector stays"
         names = ", ".join(f"`{name}`" for name in clause.regions)
-        margin = f", by more than {_value(clause.margin)} m" if clause.margin else ""
+        margin = f", by at least {_value(clause.margin)} m" if clause.margin else ""
         yield f"At every instant {who} out of {names}{margin}"
     if task.avoid_self is not None:
         least = task.avoid_self.margin
-        by = f" by more than {_value(least)} m" if least else ""
+        by = f" by at least {_value(least)} m" if least else ""
         yield f"Bodies that no module joins stay apart{by}"
 
 
@@ -95,13 +115,17 @@ def _limits(task: ir.Task) -> Iterator[str]:
 
 def _disturbances(robust: ir.Robust) -> str:
     amounts = (
-        (robust.angle, "rad"),
-        (robust.length, "m"),
-        (robust.angular_rate, "rad/s"),
-        (robust.speed, "m/s"),
+        (robust.angle, "°"),
+        (robust.length, " m"),
+        (robust.angular_rate, "°/s"),
+        (robust.speed, " m/s"),
     )
     parts = []
-    start = [f"{_value(amount)} {unit}" for amount, unit in amounts if amount]
+    start = [
+        f"{number(degrees(amount), 6) if '°' in unit else _value(amount)}{unit}"
+        for amount, unit in amounts
+        if amount
+    ]
     if start:
         parts.append(f"the start is off by up to {', '.join(start)}")
     if robust.effort:

@@ -168,7 +168,7 @@ class LiveProgress(QuietProgress):
         running = 0.0 if self._begun is None else now - self._begun
         parts += [duration_text(now - self._start), estimate_text(self._durations, running, left)]
         if self._best is not None:
-            parts.append(f"best robustness {self._best:.4f}")
+            parts.append(f"robustness {self._best:.4f}")
         if self._detail:
             parts.append(self._detail)
         return " · ".join(parts)

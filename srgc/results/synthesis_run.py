@@ -111,7 +111,7 @@ def _searched(
     with progress(
         f"synth {task.name}",
         quiet=options.quiet,
-        unit="structures examined",
+        unit="structures",
         count=lambda: structure_total(program, task),
     ) as display:
         conduct = Conduct(

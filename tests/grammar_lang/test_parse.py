@@ -7,6 +7,7 @@ import pytest
 
 from grammar_lang import syntax as s
 from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.load import load_text
 from grammar_lang.parsing.parse import parse
 
 Check = Callable[[str], list[tuple[str, str]]]
@@ -102,6 +103,38 @@ def test_reserved_words(word: str, check: Check) -> None:
 )
 def test_syntax_errors(text: str, found: tuple[str, str], check: Check) -> None:
     assert check(text) == [found]
+
+
+@pytest.mark.parametrize(
+    ("clause", "advised", "followed"),
+    [
+        ("effort <= 10 Nm;", "`N*m`", "effort <= 10 N*m;"),
+        ("horizon 10 s;", "`horizon 10 steps of 0.2 s`", "horizon 10 steps of 0.2 s;"),
+        ("horizon 10 s steps 80;", "`horizon 10 steps of 0.2 s`", "horizon 10 steps of 0.2 s;"),
+        ("horizon 10 stps of 2 s;", "`steps`", "horizon 10 steps of 2 s;"),
+        ("start at S;", "`start in` a region", "start in S;"),
+    ],
+)
+def test_habits_of_other_notations_get_a_hint_that_helps(
+    clause: str, advised: str, followed: str, build: Callable[..., str], check_fragment: Check
+) -> None:
+    clauses = {"start": "start in S;", "reach": "reach T;", "effort": "effort <= 10 N*m;"}
+    clauses["horizon"] = "horizon 80 steps of 0.125 s;"
+
+    def spec(text: str) -> str:
+        task = " ".join((clauses | {clause.split(maxsplit=1)[0]: text}).values())
+        return build(task=f"task P {{ robot G; workspace W; {task} }}")
+
+    hints = [diagnostic.hint or "" for diagnostic in load_text(spec(clause), "t.srg").diagnostics]
+    assert any(advised in hint for hint in hints), hints
+    assert not check_fragment(spec(followed))
+
+
+def test_chained_inequalities_are_to_be_split() -> None:
+    workspace = "workspace W { plane xy; bounds polytope { 0 <= x <= 1; y >= 0; y <= 1 } m; }"
+    (found,) = load_text(workspace, "t.srg").diagnostics
+    assert found.hint is not None
+    assert "two" in found.hint
 
 
 def test_every_broken_item_is_reported(check: Check) -> None:

@@ -56,11 +56,16 @@ def test_tabs_notes_warnings_and_colour() -> None:
     assert "\x1b[1;33mwarning[SRG0403]\x1b[0m" in to_text(sink.sorted(), [source], colour=True)
 
 
-def test_a_place_without_text_has_a_caret_all_the_same() -> None:
+def test_a_place_without_text_has_a_caret_but_an_empty_file_no_excerpt() -> None:
+    sink = Sink()
+    sink.error(Code.EMPTY_FILE, "nothing", Span(1, 1), "write")
+    assert to_text(sink.sorted(), [Source("a", "\n")]) == (
+        "a:2:1: error[SRG0105]: nothing\n    2 | \n      | ^\n  hint: write\n"
+    )
     sink = Sink()
     sink.error(Code.EMPTY_FILE, "nothing", Span(0, 0), "write")
     assert to_text(sink.sorted(), [Source("a", "")]) == (
-        "a:1:1: error[SRG0105]: nothing\n    1 | \n      | ^\n  hint: write\n"
+        "a:1:1: error[SRG0105]: nothing\n  hint: write\n"
     )
 
 

@@ -12,6 +12,8 @@
     const times = curve.t;
     let low = 0;
     let high = times.length - 1;
+    // The times have six digits: a step begins no later than a sample that is rounded down.
+    if (curve.held) { t += 0.01 * (times[high] - times[0]) / high; }
     while (high - low > 1) {
       const middle = (low + high) >> 1;
       if (times[middle] <= t) { low = middle; } else { high = middle; }

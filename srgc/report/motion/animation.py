@@ -30,8 +30,8 @@ POSES = 6
 WIDEST_BOX = 15.0
 """Up to what half width on the picture the box of an instant is magnified."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0)
-LONGEST_SHOW = 8.0
-"""Seconds within which a motion is shown at the speed that is chosen first."""
+LONGEST_SHOW, SHORTEST_SHOW = 8.0, 1.0
+"""Seconds that a motion is shown at most and at least, at the speed that is chosen first."""
 LINE_POINTS = 160
 
 
@@ -54,18 +54,14 @@ def motion_section(evidence: Evidence) -> str:
 
 def _workspace_alone(evidence: Evidence, scene: MotionScene) -> str:
     shapes = "".join(shape_mark(shape, scene.view) for shape in scene.shapes)
-    shapes += shape_names(scene.shapes, scene.view)
-    reason = (
-        "It is proved that no robot of the family can do the task, so there is no motion to show"
-        if evidence.verdict == "impossible"
-        else "No robot was found, and none is ruled out, so there is no motion to show"
-    )
+    shapes += shape_names(scene.shapes, scene.view) + _measure(scene)
     return (
         '<section id="motion"><h2>Workspace</h2><figure>'
         f"{_svg(scene.view, f'Workspace {evidence.workspace.name}', shapes)}"
         f"{_views(scene)}"
-        f"<figcaption>{reason}: the workspace <i>{text(evidence.workspace.name)}</i> with its "
-        "regions and cells.</figcaption></figure>"
+        "<figcaption>No robot was found, and so there is no motion: the workspace "
+        f"<i>{text(evidence.workspace.name)}</i> with its regions and cells.{_beyond(scene)}"
+        "</figcaption></figure>"
         f"{json_script('motion-data', scene_data(scene))}</section>"
     )
 
@@ -95,7 +91,7 @@ def _picture(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
         boxes = _instant_boxes(motion.tips[0], motion.tube.half_widths[0], factor)
         parts.append(f'<path class="instant" d="{boxes_path(list(boxes), view)}"/>')
     parts.append(shape_names(scene.shapes, view))
-    parts.append(_scale_bar(view) if scene.dimension == 2 else _triad(view))
+    parts.append(_measure(scene))
     return _svg(
         view, "The robot in its workspace at the time that the slider gives", "".join(parts)
     )
@@ -112,6 +108,15 @@ def _factor(tube: TubeBoxes | None, view: View) -> float:
         return 1.0
     widest = float(tube.half_widths.max()) * view.scale
     return 1.0 if widest <= 0 else float(10.0 ** max(0, floor(log10(WIDEST_BOX / widest))))
+
+
+def _measure(scene: MotionScene) -> str:
+    """How long and which way: a bar in the plane, the directions of the axes in space."""
+    return _scale_bar(scene.view) if scene.dimension == 2 else _triad(scene.view)
+
+
+def _beyond(scene: MotionScene) -> str:
+    return " The bounds reach beyond the picture." if scene.beyond else ""
 
 
 def _scale_bar(view: View) -> str:
@@ -155,11 +160,12 @@ def _views(scene: MotionScene) -> str:
 
 def _controls(scene: MotionScene, motion: RobotMotion) -> str:
     total = motion.steps * motion.step
-    wanted = next((speed for speed in SPEEDS if speed * LONGEST_SHOW >= total), SPEEDS[-1])
+    choice = _speeds(total)
+    wanted = next(speed for speed in choice if speed * LONGEST_SHOW >= total)
     selected, checked = ' selected=""', ' checked=""'
     speeds = "".join(
-        f'<option value="{speed:g}"{selected if speed == wanted else ""}>{speed:g}×</option>'
-        for speed in SPEEDS
+        f'<option value="{speed:g}"{selected if speed == wanted else ""}>{number(speed)}×</option>'
+        for speed in choice
     )
     switches = [("cells", "cells", scene.dimension == 2), ("trail", "trace", True)]
     if motion.tube is not None:
@@ -176,6 +182,16 @@ def _controls(scene: MotionScene, motion: RobotMotion) -> str:
         f'<label class="speed">speed <select>{speeds}</select></label></div>'
         f'<div class="switches">{boxes}</div></div>{_views(scene)}'
     )
+
+
+def _speeds(total: float) -> list[float]:
+    """The usual speeds, and slower and faster ones for motions of microseconds or hours."""
+    found = list(SPEEDS)
+    while found[0] * SHORTEST_SHOW > total:
+        found.insert(0, found[0] / 10)
+    while found[-1] * LONGEST_SHOW < total:
+        found.append(found[-1] * 10)
+    return found
 
 
 def _readings(found: FoundDesign, motion: RobotMotion) -> str:
@@ -199,7 +215,7 @@ def _readings(found: FoundDesign, motion: RobotMotion) -> str:
 
 
 def _coordinate(value: float, *, turning: bool) -> str:
-    return f"{degrees(value):.1f}°" if turning else f"{value:.4f} m"
+    return f"{degrees(value):.1f}°" if turning else f"{number(value)} m"
 
 
 def _caption(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
@@ -209,7 +225,7 @@ def _caption(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
     )
     if scene.dimension == 3:
         words += " A short line through a joint is its axis."
-    return f"{words} {_tube_words(motion.tube, factor)}"
+    return f"{words}{_beyond(scene)} {_tube_words(motion.tube, factor)}"
 
 
 def _tube_words(tube: TubeBoxes | None, factor: float) -> str:

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from compiler.grammars.derivation import Derivation
 from grammar_lang import ir
-from srgc.report.html_text import text
+from srgc.report.html_text import name_in_picture, text
 
-LETTER = 7.6
+LETTER = 9.0
 GAP = 18.0
 ROW = 52.0
 MARGIN = 14.0
@@ -29,15 +29,16 @@ def derivation_tree(derivation: Derivation, roles: Mapping[str, ir.Role]) -> str
             edges.append(f'<path d="M{at[0]:.1f} {at[1] + 24:.1f}L{end[0]:.1f} {end[1] - 8:.1f}"/>')
         marks.append(
             f'<g class="replaced"><text x="{at[0]:.1f}" y="{at[1] + 4:.1f}">'
-            f"{text(node.production.left)}</text>"
+            f"{text(name_in_picture(node.production.left))}</text>"
             f'<text class="label" x="{at[0]:.1f}" y="{at[1] + 18:.1f}">'
-            f"{text(node.production.label)}</text></g>"
+            f"{text(name_in_picture(node.production.label))}</text></g>"
         )
     for place, symbol_name in enumerate(derivation.word):
-        role = roles.get(symbol_name, "edge")
+        role, shown = roles.get(symbol_name, "edge"), name_in_picture(symbol_name)
+        whole = f"<title>{text(symbol_name)}</title>" if shown != symbol_name else ""
         marks.append(
-            f'<g class="leaf {role}" data-symbol="{place}"><text x="{xs[place]:.1f}" '
-            f'y="{floor + 6:.1f}">{text(symbol_name)}</text>'
+            f'<g class="leaf {role}" data-symbol="{place}">{whole}<text x="{xs[place]:.1f}" '
+            f'y="{floor + 6:.1f}">{text(shown)}</text>'
             f'<text class="label" x="{xs[place]:.1f}" y="{floor + 20:.1f}">{place}</text></g>'
         )
     height = floor + 28
@@ -52,12 +53,13 @@ def _columns(derivation: Derivation) -> tuple[list[float], float]:
     """Where the symbols of the word stand, and how wide the tree is."""
     found, x = [], MARGIN
     for symbol in derivation.word:
-        half = LETTER * max(len(symbol), 2) / 2
+        half = LETTER * max(len(name_in_picture(symbol)), 2) / 2
         found.append(x + half)
         x += 2 * half + GAP
     widest = max(
-        LETTER * max(len(node.production.label), len(node.production.left))
+        LETTER * len(name_in_picture(name))
         for node in derivation.nodes
+        for name in (node.production.label, node.production.left)
     )
     shift = max(0.0, widest / 2 - min(found, default=MARGIN))
     return [each + shift for each in found], max(x - GAP + MARGIN + shift, widest) + widest / 2

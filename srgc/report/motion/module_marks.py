@@ -166,6 +166,9 @@ def marked_robot(
         for rule in written.rules:
             if attribute(production, rule.target) in frames:
                 block.follow(rule.value)
+        for emission in written.emissions:
+            if isinstance(emission, ir.Effector):
+                block.follow(emission.frame)
         blocks[production.label] = block
         marked[production.label] = replace(written, emissions=(*written.emissions, *block.marks))
     model = evaluate(derivation, modules, marked, dimension)

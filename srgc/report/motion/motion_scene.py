@@ -27,6 +27,8 @@ FEWEST_INSTANTS = 40
 MOST_CELLS = 400
 ROOM_IN_SPACE = 0.12
 """Part of the extent of regions and motion that is seen around them; all in the plane."""
+VAST = 4.0
+"""Bounds of the plane so many times as wide as what is in them are not shown whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +71,13 @@ class MotionScene:
     shapes: tuple[WorkspaceShape, ...]
     motion: RobotMotion | None
     view: View
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the bounds of the workspace reach out of the picture."""
+        corners = self.view.project(self.shapes[0].corners)
+        size = np.array([self.view.width, self.view.height])
+        return bool((corners < -0.5).any() or (corners > size + 0.5).any())
 
 
 def motion_scene(evidence: Evidence) -> MotionScene:
@@ -138,7 +147,10 @@ def _corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -> li
         return [bounds]
     points = np.concatenate(inner)
     low, high = points.min(axis=0), points.max(axis=0)
-    room = float((high - low).max()) * (1.0 if len(low) == 2 else ROOM_IN_SPACE)
+    extent = float((high - low).max())
+    if len(low) == 2 and float(np.ptp(bounds, axis=0).max()) <= VAST * extent:
+        return [*inner, bounds]
+    room = extent * (1.0 if len(low) == 2 else ROOM_IN_SPACE)
     return [*inner, np.clip(bounds, low - room, high + room)]
 
 

@@ -39,8 +39,8 @@ def robot_section(evidence: Evidence) -> str:
 def _why_none(evidence: Evidence) -> str:
     if evidence.verdict == "impossible":
         return (
-            "There is none: it is proved that no robot of the family, within the bound that the "
-            "verdict states, can do the task."
+            "There is none. What is proved of that, and of which robots of the family, stands with "
+            "the verdict."
         )
     return (
         "None was found. That says nothing about whether there is one: the search ended before it "

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from srgc.report.html_text import text
+from srgc.report.html_text import name_in_picture, text
 from srgc.report.motion.module_drawing import DrawnModule, ModuleDrawing
 from srgc.report.motion.scene_marks import axis_ends, line_path, place
 from srgc.report.motion.view import View, fitted
@@ -15,7 +15,7 @@ from srgc.report.motion.view import View, fitted
 Array = NDArray[np.float64]
 
 HALF_LINE = 8.0
-LETTER = 7.0
+LETTER = 8.0
 RADII = (20.0, 32.0, 46.0, 62.0, 80.0)
 DIRECTIONS = 16
 GROUND = np.array([[0.0, 0.0], [-14, 12], [14, 12], [-14, 24], [0, 24], [14, 24]])
@@ -157,7 +157,7 @@ class _Names:
         anchor = module.anchor()
         if anchor is None:
             return ""
-        lines = [f"{module.name} {module.place}", *values]
+        lines = [f"{name_in_picture(module.name)} {module.place}", *values]
         at = self.view.project(anchor)
         half = np.array([LETTER * max(map(len, lines)) / 2 + 3, HALF_LINE * len(lines) + 2])
         middle = self._free(at, half)

@@ -68,8 +68,8 @@ def _motion(motion: RobotMotion, grid: _Grid, cells: list[str], view: View) -> d
     return {
         "steps": motion.steps,
         "step": motion.step,
-        "times": [round(float(t), 5) for t in motion.times],
-        "q": [[round(float(v), 5) for v in row] for row in motion.q],
+        "times": [_short(t) for t in motion.times],
+        "q": [[_short(v) for v in row] for row in motion.q],
         "points": [grid.whole(row) for row in motion.points],
         "bones": [list(bone) for bone in robot.bones],
         "rods": [
@@ -86,14 +86,19 @@ def _motion(motion: RobotMotion, grid: _Grid, cells: list[str], view: View) -> d
     }
 
 
+def _short(value: float) -> float:
+    """A number to seven digits, whatever its size."""
+    return float(f"{value:.7g}")
+
+
 def _tube(tube: TubeBoxes, grid: _Grid) -> dict[str, Any]:
     """Boxes on the grid rounded outwards; half widths as they are, to three digits."""
     low = np.floor((tube.boxes[..., 0] - grid.centre) / grid.unit).astype(int)
     high = np.ceil((tube.boxes[..., 1] - grid.centre) / grid.unit).astype(int)
     return {
-        "times": [round(float(t), 5) for t in tube.times],
+        "times": [_short(t) for t in tube.times],
         "low": low.reshape(len(low), -1).tolist(),
         "high": high.reshape(len(high), -1).tolist(),
-        "instants": [round(float(t), 5) for t in tube.instants],
+        "instants": [_short(t) for t in tube.instants],
         "half": [[float(f"{v:.3g}") for v in row.ravel()] for row in tube.half_widths],
     }

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.robots.robot import WORLD
-from srgc.report.html_text import text
+from srgc.report.html_text import name_in_picture, text
 from srgc.report.motion.drawn_robot import DrawnJoint, DrawnRobot
 from srgc.report.motion.view import View
 from srgc.report.motion.workspace_shapes import WorkspaceShape
@@ -85,10 +85,11 @@ def shape_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
             continue
         corners = view.project(shape.corners)
         low, high = corners.min(axis=0), corners.max(axis=0)
-        fits = high[0] - low[0] > LETTER * len(shape.label) + 8 and high[1] - low[1] > 22
+        name = name_in_picture(shape.label)
+        fits = high[0] - low[0] > LETTER * len(name) + 8 and high[1] - low[1] > 22
         x, y = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2 + 5 if fits else low[1] - 5
         found.append(
-            f'<text data-shape="{index}" x="{place(x)}" y="{place(y)}">{text(shape.label)}</text>'
+            f'<text data-shape="{index}" x="{place(x)}" y="{place(y)}">{text(name)}</text>'
         )
     return f'<g class="names">{"".join(found)}</g>'
 

@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Iterator
 from importlib.metadata import version
 
+from solvers.verifier.claims.outcome import Outcome
 from srgc.report.evidence import Evidence
 from srgc.report.html_text import text
 from srgc.report.sections.spec_source import spec_source
@@ -23,12 +24,28 @@ def check_section(evidence: Evidence) -> str:
     )
     return (
         '<section id="check"><h2>Check it yourself</h2>'
-        "<p>This page proves nothing; the folder does. In the folder of this page:</p>"
-        f'<pre class="commands">{text(commands)}</pre>'
-        "<p>The verifier reads the specification again, recomputes everything else, and shares no "
-        "code with the search but the compiler and the validated integration.</p>"
+        f"<p>{_rests(evidence)} In the folder of this page:</p>"
+        f'<pre class="commands">{text(commands)}</pre>{_verifier(evidence)}'
         f'<div class="scroll"><table class="identity"><tbody>{rows}</tbody></table></div>'
         f"<h3>The specification</h3>{spec_source(evidence)}</section>"
+    )
+
+
+def _rests(evidence: Evidence) -> str:
+    """What proves something."""
+    if evidence.verdict == "unknown":
+        return "Neither this page nor its folder proves anything of the task."
+    if evidence.report is not None and evidence.report.outcome is Outcome.VALID:
+        return "This page proves nothing; the certificate in its folder does."
+    return "This page proves nothing."
+
+
+def _verifier(evidence: Evidence) -> str:
+    if evidence.verdict == "unknown":
+        return ""
+    return (
+        "<p>The verifier reads the specification again, recomputes everything else, and shares no "
+        "code with the search but the compiler and the validated integration.</p>"
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from srgc.report.evaluation_table import Evaluation, varied
 from srgc.report.evidence import Evidence
-from srgc.report.html_text import number, text
+from srgc.report.html_text import many, number, text
 from srgc.report.scatter_chart import Point, plane_chart, scatter_chart
 
 MOST_STRUCTURES = 4
@@ -28,7 +28,8 @@ def evaluations_part(evidence: Evidence) -> str:
     order = sorted(best, key=lambda number: (number != _found(evidence), -best[number], number))
     parts = [_structure(evidence, each) for each in order[:MOST_STRUCTURES]]
     more = len(order) - MOST_STRUCTURES
-    rest = f"<p>{more} more structures were evaluated, less robust.</p>" if more > 0 else ""
+    also = many(more, "more structure")
+    rest = f"<p>There are evaluations of {also}, less robust.</p>" if more > 0 else ""
     design = (
         ", the diamond is the design, which was improved after the last evaluation"
         if evidence.found is not None
@@ -50,13 +51,13 @@ def _structure(evidence: Evidence, structure: int) -> str:
     word = " ".join(words[structure]) if structure < len(words) else "not finished"
     feasible = sum(each.feasible for each in samples)
     head = (
-        f'<p><span class="word">{text(word)}</span>: {len(samples)} evaluations, '
+        f'<p><span class="word">{text(word)}</span>: {many(len(samples), "evaluation")}, '
         f"{feasible} that can be followed</p>"
     )
     shown = samples[-MOST_POINTS:]
     if len(shown) < len(samples):
         head += f"<p>The last {MOST_POINTS} are drawn; all are in <code>evaluations.csv</code>.</p>"
-    figures = [_figure("in order", scatter_chart(*_progress(shown)))]
+    figures = [_figure("in order", scatter_chart(*_progress(shown), counted=True))]
     for name in varied(shown)[:MOST_PARAMETERS]:
         points = _over(evidence, shown, structure, name)
         label, unit = _named(evidence, structure, name)

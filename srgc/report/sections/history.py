@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from srgc.report.evidence import Evidence
-from srgc.report.html_text import number, text
+from srgc.report.html_text import many, number, text
 from srgc.report.sections.designs import designs_part
 from srgc.report.sections.evaluations import evaluations_part, landscape_part
 from srgc.report.structure_groups import GROUPS, TriedRobot, tried_robots
@@ -66,9 +66,10 @@ def _structures(evidence: Evidence, groups: str) -> str:
             if evidence.verdict == "impossible"
             else "<p>No structure was finished.</p>"
         )
+    order = "of their length" if evidence.task.origin is None else "of how many modules they change"
     return (
         "<h3>Structures</h3><p>A structure is a derivation of the grammar. Structures were tried "
-        "in order of their length; those that are the same robot as an earlier one stand beside "
+        f"in order {order}; those that are the same robot as an earlier one stand beside "
         f"it.</p>{groups}"
     )
 
@@ -77,8 +78,8 @@ def _group(verdict: str, robots: Sequence[TriedRobot]) -> str:
     if not robots:
         return ""
     equal = sum(len(each.equal) for each in robots)
-    same = f", {equal} more structures equal to them" if equal else ""
-    robots_said = "1 robot" if len(robots) == 1 else f"{len(robots)} robots"
+    same = f", {many(equal, 'more structure')} equal to {_them(robots)}" if equal else ""
+    robots_said = many(len(robots), "robot")
     shown = robots[:MOST_ROBOTS]
     most = max(2, min(MOST_EQUAL, ALL_EQUAL // len(shown)))
     rows = "".join(_row(each, most) for each in shown)
@@ -92,6 +93,10 @@ def _group(verdict: str, robots: Sequence[TriedRobot]) -> str:
         "<th>why</th><th>the same robot</th></tr></thead>"
         f"<tbody>{rows}</tbody></table></div>{rest}</details>"
     )
+
+
+def _them(robots: Sequence[TriedRobot]) -> str:
+    return "it" if len(robots) == 1 else "them"
 
 
 def _row(robot: TriedRobot, most: int) -> str:
@@ -137,7 +142,8 @@ def _counterexamples(evidence: Evidence) -> str:
     robots = "one robot" if len(numbers) == 1 else f"{len(numbers)} robots"
     return (
         f'<h3>Counterexamples</h3><details data-counterexamples="{len(found)}">'
-        f"<summary>{len(found)} beginnings of cell paths that {robots} could not follow</summary>"
+        f"<summary>{many(len(found), 'beginning')} of cell paths that {robots} could not follow"
+        "</summary>"
         "<p>Each was the shortest beginning of a path that the best motion found cannot follow; "
         "paths that begin so were not tried again. They steer the search and prove nothing.</p>"
         '<div class="scroll"><table><thead><tr><th class="figure">structure</th><th>word</th>'

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from compiler.robots.state_and_input import robot_inputs
 from solvers.verifier.claims.certificate import ImpossibleClaim
 from solvers.verifier.claims.outcome import Outcome
 from solvers.verifier.proofs.tube_checks import Status
 from srgc.report.evidence import Evidence
-from srgc.report.html_text import number, text, with_unit
+from srgc.report.html_text import many, number, text, with_unit
 from srgc.report.structure_groups import tried_robots
 from srgc.report.task_words import task_sentences
+from srgc.report.used_inputs import used_inputs
 from srgc.results.found_design import FoundDesign
+from srgc.text_reports.verification_report import by_map
 
 MODEL = (
     "It is a statement about the robot and the workspace as the specification models them: rigid "
@@ -50,8 +51,25 @@ def _code(sentence: str) -> str:
 def _robot_line(evidence: Evidence) -> str:
     if evidence.found is not None:
         return f'<p class="word">{text(" ".join(evidence.found.claim.word))}</p>'
-    reason = evidence.design["reason"]
-    return f'<p class="reason">{_code(str(reason))}</p>'
+    claim = evidence.claim
+    if isinstance(claim, ImpossibleClaim):
+        return f'<p class="reason">{_code(_claimed(claim))}</p>'
+    return f'<p class="reason">{_code(str(evidence.design["reason"]))}</p>'
+
+
+def _claimed(claim: ImpossibleClaim) -> str:
+    """What a certificate says, which need not be what ``design.json`` says."""
+    if claim.separation is not None:
+        return f"no effector gets from `{claim.separation.source}` to `{claim.separation.target}`"
+    bounded = f"of at most {many(claim.modules or 0, 'module')}"
+    within = "of the family" if claim.modules is None else bounded
+    match len(claim.structures):
+        case 0:
+            return f"the family has no robot {'' if claim.modules is None else bounded}".strip()
+        case 1:
+            return f"the only structure {within} is refuted"
+        case count:
+            return f"all {count} structures {within} are refuted"
 
 
 def _judged(evidence: Evidence) -> tuple[str, str]:
@@ -110,7 +128,7 @@ def _proved_of_unknown(evidence: Evidence) -> str:
 
 def _proved_motion(evidence: Evidence) -> Iterator[str]:
     report = evidence.report
-    count = 0 if report is None else len(report.findings)
+    count = 0 if report is None else len(list(by_map(report.findings)))
     disturbed = (
         " The same holds of every motion that the stated disturbances allow."
         if evidence.task.robust is not None
@@ -120,7 +138,7 @@ def _proved_motion(evidence: Evidence) -> Iterator[str]:
         "This robot, started and driven as its certificate says, does the task at every instant of "
         "its motion, not only at the samples. The verifier followed the nonlinear equations of "
         "motion in ball arithmetic, which rounds outwards, and showed "
-        f"{count} conditions, each with the margin below.{disturbed}"
+        f"{many(count, 'condition')}, which are below with their margins.{disturbed}"
     )
     yield (
         "It was checked again when this page was made, from the specification and the certificate "
@@ -169,21 +187,17 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
         name = f"{parameter.module}.{parameter.name}, symbol {parameter.symbol}"
         yield name, with_unit(float(value), parameter.unit, 5)
     yield "motion", f"{number(float(found.task.step * found.task.steps), 6)} s"
-    unit = _one_unit(found)
-    yield "peak effort", with_unit(design["effort_peak"], unit)
-    yield "robustness", with_unit(design["robustness"], unit)
-    for each in design["satisfy"]:
+    used = used_inputs(found)
+    peaks = [with_unit(each.peak, each.unit) for each in used if each.effort]
+    yield "peak effort", " and ".join(peaks) or number(design["effort_peak"])
+    least = min(used, key=lambda each: each.margin, default=None)
+    yield "robustness", with_unit(design["robustness"], "" if least is None else least.unit)
+    for place, each in enumerate(design["satisfy"], start=1):
         value = each["robustness"]
-        yield "formula, robustness", "always" if value is None else f"{number(value)} m"
-    least = _least_clearance(evidence)
-    if least is not None:
-        yield "least clearance", least
-
-
-def _one_unit(found: FoundDesign) -> str:
-    """The unit of the inputs where they have one in common."""
-    units = {item.unit for item in robot_inputs(found.model)}
-    return units.pop() if len(units) == 1 else ""
+        yield f"satisfy {place}, robustness", "always" if value is None else f"{number(value)} m"
+    clearance = _least_clearance(evidence)
+    if clearance is not None:
+        yield "least clearance", clearance
 
 
 def _least_clearance(evidence: Evidence) -> str | None:

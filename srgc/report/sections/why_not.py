@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from grammar_lang.source import Span
+from grammar_lang.source import Span, written
 from solvers.explanation.conflict import Conflict
 from solvers.verifier.claims.certificate import ImpossibleClaim
 from srgc.report.evidence import Evidence
-from srgc.report.html_text import text
+from srgc.report.html_text import many, text
 from srgc.report.sections.spec_source import line_anchor
 from srgc.report.structure_groups import TriedRobot, tried_robots
 
@@ -74,13 +74,14 @@ def _says(sentence: str) -> str:
 
 
 def _place(evidence: Evidence, span: Span) -> str:
-    """The line that a span begins in, with a link to it in the source below."""
+    """A statement, with a link to the line that it begins in, in the source below."""
     source = evidence.program.sources[span.file]
     number, _ = source.position(span.start)
     place = f"{source.path}:{number}"
     return (
         f'<a href="#{line_anchor(span.file, number)}">{text(place)}</a> '
-        f"<code>{text(source.line(number).strip())}</code>"
+        f"<code>{text(written(span, evidence.program.sources) or source.line(number).strip())}"
+        "</code>"
     )
 
 
@@ -148,10 +149,10 @@ def _kinds(evidence: Evidence, refuted: Sequence[TriedRobot]) -> Iterator[str]:
             parameters, coordinates = (
                 sum(each.parameters for each in sizes), sum(each.coordinates for each in sizes)
             )  # fmt: skip
-            boxes = _many(parameters, "box"), _many(coordinates, "box")
+            boxes = many(parameters, "box"), many(coordinates, "box")
             counted = f", {boxes[0]} of parameters and {boxes[1]} of coordinates in all"
         yield (
-            f"<p>{_many(len(covered), 'robot')} {_is(covered)} refuted by a covering "
+            f"<p>{many(len(covered), 'robot')} {_is(covered)} refuted by a covering "
             f"(<code>proofs/*.boxes</code>{counted}): "
             "all parameters and all coordinates are divided into boxes, on each of which the "
             "verifier computes for itself, in ball arithmetic, whether the robot is blocked. No "
@@ -161,7 +162,7 @@ def _kinds(evidence: Evidence, refuted: Sequence[TriedRobot]) -> Iterator[str]:
     if scripts:
         also = " A covering proves the same without a solver." if covered else ""
         yield (
-            f"<p>{_many(len(scripts), 'robot')} {_is(scripts)} refuted by a script in SMT-LIB 2 "
+            f"<p>{many(len(scripts), 'robot')} {_is(scripts)} refuted by a script in SMT-LIB 2 "
             "(<code>proofs/*.smt2</code>) that asks for poses of the robot at the start and at the "
             "goal, with all parameters free: the solver z3 answered <code>unsat</code>, there are "
             f"none. Limits and dynamics are left out of it, which can only add solutions.{also}</p>"
@@ -170,8 +171,3 @@ def _kinds(evidence: Evidence, refuted: Sequence[TriedRobot]) -> Iterator[str]:
 
 def _is(robots: Sequence[TriedRobot]) -> str:
     return "is" if len(robots) == 1 else "are"
-
-
-def _many(count: int, thing: str) -> str:
-    plural = f"{thing}es" if thing.endswith("x") else f"{thing}s"
-    return f"{count} {thing if count == 1 else plural}"

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from srgc.report.covering_size import covering_size
 from srgc.report.html_text import json_script, number, text, with_unit
 from srgc.report.line_chart import (
+    LEFT,
     MOST_POINTS,
     Curve,
     line_chart,
@@ -26,25 +27,60 @@ from srgc.report.line_chart import (
 from srgc.report.scatter_chart import Point, plane_chart, scatter_chart
 from tests.oracles.html_page import Page
 
+WIDTHS = {"-": 3.8, ".": 3.4, "e": 6.5}
+"""Of characters on the picture, in a wide font (DejaVu Sans of 10.5 px); digits have 6.7."""
 VALUES = st.floats(-1e6, 1e6, allow_nan=False)
 
 
-@given(VALUES, VALUES, st.integers(2, 8))
+@given(VALUES, VALUES, st.integers(4, 8))
 def test_ticks_are_round_inside_and_told_apart(a: float, b: float, most: int) -> None:
     low, high = padded(min(a, b), max(a, b))
     found = ticks(low, high, most)
     span = high - low
-    assert 1 <= len(found) <= most + 1
+    assert 2 <= len(found) <= most + 1
     assert all(low - 1e-6 * span <= value <= high + 1e-6 * span for value in found)
-    if len(found) > 1:
-        steps = [after - before for before, after in pairwise(found)]
-        assert max(steps) - min(steps) <= 1e-6 * span
-        digits = f"{steps[0]:.0e}"[0]
-        assert digits in "125"
-        labels = tick_labels(found)
-        assert len(set(labels)) == len(labels)
-        for label, value in zip(labels, found, strict=True):
-            assert float(label) == pytest.approx(value, abs=1e-3 * steps[0] + 1e-4 * abs(value))
+    steps = [after - before for before, after in pairwise(found)]
+    assert max(steps) - min(steps) <= 1e-6 * span
+    digits = f"{steps[0]:.0e}"[0]
+    assert digits in "125"
+    labels = tick_labels(found)
+    assert len(set(labels)) == len(labels)
+    for label, value in zip(labels, found, strict=True):
+        assert float(label) == pytest.approx(value, abs=1e-3 * steps[0] + 1e-4 * abs(value))
+
+
+@pytest.mark.parametrize("size", [1e-8, 3.7e-6, 1e-4, 0.02, 1.0, 700.0, 2.3e6, 8e11])
+def test_labels_have_room_beside_the_axis(size: float) -> None:
+    """A label that is cut off on the left would be another number."""
+    times = np.array([0.0, 1.0, 2.0])
+    values = np.array([-size, 0.3 * size, size])
+    curve = Page(line_chart(Curve("u1", "u1", "N", times, values)))
+    points = [Point(float(t), float(v), "good", "") for t, v in zip(times, values, strict=True)]
+    for page in (curve, Page(scatter_chart(points, "x", "m"))):
+        labels = [e for e in page.all("text", text_anchor="end") if e.attributes["x"] != "348.0"]
+        assert len(labels) > 1
+        assert max(sum(WIDTHS.get(c, 6.7) for c in e.text) for e in labels) <= LEFT - 5
+        shown = [float(e.text) for e in labels]
+        assert shown == sorted(shown)
+        assert min(shown) < 0 < max(shown)
+        heights = [float(e.attributes["y"]) for e in labels]
+        fitted = np.polyval(np.polyfit(shown, heights, 1), shown)
+        np.testing.assert_allclose(fitted, heights, atol=0.2)
+
+
+def test_the_unit_stands_behind_the_last_time() -> None:
+    times = np.array([0.0, 0.6, 1.2])
+    page = Page(line_chart(Curve("q1", "q1", "rad", times, times)))
+    labels = [e.text for e in page.all("text", text_anchor="middle")]
+    assert labels[-1] == "1.2 s"
+    assert not any(label.endswith("s") for label in labels[:-1])
+    assert "s" not in [e.text for e in page.all("text")]
+
+
+def test_counts_have_whole_labels() -> None:
+    points = [Point(1.0, 2.0, "good", "")]
+    page = Page(scatter_chart(points, "the evaluations", "evaluation", counted=True))
+    assert [e.text for e in page.all("text", text_anchor="middle")] == ["1"]
 
 
 def test_a_constant_has_a_scale() -> None:
@@ -73,7 +109,9 @@ def test_a_curve_passes_through_its_values() -> None:
     first, last = float(svg.attributes["data-x0"]), float(svg.attributes["data-x1"])
     assert [x for x, _ in points] == pytest.approx([first, (first + last) / 2, last], abs=0.06)
     lines = [
-        float(e.attributes["y1"]) for e in page.all("line", x1="46") if "class" not in e.attributes
+        float(e.attributes["y1"])
+        for e in page.all("line", x1=str(LEFT))
+        if "class" not in e.attributes
     ]
     labels = [float(e.text) for e in page.all("text", text_anchor="end")]
     heights = np.polyfit(labels, lines, 1)
@@ -125,7 +163,7 @@ def test_a_landscape_has_a_field_per_point() -> None:
 @pytest.mark.parametrize(
     ("value", "shown"),
     [(0.0, "0"), (-0.0, "0"), (1234567.0, "1235000"), (1.25e-5, "0.0000125"), (2.0, "2"),
-     (1e-9, "1e-09"), (math.inf, "∞"), (-1.5, "-1.5")],
+     (1e-9, "1e-9"), (-2.5e12, "-2.5e12"), (math.inf, "∞"), (-1.5, "-1.5")],
 )  # fmt: skip
 def test_numbers_are_short(value: float, shown: str) -> None:
     assert number(value) == shown

@@ -114,9 +114,6 @@ def test_fields_that_are_wrong(srgc: Srgc, result: Result, key: str, value: obje
 @pytest.mark.parametrize(
     ("name", "content"),
     [
-        ("trajectory.csv", "t,q1\n0,x\n"),
-        ("trajectory.csv", "t,q1,qd1,u1,e1_x,e1_y\n0,0,0,nan,0,0\n1,0,0,,0,0\n"),
-        ("trajectory.csv", ""),
         ("evaluations.csv", "structure,path,rho\n0,0,?\n"),
         ("landscape.csv", "4.length,rho,feasible\n1,2\n"),
         ("pareto.json", '{"designs": [1]}'),
@@ -131,6 +128,21 @@ def test_files_that_are_none_of_ours(srgc: Srgc, result: Result, name: str, cont
     assert (ran.status, ran.out) == (2, "")
     assert name in ran.err
     assert len(ran.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("content", [None, "", "t,q1\n0,x\n", "half"])
+def test_the_motion_is_that_of_the_certificate(result: Result, content: str | None) -> None:
+    """``trajectory.csv`` has no digest: what it says, or that it is gone, changes nothing."""
+    folder = result("turner")
+    before = page_of(folder).data("chart-data")
+    path = folder / "trajectory.csv"
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    if content is None:
+        path.unlink()
+    else:
+        altered = "".join(lines[: len(lines) // 2]).replace("0.", "1.")
+        path.write_text(altered if content == "half" else content, encoding="utf-8")
+    assert page_of(folder).data("chart-data") == before
 
 
 def test_a_folder_without_its_tables(result: Result) -> None:

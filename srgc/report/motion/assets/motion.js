@@ -196,13 +196,16 @@
       readings.sample.textContent = String(sample);
       between(times, motion.q, t).forEach((value, i) => {
         const turns = motion.kinds[i] === "revolute";
-        readings.q[i].textContent = turns ? (value * 180 / Math.PI).toFixed(1) + "°" : value.toFixed(4) + " m";
+        readings.q[i].textContent = turns ? (value * 180 / Math.PI).toFixed(1) + "°" : short(value, 4) + " m";
       });
       slider.value = String(Math.min(Math.round(t / motion.step), motion.steps));
       slider.setAttribute("aria-valuetext", shortTime(t) + " s");
     }
 
-    const shortTime = (t) => String(Number(t.toFixed(end < 1 ? 4 : 3)));
+    const short = (value, digits) => String(Number(value.toPrecision(digits)));
+    // As fine as a thousandth of a step, and no finer than a millisecond where steps are long.
+    const decimals = Math.min(Math.max(Math.ceil(1 - Math.log10(motion.step)), 3), 12);
+    const shortTime = (t) => String(Number(t.toFixed(decimals)));
 
     function draw() {
       const row = between(times, motion.points, now);

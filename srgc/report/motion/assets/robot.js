@@ -13,6 +13,8 @@
   marks.forEach((mark) => {
     mark.addEventListener("pointerenter", () => light(mark.dataset.symbol));
     mark.addEventListener("pointerleave", () => light(""));
+    // Parts of pictures that listen to the focus would be stops of the tab key in some browsers.
+    if (!(mark instanceof HTMLElement)) return;
     mark.addEventListener("focus", () => light(mark.dataset.symbol));
     mark.addEventListener("blur", () => light(""));
   });
