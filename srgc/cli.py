@@ -1,8 +1,8 @@
 """The command line: arguments, output and exit statuses, nothing else.
 
 Exit statuses: 0, 1, 3 and 4 as each command says; 2 usage, 5 the spec has errors, 70 internal
-error, 130 interrupted.  Nothing is imported here but what a function needs: until ``main`` has
-seen to it, an interrupt is a traceback of Python's.
+error, 130 interrupted, 141 nobody reads the output.  Nothing is imported here but what a function
+needs: until ``main`` has seen to it, an interrupt is a traceback of Python's.
 """
 
 from __future__ import annotations

@@ -86,6 +86,8 @@ class CommandTable(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """As click does it; a name that is no command is met with the nearest one."""
         name = args[0]
+        if name == "help":  # as of git and cargo
+            return self.resolve_command(ctx, [*args[1:2], "--help"])
         if name not in TABLE and name[:1].isalnum() and not ctx.resilient_parsing:
             from difflib import get_close_matches
 

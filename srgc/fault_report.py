@@ -6,16 +6,16 @@ import errno
 import os
 import sys
 from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 
 import click
 
-from srgc.exit_status import INTERNAL, INTERRUPTED, SPEC_ERRORS, UNKNOWN, USAGE
+from srgc.exit_status import INTERNAL, INTERRUPTED, NO_READER, SPEC_ERRORS, UNKNOWN, USAGE
 from srgc.faults import MOST_FINDINGS, Checked, NoAnswer, SpecErrors, UsageFault
 from srgc.interruption import interrupted_text
-from srgc.terminal import colours
+from srgc.terminal import colours, silence
 
-NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
+NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 def guarded(action: Callable[[], int]) -> int:
@@ -25,10 +25,12 @@ def guarded(action: Callable[[], int]) -> int:
     except (BrokenPipeError, SystemExit):
         return _no_reader()
     except BaseException as error:
+        status, tell = _report(error)
         try:
-            return _reported(error)
-        except BrokenPipeError:
-            return _no_reader()
+            tell()
+        except OSError:  # nobody reads it, or the disk is full: the status still says it
+            silence(sys.stderr)
+        return status
 
 
 def show(checked: Checked, *, stderr: bool) -> None:
@@ -40,55 +42,51 @@ def show(checked: Checked, *, stderr: bool) -> None:
     click.echo(text, err=stderr, nl=False, color=True)
 
 
-def _reported(error: BaseException) -> int:
-    """Say what happened; the status."""
+def _report(error: BaseException) -> tuple[int, Callable[[], None]]:
+    """The status of an exception, and what says what happened."""
     match error:
         case UsageFault():
-            click.echo(f"error: {error}", err=True)
-            return USAGE
-        case SpecErrors():
-            show(error.checked, stderr=True)
-            return SPEC_ERRORS
+            return USAGE, _message(f"error: {error}")
+        case SpecErrors(checked=checked):
+            return SPEC_ERRORS, partial(show, checked, stderr=True)
         case click.exceptions.NoArgsIsHelpError():
-            click.echo(error.format_message(), err=True)
-            return USAGE
+            return USAGE, _message(error.format_message())
         case click.ClickException():
-            error.show()
-            return USAGE
+            return USAGE, error.show
         case click.Abort() | KeyboardInterrupt():
-            click.echo(interrupted_text(), err=True)
-            return INTERRUPTED
+            return INTERRUPTED, _message(interrupted_text())
         case Exception():
             return _fault(error)
         case _:
             raise error
 
 
-def _fault(error: Exception) -> int:
-    """Report an answer that could not be had, a device that takes no more, or a fault of srgc."""
+def _fault(error: Exception) -> tuple[int, Callable[[], None]]:
+    """Of an answer that could not be had, a device that takes no more, or a fault of srgc."""
     from compiler.languages.budget import BudgetExceededError
 
     if isinstance(error, BudgetExceededError | NoAnswer):
-        click.echo(f"unknown: {error}", err=True)
-        return UNKNOWN
+        return UNKNOWN, _message(f"unknown: {error}")
     if isinstance(error, OSError) and error.errno in NO_SPACE:
-        click.echo(f"error: the output cannot be written: {error.strerror}", err=True)
-        return USAGE
+        return USAGE, _message(f"error: the output cannot be written: {error.strerror}")
     if "SRGC_TRACEBACK" in os.environ:
         raise error
     kind = type(error).__name__
-    click.echo(
+    return INTERNAL, _message(
         f"internal error: {kind}: {error}\n"
-        "this is a fault of srgc, not of your file; SRGC_TRACEBACK=1 shows where it is",
-        err=True,
+        "this is a fault of srgc, not of your file; SRGC_TRACEBACK=1 shows where it is"
     )
-    return INTERNAL
+
+
+def _message(text: str) -> Callable[[], None]:
+    return partial(click.echo, text, err=True)
 
 
 def _no_reader() -> int:
-    """The reader has gone (click turns that into an exit of its own): no more can be said."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
+    """The reader has gone (click turns that into an exit of its own): no more can be said.
+
+    Not 0, which says that all is well: 141 is what a shell says of a program that such a pipe ends.
+    """
     for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError, AttributeError):  # closed before, or a stand-in
-            os.dup2(nowhere, stream.fileno())
-    return 0
+        silence(stream)
+    return NO_READER

@@ -134,7 +134,8 @@ def _wait(reader: int) -> None:
     """End the process at the first signal, or where it cleans up, soon after it or at the next."""
     while os.read(reader, 1)[0] not in SIGNALS:
         pass
-    if _STATE.gentle:
+    # The block may be over by now: what it does about the exception comes after it.
+    if _STATE.gentle or _STATE.raised:
         select([reader], [], [], PATIENCE)
     end()
 
@@ -146,12 +147,19 @@ def end() -> None:
         # Not by the stream, whose lock the main thread may hold.
         clear = "\r\x1b[2K\x1b[?25h" if _STATE.redrawn else ""
         with suppress(OSError):
-            os.write(2, f"{clear}{interrupted_text()}\n".encode(errors="backslashreplace"))
+            last = os.dup(2)
+            _silence(2)  # a thread that redraws would write below the last line
+            os.write(last, f"{clear}{interrupted_text()}\n".encode(errors="backslashreplace"))
     _release_semaphores()
     for child in _children(os.getpid()):
         with suppress(OSError):
             os.kill(child, signal.SIGKILL)
     os._exit(INTERRUPTED)
+
+
+def _silence(descriptor: int) -> None:
+    """What is written there from now on goes nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
 
 
 def _release_semaphores() -> None:

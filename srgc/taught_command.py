@@ -9,9 +9,10 @@ import click
 
 ALWAYS = {
     2: "wrong usage, or a file that cannot be read or written",
-    5: "the spec has errors",
+    5: "the spec has errors, or is not there",
     70: "a fault of srgc",
     130: "interrupted",
+    141: "nobody reads the output any more",
 }
 """Statuses that every command may end with; 5 only those that read a spec."""
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import codecs
 import os
 import sys
+from contextlib import suppress
 from typing import TextIO
 
 ESCAPED = "srgc.escaped"
@@ -40,6 +41,17 @@ def redraws(stream: TextIO | None) -> bool:
 def out_colours() -> bool:
     """Whether text on standard output is coloured."""
     return colours(sys.stdout)
+
+
+def silence(stream: TextIO | None) -> None:
+    """From now on what is written to a stream goes nowhere: its device takes no more.
+
+    What is still in its buffer would otherwise be tried again at the end, and be a fault.
+    """
+    with suppress(OSError, ValueError, AttributeError):  # closed before, or a stand-in
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())  # type: ignore[union-attr]
+        os.close(nowhere)
 
 
 def escape_unencodable() -> None:

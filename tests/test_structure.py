@@ -36,9 +36,35 @@ def test_ruff():
     assert finished.returncode == 0, finished.stdout
 
 
-def test_types():
+def test_types(tmp_path):
     finished = tool("mypy")
     assert finished.returncode == 0, finished.stdout
+    # With what mypy remembers by now, this takes little time.
+    a_strictly_typed_program_is_accepted(tmp_path)
+
+
+def a_strictly_typed_program_is_accepted(tmp_path):
+    """But for the line that mistakes the types, so that they are known at all."""
+    sample = tmp_path / "sample.py"
+    sample.write_text(
+        "import srgc\n"
+        "program = srgc.load('arm.srg')\n"
+        "words: list[str] = srgc.words(program, limit=3)\n"
+        "result = srgc.synthesize(program, seed=1)\n"
+        "if result.verdict == 'found' and result.word is not None:\n"
+        "    robot = srgc.robot(program, result.word, result.parameters)\n"
+        "    total: float = robot.mass_matrix([0.1, 0.2]).sum()\n"
+        "    urdf: str = srgc.export(result, 'urdf')\n"
+        "    left: float = min(srgc.verify(result).margins.values())\n"
+        "try:\n    srgc.check(text='module')\n"
+        "except srgc.SrgcError as error:\n    print(str(error).upper())\n"
+        "wrong: int = srgc.words(program)\n",
+        encoding="utf-8",
+    )
+    found = tool("mypy", "--strict", "--python-executable", sys.executable, sample)
+    [told] = [line for line in found.stdout.splitlines() if line.startswith(str(sample))]
+    assert told.startswith(f"{sample}:14: error: Incompatible types in assignment")
+    assert '"list[str]", variable has type "int"' in told
 
 
 def test_no_file_is_over_four_hundred_lines():

@@ -9,6 +9,7 @@ import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from threading import RLock
 from typing import Any
 
 from flint import arb, arb_series, ctx, fmpq
@@ -23,16 +24,21 @@ from compiler.arithmetic.scalars import (
 )
 from grammar_lang import ir
 
+_CONTEXT = RLock()
+"""flint has one context for all threads.  A series that another thread cuts short has coefficients
+that are 0 and should not be: what is then computed contains nothing."""
+
 
 @contextmanager
 def working_precision(bits: int) -> Iterator[None]:
-    """Ball arithmetic with so many bits within the block."""
-    before = ctx.prec, ctx.cap
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec, ctx.cap = before
+    """Ball arithmetic with so many bits within the block; other threads wait for theirs."""
+    with _CONTEXT:
+        before = ctx.prec, ctx.cap
+        ctx.prec = bits
+        try:
+            yield
+        finally:
+            ctx.prec, ctx.cap = before
 
 
 def ball(value: Fraction | int) -> arb:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
@@ -11,6 +12,7 @@ from contextlib import contextmanager
 from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from threading import Thread
+from types import ModuleType
 
 from solvers.execution.in_order import in_order
 from solvers.execution.one_thread import ONE_THREAD
@@ -113,15 +115,19 @@ def _as_workers_start() -> Iterator[None]:
     """Processes started in the block have libraries with one thread, and no interrupts.
 
     Those are for their parent to handle: one that comes in the block is handled after it, or by
-    another thread of the parent.
+    another thread of the parent.  The processes do not run the program of their parent first, as
+    :mod:`multiprocessing` would have it: no job needs it, and a script may do anything.
     """
+    program = sys.modules["__main__"]
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     resource_tracker.ensure_running()  # it would end what follows
     os.environ.update(ONE_THREAD)
     blocked = _blocked({signal.SIGINT})
+    sys.modules["__main__"] = ModuleType("__main__")
     try:
         yield
     finally:
+        sys.modules["__main__"] = program
         for name, value in before.items():
             if value is None:
                 del os.environ[name]

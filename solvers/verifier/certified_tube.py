@@ -29,6 +29,9 @@ from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
 
 Array = NDArray[np.float64]
 
+FLOAT_BITS = 53
+"""Bounds at an instant are floats: more bits do not make them narrower than that."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CertifiedTube:
@@ -61,7 +64,8 @@ class CertifiedTube:
         Raises:
             ValueError: the motion has ended, or has not begun.
         """
-        return _bounds(_joint_states(self.rows, self._state(time)))
+        with working_precision(FLOAT_BITS):
+            return _bounds(_joint_states(self.rows, self._state(time)))
 
     def points_at(self, time: float) -> Array:
         """Bounds (p, d, 2) of the positions of all points at an instant, in m.
@@ -69,7 +73,8 @@ class CertifiedTube:
         Raises:
             ValueError: the motion has ended, or has not begun.
         """
-        return np.array([_bounds(place) for place in self.reading.positions(self._state(time))])
+        with working_precision(FLOAT_BITS):
+            return np.array([_bounds(place) for place in self.reading.positions(self._state(time))])
 
     def _state(self, time: float) -> list[arb]:
         if not 0 <= time <= self.times[-1]:

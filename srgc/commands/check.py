@@ -14,7 +14,7 @@ from srgc.taught_command import TaughtCommand
 @click.command(
     cls=TaughtCommand,
     examples=["srgc check specs/planar_arm.srg", "srgc check --json specs/patrol.srg"],
-    statuses={0: "no errors; there may be warnings", 1: "errors"},
+    statuses={0: "no errors; there may be warnings", 1: "errors, or no such file"},
     reads_spec=False,
     read_on="docs/reference/language.md, and `srgc explain CODE` on a finding",
 )

@@ -6,6 +6,29 @@ import click
 
 from srgc.taught_command import TaughtCommand
 
+BASH = """\
+%(complete_func)s() {
+    local kind value response typed="${COMP_WORDS[COMP_CWORD]}"
+    response=$(IFS=$'\\n'; env COMP_WORDS="${COMP_WORDS[*]}" COMP_CWORD=$COMP_CWORD \\
+        %(complete_var)s=bash_complete "$1")
+    COMPREPLY=()
+    while IFS=, read -r kind value; do
+        case $kind in
+            dir) compopt -o dirnames ;;
+            file) compopt -o default ;;
+            plain)
+                # Between quotes as it is; elsewhere a blank needs a backslash.
+                [[ $typed == [\\"\\']* ]] || printf -v value %%q "$value"
+                COMPREPLY+=("$value") ;;
+        esac
+    done <<< "$response"
+    return 0
+}
+
+complete -o nosort -F %(complete_func)s %(prog_name)s
+"""
+"""As click's own, which breaks names with blanks."""
+
 
 @click.command(
     cls=TaughtCommand,
@@ -31,6 +54,8 @@ def completion(shell: str) -> int:
     kind = get_completion_class(shell)
     if kind is None:  # pragma: no cover (click has had all three since 8.0)
         raise click.UsageError(f"click completes nothing for {shell}")
-    # Not its own method, which starts bash for its version.
-    click.echo(ShellComplete.source(kind(cli, {}, "srgc", COMPLETE)))
+    found = kind(cli, {}, "srgc", COMPLETE)
+    # Not the class's own method, which starts bash for its version.
+    text = BASH % found.source_vars() if shell == "bash" else ShellComplete.source(found)
+    click.echo(text)
     return 0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import click
 
 from srgc.faults import UsageFault
@@ -33,6 +35,8 @@ def lsp(stdio: bool, port: int | None) -> int:  # noqa: FBT001
     from srgc.language_server.serving import serve_stdio, serve_tcp
 
     if port is None:
+        if sys.stdin is None or sys.stdout is None:
+            raise UsageFault("standard input or output is closed: an editor starts `srgc lsp`")
         return serve_stdio()
     try:
         return serve_tcp(port)

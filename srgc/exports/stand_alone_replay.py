@@ -17,35 +17,73 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import mujoco
+try:
+    import mujoco
+except ModuleNotFoundError:
+    sys.exit("MuJoCo is not installed; it comes with: pip install mujoco")
 
 FOLDER = Path(__file__).resolve().parent
+MOST_STEPS = 100_000_000
 
 
-def rows(name: str) -> list[dict[str, str]]:
-    """The rows of a table."""
-    with (FOLDER / name).open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+def rows(name: str, *columns: str) -> list[dict[str, float]]:
+    """The rows of a table of numbers with these columns at least; empty cells are left out."""
+    try:
+        with (FOLDER / name).open(encoding="utf-8", newline="") as file:
+            table = [
+                {key: float(cell) for key, cell in row.items() if cell}
+                for row in csv.DictReader(file)
+            ]
+    except (OSError, ValueError, TypeError) as error:
+        sys.exit(f"{name} cannot be read: {error}")
+    for number, row in enumerate(table, start=2):
+        lacking = [column for column in columns if not math.isfinite(row.get(column, math.nan))]
+        if lacking:
+            sys.exit(f"{name}, line {number}: there is no number for {lacking[0]}")
+    return table
+
+
+def planned(model: mujoco.MjModel) -> list[dict[str, float]]:
+    """The samples of the planned motion."""
+    joints = [model.joint(i).name for i in range(model.njnt)]
+    kinds = [f"{kind}.{joint}" for kind in ("position", "velocity") for joint in joints]
+    return rows("trajectory.csv", "t", *kinds)
+
+
+def torques(model: mujoco.MjModel) -> list[dict[str, float]]:
+    """What is held in each step."""
+    return rows("torques.csv", *(model.actuator(i).name for i in range(model.nu)))
 
 
 def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
     """The robot at its start, and how many steps of the simulation are one of the task."""
-    model = mujoco.MjModel.from_xml_string((FOLDER / "robot.xml").read_text(encoding="utf-8"))
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    try:
+        model = mujoco.MjModel.from_xml_string((FOLDER / "robot.xml").read_text(encoding="utf-8"))
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"robot.xml cannot be loaded: {error}")
+    # A simulation that diverges is not to begin anew unseen.
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     mujoco.mj_forward(model, data)
-    times = [float(row["t"]) for row in rows("trajectory.csv")]
-    step = times[-1] / (len(times) - 1)
-    steps = max(1, math.ceil(step / (timestep or model.opt.timestep) - 1e-9))
+    samples = planned(model)
+    count = len(torques(model))
+    if not 0 < count == len(samples) - 1:
+        sys.exit("torques.csv does not have a row for every step of trajectory.csv")
+    step = samples[-1]["t"] / count
+    longest = timestep or model.opt.timestep
+    if samples[-1]["t"] / longest > MOST_STEPS:
+        sys.exit(f"that is more than {MOST_STEPS} steps; choose a longer --timestep")
+    steps = max(1, math.ceil(step / longest - 1e-9))
     model.opt.timestep = step / steps
     return model, data, steps
 
 
 def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[None]:
     """Hold every row of torques for its step; stop after every step of the simulation."""
-    for row in rows("torques.csv"):
+    for row in torques(model):
         for i in range(model.nu):
-            data.ctrl[i] = float(row[model.actuator(i).name])
+            data.ctrl[i] = row[model.actuator(i).name]
         for _ in range(steps):
             mujoco.mj_step(model, data)
             yield
@@ -53,20 +91,22 @@ def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[No
 
 def differences(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> tuple[float, float]:
     """The largest differences of a position and of a velocity at the samples of the plan."""
-    planned = rows("trajectory.csv")
+    samples = planned(model)
     largest = [0.0, 0.0]
 
-    def compare(row: dict[str, str]) -> None:
+    def compare(row: dict[str, float]) -> None:
         for i in range(model.njnt):
             joint = data.joint(i)
             for k, (kind, value) in enumerate((("position", joint.qpos), ("velocity", joint.qvel))):
-                gap = abs(float(value[0]) - float(row[f"{kind}.{joint.name}"]))
+                gap = abs(float(value[0]) - row[f"{kind}.{joint.name}"])
+                if not math.isfinite(gap):
+                    sys.exit(f"the simulation diverges with steps of {model.opt.timestep:g} s")
                 largest[k] = max(largest[k], gap)
 
-    compare(planned[0])
+    compare(samples[0])
     for number, _ in enumerate(moved(model, data, steps), start=1):
         if number % steps == 0:
-            compare(planned[number // steps])
+            compare(samples[number // steps])
     return largest[0], largest[1]
 
 

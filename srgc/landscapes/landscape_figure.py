@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -13,7 +12,7 @@ from compiler.discretisation.float_reading import Array
 from solvers.parameters.sample import Sample
 from srgc.landscapes.landscape import Landscape
 from srgc.landscapes.landscape_request import Axis
-from srgc.pictures.svg_figure import COLOURS, INK, PATH, SETTINGS, svg_text
+from srgc.pictures.svg_figure import COLOURS, INK, PATH, figure_settings, svg_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +25,7 @@ NOTHING = "no point of the grid is feasible"
 
 def landscape_svg(content: Landscape, title: str) -> str:
     """The picture; ``title`` is above it."""
-    with mpl.rc_context(SETTINGS):
+    with figure_settings():
         wide = len(content.axes) == 2
         figure = Figure(figsize=(6.8, 5.6) if wide else (6.8, 4.2), layout="constrained")
         FigureCanvasSVG(figure)

@@ -70,7 +70,12 @@ class Protocol(LanguageServerProtocol):
         request = getattr(message, "id", None) if method is not None else None
         if request is not None and message.jsonrpc != self.VERSION:
             self.refuse(request, _INVALID_REQUEST, "this is not JSON-RPC 2.0")
-        elif method is None or method == lsp.EXIT:
+        elif method == lsp.EXIT:
+            try:
+                super().handle_message(message)
+            finally:
+                self.writer = None  # what still comes to an end is told to nobody
+        elif method is None:
             super().handle_message(message)
         elif self.stopped:
             if request is not None:
@@ -84,6 +89,21 @@ class Protocol(LanguageServerProtocol):
             self.initialized = True
             self.stopped = method == lsp.SHUTDOWN
             super().handle_message(message)
+
+    @lsp_method(lsp.SHUTDOWN)
+    def lsp_shutdown(self, *args: Any) -> Any:
+        """As pygls does it, which gives no answer where a request is going on."""
+        yield self.fm.features[lsp.SHUTDOWN], args, None
+        own = self.msg_id
+        for request, future in [*self._request_futures.items()]:
+            if request != own:
+                future.cancel()
+        self._shutdown = True
+
+    def _run_generator(self, future: Any, *, gen: Any, result_future: Any) -> None:
+        """As pygls does it; work that the end of the loop has cancelled has no result."""
+        if future is None or not future.cancelled():
+            super()._run_generator(future, gen=gen, result_future=result_future)
 
     # --- documents: kept by ``OpenDocuments`` alone ----------------------------------------------
 

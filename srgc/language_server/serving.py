@@ -26,7 +26,8 @@ def serve_stdio() -> int:
     # Whatever else prints, a library or a child, must not break into the protocol.
     sys.stdout.flush()
     channel = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    aside = os.open(os.devnull, os.O_WRONLY) if sys.stderr is None else sys.stderr.fileno()
+    os.dup2(aside, sys.stdout.fileno())
     server = Server()
     try:
         server.start_io(sys.stdin.buffer, channel)

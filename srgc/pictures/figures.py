@@ -6,7 +6,6 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -19,7 +18,7 @@ from compiler.robots.robot import WORLD
 from grammar_lang import ir
 from solvers.design import Design
 from solvers.synthesis import Synthesis
-from srgc.pictures.svg_figure import ARM, COLOURS, INK, PATH, SETTINGS, svg_text
+from srgc.pictures.svg_figure import ARM, COLOURS, INK, PATH, figure_settings, svg_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +39,7 @@ def workspace_figure(
     n = len(design.model.dofs)
     reading = FloatReading(robot_graph(design.model, task.gravity))
     points = reading.points(trajectory.x[:, :n], trajectory.theta).value[..., :2]
-    with mpl.rc_context(SETTINGS):
+    with figure_settings():
         figure = Figure(figsize=(6.6, 6.2))
         figure.subplots_adjust(left=0.09, right=0.98, bottom=0.08, top=0.92)
         FigureCanvasSVG(figure)
@@ -213,7 +212,7 @@ def input_figure(design: Design, task: ir.Task) -> str:
     """Inputs over time with their bounds (case study, figure (b))."""
     trajectory = design.configuration.outcome.trajectory
     time: Array = np.arange(task.steps + 1, dtype=np.float64) * float(task.step)
-    with mpl.rc_context(SETTINGS):
+    with figure_settings():
         bounds = input_bounds(design.model, task)
         height = 2.6 * max(1, len(bounds)) + 0.6
         figure = Figure(figsize=(7.2, height))

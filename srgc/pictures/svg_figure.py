@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import RLock
 from typing import Any
 
+import matplotlib as mpl
 from matplotlib.figure import Figure
 
 COLOURS = {"obstacle": "#d1495b", "target": "#4c956c", "region": "#8d99ae"}
@@ -17,6 +21,19 @@ SETTINGS: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
+
+
+_SETTINGS = RLock()
+"""matplotlib's settings are those of the process."""
+
+
+@contextmanager
+def figure_settings() -> Iterator[None]:
+    """In the block the settings are ours alone, whatever a notebook or another thread has set."""
+    with _SETTINGS, mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(SETTINGS)
+        yield
 
 
 def svg_text(figure: Figure) -> str:

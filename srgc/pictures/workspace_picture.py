@@ -26,7 +26,7 @@ from compiler.geometry.polytope import AXES, Polytope, polytope_of
 from compiler.geometry.volume import around
 from compiler.views.workspace_view import cell_label, drawn
 from grammar_lang.ir import Workspace
-from srgc.pictures.svg_figure import COLOURS, INK, PATH, SETTINGS, svg_text
+from srgc.pictures.svg_figure import COLOURS, INK, PATH, figure_settings, svg_text
 
 Array = NDArray[np.float64]
 PAPER, MOST_PAPER = 7.0, 16.0
@@ -64,7 +64,7 @@ def workspace_svg(
     size = float(np.clip(0.55 * len(abstraction.cells) ** 0.5, PAPER, MOST_PAPER))
     scale = size / float((high - low).max())
     width, height = scale * (high - low)
-    with mpl.rc_context(SETTINGS):
+    with figure_settings():
         figure = Figure(figsize=(max(width, 3.5) + 0.9, height + 1.3), layout="constrained")
         FigureCanvasSVG(figure)
         axes = figure.add_subplot()

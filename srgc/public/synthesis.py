@@ -36,8 +36,7 @@ def synthesize(
             interrupted goes on from there.  By default a temporary folder, which lasts as long as
             the result; ``Result.save`` keeps it.
         seed: of everything that is drawn; the same seed gives the same result.
-        jobs: how many processes search.  With several, the calling module has to be importable, as
-            :mod:`multiprocessing` says; the result is the same.
+        jobs: how many processes search; the result is the same.
         time_limit: seconds, after which the verdict is unknown.
         cells: begin with at least so many cells.
         every: go on after the first robot, and compare all of them.

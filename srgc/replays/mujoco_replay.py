@@ -52,14 +52,10 @@ def replay_in_mujoco(design: FoundDesign, count: int, integrator: str) -> Replay
         integrator: one of the ``INTEGRATORS``.
 
     Raises:
-        UsageFault: MuJoCo is not installed, its format does not hold the robot, there are too many
-            steps, or the simulation diverges.
+        UsageFault: as ``refuse_unsimulable``, or the simulation diverges.
     """
-    mujoco = mujoco_module()
-    text = mujoco_text(design)
+    mujoco, text = refuse_unsimulable(design, count)
     step, planned = design.task.step, planned_inputs(design)
-    if count * len(planned.u) > MOST_STEPS:
-        raise UsageFault(f"that is more than {MOST_STEPS} steps; choose a longer --timestep")
     model = mujoco.MjModel.from_xml_string(text)
     model.opt.timestep = float(step / count)
     model.opt.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[integrator])
@@ -77,18 +73,34 @@ def replay_in_mujoco(design: FoundDesign, count: int, integrator: str) -> Replay
     )
 
 
+def refuse_unsimulable(design: FoundDesign, count: int) -> tuple[ModuleType, str]:
+    """MuJoCo and its model of a robot; ``count`` steps are to be one of the task.
+
+    Raises:
+        UsageFault: MuJoCo cannot be loaded, its format does not hold the robot, or there are too
+            many steps.
+    """
+    mujoco, text = mujoco_module(), mujoco_text(design)
+    if count * design.task.steps > MOST_STEPS:
+        raise UsageFault(f"that is more than {MOST_STEPS} steps; choose a longer --timestep")
+    return mujoco, text
+
+
 def mujoco_module() -> ModuleType:
     """The library.
 
     Raises:
-        UsageFault: it is not installed.
+        UsageFault: it is not installed, or cannot be loaded.
     """
     try:
         return import_module("mujoco")
-    except ImportError:
+    except ModuleNotFoundError:
         raise UsageFault(
             'MuJoCo is not installed; it comes with: pip install "srgc[mujoco]"'
         ) from None
+    except Exception as error:
+        # It raises whatever goes wrong as it looks for a way to render.
+        raise UsageFault(f"MuJoCo cannot be loaded: {error}") from None
 
 
 def _simulated(

@@ -16,7 +16,7 @@ from srgc.exports.design_names import design_names, design_tree
 from srgc.exports.exported_motion import POSITION_UNITS
 from srgc.exports.mjcf import substeps
 from srgc.faults import NoAnswer, UsageFault
-from srgc.replays.mujoco_replay import replay_in_mujoco
+from srgc.replays.mujoco_replay import refuse_unsimulable, replay_in_mujoco
 from srgc.replays.replayed_motion import ReplayedMotion
 from srgc.replays.tube_comparison import TubeComparison, tube_comparison
 from srgc.results.found_design import FoundDesign, found_design
@@ -57,8 +57,11 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
         NoAnswer: the motion cannot be enclosed.
     """
     design = found_design(folder)
-    motions = list(_motions(design, request))
+    if request.simulator == "mujoco":
+        refuse_unsimulable(design, _count(design, request) * 2**request.halvings)
+    # Before the motions: what has no tube may spin as fast as it likes.
     tube = _tube(folder)
+    motions = list(_motions(design, request))
     names = design_names(design, design_tree(design))
     units = [POSITION_UNITS[dof.kind] for dof in design.model.dofs]
     joints = list(zip(names.joints, units, strict=True))
@@ -72,12 +75,16 @@ def _motions(design: FoundDesign, request: ReplayRequest) -> Iterator[ReplayedMo
 
         yield replay_in_python(design)
         return
-    step = design.task.step
-    count = substeps(step)
-    if request.timestep is not None:
-        count = max(1, ceil(step / request.timestep))
+    count = _count(design, request)
     for halving in range(request.halvings + 1):
         yield replay_in_mujoco(design, count * 2**halving, request.integrator)
+
+
+def _count(design: FoundDesign, request: ReplayRequest) -> int:
+    """Into how many steps of the first simulation a step of the task is divided."""
+    if request.timestep is None:
+        return substeps(design.task.step)
+    return max(1, ceil(design.task.step / request.timestep))
 
 
 def _tube(folder: Path) -> CertifiedTube:

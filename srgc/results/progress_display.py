@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING
 
 from srgc.interruption import redrawing
 from srgc.results.estimate import duration_text, estimate_text
-from srgc.terminal import colours, redraws
+from srgc.terminal import colours, redraws, silence
 
 if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.constrain import Constrain
     from rich.text import Text
 
 SILENCE = 1.0
@@ -92,8 +94,11 @@ class PlainProgress(QuietProgress):
             self._line(f"{done} of {count}")
 
     def _line(self, text: str) -> None:
-        sys.stderr.write(f"[{time.monotonic() - self._start:7.2f} s] {text}\n")
-        sys.stderr.flush()
+        try:
+            sys.stderr.write(f"[{time.monotonic() - self._start:7.2f} s] {text}\n")
+            sys.stderr.flush()
+        except OSError:  # nobody reads it, or the disk is full: the work goes on all the same
+            silence(sys.stderr)
 
 
 class LiveProgress(QuietProgress):
@@ -111,6 +116,7 @@ class LiveProgress(QuietProgress):
         self._durations: list[float] = []
         self._best: float | None = None
         self._detail = ""
+        self._console: Console
 
     def __enter__(self) -> LiveProgress:
         from rich.console import Console
@@ -119,6 +125,7 @@ class LiveProgress(QuietProgress):
         self._total = self._count()
         plain = not colours(sys.stderr)
         console = Console(file=sys.stderr, force_terminal=True, no_color=plain, highlight=False)
+        self._console = console
         live = Live(
             console=console, get_renderable=self._shown, refresh_per_second=8, transient=True
         )
@@ -173,12 +180,15 @@ class LiveProgress(QuietProgress):
             parts.append(self._detail)
         return " · ".join(parts)
 
-    def _shown(self) -> Text:
+    def _shown(self) -> Constrain | Text:
+        from rich.constrain import Constrain
         from rich.text import Text
 
         if time.monotonic() - self._start < SILENCE:
             return Text("")
-        return Text(self.text(), no_wrap=True, overflow="ellipsis")
+        line = Text(self.text(), no_wrap=True, overflow="ellipsis")
+        # The terminal's `^C` goes behind it: on a new line it could not be taken back.
+        return Constrain(line, max(1, self._console.width - len("^C") - 1))
 
 
 def progress(

@@ -48,7 +48,9 @@ def tried_folder(folder: Path) -> TriedFolder:
         raise no_folder(folder)
     path = folder / "design.json"
     if not path.exists():
-        raise UsageFault(f"{folder} has no design.json: it holds no finished results")
+        begun = (folder / "journal.jsonl").exists()
+        how = "; the `srgc synth` that began it goes on from there" if begun else ""
+        raise UsageFault(f"{folder} has no design.json: it holds no finished results{how}")
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         program, _ = read_copy(folder / "spec", content["spec"], content["spec_sha256"])

@@ -179,6 +179,19 @@ def test_other_parts_of_the_page_can_seek(opened: Open) -> None:
     assert page.complaints() == []
 
 
+def test_inputs_change_at_the_samples(opened: Open, made: Callable[[str], Path]) -> None:
+    """A product of step and sample may round to just below the sample: 3 times 0.15 does."""
+    page, table = opened("planar_arm"), rows(made, "planar_arm")
+    output = page.one("output[data-for=u1]")
+    for row in table[:-1]:
+        before = float(row["t"]) - 1e-12
+        page.run(
+            "document.dispatchEvent(new CustomEvent('srgc-time', {detail: {t: arguments[0]}}));",
+            before,
+        )
+        assert float(output.text) == pytest.approx(float(row["u1"]), rel=6e-4, abs=1e-9)
+
+
 def test_cell_is_that_of_the_plan(opened: Open) -> None:
     page = opened("planar_arm")
     to_sample(page, 0)

@@ -11,6 +11,9 @@ from PIL import Image
 
 from tests.oracles.browsers import Opened
 
+TAB = "\ue004"
+"""The key, as the WebDriver protocol names it."""
+
 Open = Callable[[str], Opened]
 
 SPECS = ["planar_arm", "spatial", "beyond_reach"]
@@ -122,6 +125,48 @@ def test_poses_have_the_sets_in_their_colours(opened: Open, spec: str) -> None:
     reddish = (red > green + 25) & (red > blue + 25)
     assert dark.mean() < 0.05
     assert reddish.mean() > 0.002
+
+
+def test_print_is_legible_whatever_the_screen_is(opened: Open) -> None:
+    """A browser set to dark may print with that preference; paper is white all the same."""
+    page = opened("planar_arm")
+    page.media("print", prefers_color_scheme="dark")
+    assert page.run(CONTRASTS) == []
+
+
+def test_the_tab_key_stops_at_what_does_something(opened: Open) -> None:
+    """Links, the word, controls and times, each once; of pictures none that cannot be turned."""
+    page = opened("planar_arm")
+    stops = []
+    for _ in range(200):
+        page.driver.switch_to.active_element.send_keys(TAB)
+        stop = page.run(
+            "const e = document.activeElement;"
+            "if (e === document.body || e.dataset.stopped) return '';"
+            "e.dataset.stopped = '1'; return e.tagName.toLowerCase();"
+        )
+        if not stop:
+            break
+        stops.append(stop)
+    assert {*stops} <= {"a", "li", "button", "input", "select", "summary", "pre", "div"}
+    assert stops.count("li") == len(page.all("#robot .chip"))
+    assert "button" in stops
+
+
+def test_names_of_any_length_stay_on_a_phone(opened: Open) -> None:
+    """A name is one word, which nothing but the style breaks."""
+    page = opened("planar_arm")
+    width = 320
+    page.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=width, height=740, deviceScaleFactor=2, mobile=True,
+    )  # fmt: skip
+    page.run(
+        "const long = 'a_name_without_any_blank_'.repeat(4);"
+        "const texts = 'h1, .word, .chip, .parts th, .readings dd, .facts dd, .kicker, li code';"
+        "document.querySelectorAll(texts).forEach((e) => { e.textContent = long; });"
+    )
+    assert page.run("return document.documentElement.scrollWidth;") == width
 
 
 def test_without_scripts_there_are_poses_and_nothing_that_does_nothing(opened: Open) -> None:

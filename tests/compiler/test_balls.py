@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from threading import Event, Thread
 
 import mpmath as mp
 import pytest
@@ -173,3 +174,33 @@ def test_absolute_value_of_a_negative_series_and_of_an_unsure_one() -> None:
     assert found[1] == -1
     with pytest.raises(ValueError, match=r"sign|fabs"):
         arithmetic.unary("fabs", arb_series([arb(0, 1), 1]))
+
+
+def test_other_threads_wait_for_the_working_precision() -> None:
+    # flint's context is that of the process.  A thread that shortened the series of another one
+    # would turn enclosures into numbers that enclose nothing.
+    entered, leave = Event(), Event()
+
+    def other() -> None:
+        with working_precision(300):
+            ctx.cap = 1
+            entered.set()
+            leave.wait(10)
+
+    before = ctx.prec, ctx.cap
+    thread = Thread(target=other)
+    try:
+        with working_precision(100):
+            ctx.cap = 7
+            thread.start()
+            entered.wait(0.2)
+            seen = ctx.prec, ctx.cap
+            product = arb_series([1, 1, 1]) * arb_series([1, 1, 1])
+            coefficients = [int(product[m].unique_fmpz()) for m in range(5)]
+    finally:
+        leave.set()
+        thread.join()
+    assert entered.is_set()
+    assert seen == (100, 7)
+    assert coefficients == [1, 2, 3, 2, 1]
+    assert (ctx.prec, ctx.cap) == before

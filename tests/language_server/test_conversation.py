@@ -203,6 +203,36 @@ def test_an_included_buffer(client: Client) -> None:
         client.notify("textDocument/didClose", document(uri_of(path)))
 
 
+def test_errors_of_a_file_that_is_not_open(client: Client) -> None:
+    """``srgc check`` names them; the file that includes it looks sound by itself."""
+    folder = client.folder / "beside"
+    folder.mkdir()
+    parts, main = folder / "parts.srg", folder / "main.srg"
+    text = 'include "parts.srg";\n' + SPEC[SPEC.index("grammar") :]
+    parts.write_text(PARTS + "module Broken { rol link; }\n", encoding="utf-8")
+    main.write_text(text, encoding="utf-8")
+    there = uri_of(parts)
+
+    def told() -> list[str]:
+        found = client.notified("textDocument/publishDiagnostics", lambda p: p["uri"] == there)
+        return [each["code"] for each in found["diagnostics"]]
+
+    assert client.open(uri_of(main), text) == []
+    assert told() == ["SRG0104"]
+    # No longer a part of it, and a part of it again.
+    version = client.change(uri_of(main), {"text": text.replace("include", "// include")})
+    assert client.findings(uri_of(main), version)
+    assert told() == []
+    version = client.change(uri_of(main), {"text": text})
+    assert told() == ["SRG0104"]
+    # Open, what counts is the buffer, and its version.
+    assert client.open(there, PARTS) == []
+    client.notify("textDocument/didClose", document(there))
+    assert told() == ["SRG0104"]
+    client.notify("textDocument/didClose", document(uri_of(main)))
+    assert told() == []
+
+
 def test_lenses_and_check(client: Client, spec: str) -> None:
     lenses = client.ask("textDocument/codeLens", document(spec))
     commands = [(lens["command"]["command"], lens["command"]["title"]) for lens in lenses]

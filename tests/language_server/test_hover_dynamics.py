@@ -106,7 +106,7 @@ def told(analysis: Analysis, label: str) -> str:
 def put_in(text: str, values: Values) -> Array:
     """An expression of the hover (or several in parentheses) at numbers."""
     names = {module: SimpleNamespace(**each) for module, each in values.items()}
-    found = eval(text.replace("^", "**"), {"__builtins__": {}}, names)  # noqa: S307
+    found = eval(text.replace("^", "**"), {"__builtins__": {}}, names)
     return np.atleast_1d(np.array(found, dtype=float))
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from srgc.language_server.documents.analysis import analyse
 from srgc.language_server.documents.uris import uri_of
 from srgc.language_server.tasks.task_lenses import task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts
-from tests.language_server.client import Client
+from tests.language_server.client import PATIENCE, Client
 from tests.oracles.small_specs import TURNER
 
 LONG = TURNER.replace("modules <= 1", "").replace(
@@ -80,6 +84,86 @@ def test_cancelling(client: Client) -> None:
     assert answer["verdict"] == "interrupted"
     assert (folder / "out" / "Turn" / "journal.jsonl").exists()
     assert titles(client, uri) == ["check", "synth"]
+
+
+def test_results_of_another_text(client: Client) -> None:
+    """They are replaced only if the user says so; a client that does not ask keeps them."""
+    folder = client.folder / "twice"
+    folder.mkdir()
+    one, other = folder / "one.srg", folder / "other.srg"
+    for path, text in ((one, TURNER), (other, TURNER + "// another\n")):
+        path.write_text(text, encoding="utf-8", newline="")
+        client.open(uri_of(path), text)
+    found = {"verdict": "found", "status": 0}
+    assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(one))) == found
+    design = folder / "out" / "Turn" / "design.json"
+    before = design.read_bytes()
+    asked: list[Any] = []
+
+    def answer(title: str | None) -> Any:
+        def say(params: Any) -> Any:
+            asked.append(params)
+            return None if title is None else {"title": title}
+
+        return say
+
+    for kept in (None, "Keep Them"):
+        client.answers["window/showMessageRequest"] = answer(kept)
+        told = client.ask("workspace/executeCommand", command("srgc.synth", uri_of(other)))
+        assert told["verdict"] is None
+        assert design.read_bytes() == before
+    assert "another text" in asked[0]["message"]
+    # The same text again is no question.
+    assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(one))) == found
+    assert len(asked) == 2
+    client.answers["window/showMessageRequest"] = answer("Replace Results")
+    assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(other))) == found
+    assert design.read_bytes() != before
+    del client.answers["window/showMessageRequest"]
+
+
+@pytest.mark.parametrize("end", ["shutdown", "exit", "end of input", "SIGTERM"])
+def test_an_end_while_a_synthesis_runs(
+    started: Callable[..., Client], tmp_path: Path, end: str
+) -> None:
+    """The run ends with the server, can be resumed, and nothing is said of how it ended."""
+    path = tmp_path / "long.srg"
+    path.write_text(LONG, encoding="utf-8")
+    client = started()
+    client.initialize(tmp_path, window={"workDoneProgress": True})
+    client.open(uri_of(path), LONG)
+    client.begin("workspace/executeCommand", command("srgc.synth", uri_of(path)))
+    client.notified("$/progress", lambda p: p["value"]["kind"] == "report")
+    server = client.process
+    children = Path(f"/proc/{server.pid}/task/{server.pid}/children")
+    runs = [Path(f"/proc/{child}/stat") for child in children.read_text().split()]
+    assert runs
+    if end == "shutdown":
+        assert client.ask("shutdown") is None
+        client.notify("exit")
+    elif end == "exit":
+        client.notify("exit")
+    elif end == "SIGTERM":
+        server.terminate()
+    else:
+        assert server.stdin is not None
+        server.stdin.close()
+    expected = {"shutdown": 0, "SIGTERM": 130}.get(end, 1)
+    assert server.wait(PATIENCE) == expected
+    ends = time.monotonic() + PATIENCE
+    while any(map(_lives, runs)):
+        assert time.monotonic() < ends
+        time.sleep(0.05)
+    assert (tmp_path / "out" / "Turn" / "journal.jsonl").exists()
+    assert b"Traceback" not in b"".join(client.log), b"".join(client.log).decode()
+
+
+def _lives(stat: Path) -> bool:
+    """Whether a process is more than its exit status."""
+    try:
+        return stat.read_text().rpartition(") ")[2][0] not in "ZX"
+    except OSError:
+        return False
 
 
 def test_lenses_of_other_verdicts(tmp_path: Path) -> None:

@@ -235,6 +235,28 @@ def test_processes_end_with_a_parent_that_is_killed():
         time.sleep(0.02)
 
 
+@pytest.mark.parametrize("piped", [False, True])
+def test_processes_do_not_run_the_program_that_starts_them(piped, tmp_path):
+    # multiprocessing would run a script once more in each of them, and cannot run a piped one.
+    program = (
+        "from solvers.execution.process_pool import ProcessPool\n"
+        "print('begun', flush=True)\n"
+        "pool = ProcessPool(2, patience=0.0)\n"
+        "print(pool.start(abs, -3).result(60))\n"
+        "pool.close()\n"
+        "import __main__\n"
+        "print(__main__.pool is pool)\n"
+    )
+    script = tmp_path / "script.py"
+    script.write_text(program, encoding="utf-8")
+    finished = subprocess.run(
+        [sys.executable, "-" if piped else str(script)], input=program if piped else None,
+        cwd=ROOT, capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert (finished.stdout.split(), finished.stderr) == (["begun", "3", "True"], "")
+
+
 def _runs(process):
     try:
         os.kill(process, 0)

@@ -147,12 +147,18 @@ reply sy
 reply synth specs/pl
 reply synth specs/two_arm.srg --task ''
 reply accepts specs/planar_arm.srg -- B eps ''
+reply check my
+reply check '"my'
+reply synth 'my\\ arm,\\ 2.srg' --task ''
+reply verify 'out/a\\ '
 """
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
 def test_in_a_real_bash(place):
     """With a ``srgc`` of this checkout, as its console script is."""
+    shutil.copy(place / "specs" / "planar_arm.srg", place / "my arm, 2.srg")
+    (place / "out" / "demo").rename(place / "out" / "a b")
     binary = place / "bin" / "srgc"
     binary.parent.mkdir()
     binary.write_text(
@@ -167,4 +173,6 @@ def test_in_a_real_bash(place):
     )  # fmt: skip
     registered, *replies = finished.stdout.splitlines()
     assert "-F _srgc_completion" in registered
-    assert replies == ["synth", "specs/planar_arm.srg", "Tend", "JO"]
+    assert replies[:4] == ["synth", "specs/planar_arm.srg", "Tend", "JO"]
+    # What is typed without quotes needs them for the blanks; between quotes it has them.
+    assert replies[4:] == [r"my\ arm\,\ 2.srg", "my arm, 2.srg", "PickAndPlace", r"out/a\ b"]

@@ -79,12 +79,22 @@ def test_every_page_of_help(name):
     assert not wide
     statuses = section(text, "Exit status")
     said = {int(line.split()[0]) for line in statuses if re.match(r"\d", line)}
-    assert said >= {0, 2, 70, 130}
+    assert said >= {0, 2, 70, 130, 141}
     if name in CONTRACT:
-        assert said - {2, 5, 70, 130} == CONTRACT[name]
+        assert said - {2, 5, 70, 130, 141} == CONTRACT[name]
     pages = re.findall(r"docs/\S+?\.md", text)
     assert pages
     assert [page for page in pages if not (ROOT / page).is_file()] == []
+
+
+def test_help_as_a_command(capsys):
+    """As git and cargo have it."""
+    for arguments, same in ((["help"], ["--help"]), (["help", "synth"], ["synth", "--help"])):
+        assert run(arguments) == run(same) == 0
+        one, other = capsys.readouterr().out.split("Usage: ")[1:]
+        assert one == other
+    assert run(["help", "synthh"]) == 2
+    assert "Did you mean 'synth'?" in capsys.readouterr().err
 
 
 def test_the_overview(capsys):

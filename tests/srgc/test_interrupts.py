@@ -153,6 +153,35 @@ def test_a_main_thread_that_is_busy_elsewhere_is_no_hindrance(tmp_path):
     assert (status, said) == (130, [b"interrupted"])
 
 
+REDRAWN = """
+import sys, time
+from threading import Thread
+from srgc import interruption
+
+def draw():
+    while True:
+        sys.stderr.write("\\rsearching")
+        sys.stderr.flush()
+        time.sleep(0.001)
+
+interruption._release_semaphores = lambda: time.sleep(0.3)  # an end that takes its time
+interruption.watch()
+with interruption.redrawing():
+    Thread(target=draw, daemon=True).start()
+    time.sleep(0.1)
+    print("ready", flush=True)
+    time.sleep(60)
+"""
+
+
+def test_nothing_is_drawn_after_the_last_line(tmp_path):
+    process = started([], tmp_path, REDRAWN)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert err.endswith(b"\r\x1b[2K\x1b[?25hinterrupted\n")
+
+
 def test_a_block_that_cleans_up_gets_the_exception(tmp_path):
     program = (
         "import time\n"

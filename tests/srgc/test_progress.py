@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -145,3 +146,18 @@ def test_how_many_structures_there_are(arm_file):
     assert structure_total(program, task) is None
     assert structure_total(program, replace(task, modules=3)) == 1
     assert structure_total(program, replace(task, modules=14)) is None
+
+
+def test_the_live_line_leaves_room_for_an_interrupt(clock, monkeypatch):
+    """A terminal writes `^C` behind it: in the last columns that would begin a line of its own."""
+    screen = io.StringIO()
+    monkeypatch.setattr(screen, "isatty", lambda: True)
+    monkeypatch.setattr("sys.stderr", screen)
+    monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(progress_display, "SILENCE", -1.0)
+    with LiveProgress("synth Store", "structures", lambda: 2) as display:
+        display.structure(1, ("L",) * 60)
+    shown = re.split(r"\x1b\[[?0-9;]*[A-Za-z]|[\r\n]", screen.getvalue())
+    assert any(line.startswith("synth Store") for line in shown)
+    assert max(map(len, shown)) <= 40 - len("^C") - 1

@@ -108,34 +108,6 @@ def test_types_are_shipped():
     assert (ROOT / "srgc" / "py.typed").is_file()
 
 
-def test_a_strictly_typed_program_is_accepted(tmp_path):
-    """And one that mistakes the types is not, so that they are known at all."""
-    sample = tmp_path / "sample.py"
-    sample.write_text(
-        "import srgc\n"
-        "program = srgc.load('arm.srg')\n"
-        "words: list[str] = srgc.words(program, limit=3)\n"
-        "result = srgc.synthesize(program, seed=1)\n"
-        "if result.verdict == 'found' and result.word is not None:\n"
-        "    robot = srgc.robot(program, result.word, result.parameters)\n"
-        "    total: float = robot.mass_matrix([0.1, 0.2]).sum()\n"
-        "    urdf: str = srgc.export(result, 'urdf')\n"
-        "    left: float = min(srgc.verify(result).margins.values())\n"
-        "try:\n    srgc.check(text='module')\n"
-        "except srgc.SrgcError as error:\n    print(str(error).upper())\n"
-        "wrong: int = srgc.words(program)\n",
-        encoding="utf-8",
-    )
-    command = [Path(sys.executable).parent / "mypy", "--strict", "--python-executable",
-               sys.executable, sample]  # fmt: skip
-    found = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, check=False
-    ).stdout.splitlines()
-    [told] = [line for line in found if line.startswith(str(sample))]
-    assert told.startswith(f"{sample}:14: error: Incompatible types in assignment")
-    assert '"list[str]", variable has type "int"' in told
-
-
 # --- specifications -----------------------------------------------------------------------------
 
 

@@ -37,7 +37,7 @@ def test_other_tasks_and_commands_are_not_affected(srgc, spec):
 def test_the_python_interface(spec):
     program = api.load(spec(WITH_CLAUSE))
     with pytest.raises(SpecErrors) as raised:
-        api.synthesise(program)
+        api.synthesize(program)
     [error] = raised.value.checked.diagnostics
     assert error.code.value == "SRG0190"
 

@@ -2,8 +2,10 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
+import matplotlib as mpl
 import pytest
 
 from compiler.geometry.abstraction import abstract
@@ -105,3 +107,19 @@ def test_space_with_a_path() -> None:
     assert {"x", "y", "z", "path", workspace.name} <= set(written(svg))
     faces = sum(len(cell.polytope.facets) for cell in abstraction.cells if cell.kind == "obstacle")
     assert len(drawn_paths(svg, f"fill: {RED}; fill-opacity: 0.16")) == faces
+
+
+def test_neither_settings_of_others_nor_threads_change_a_picture() -> None:
+    workspace = bench()
+    abstraction = abstract(workspace)
+
+    def picture(number: int) -> str:
+        return workspace_svg(abstraction, workspace, [[number % 3]], title="PickAndPlace")
+
+    expected = [picture(number) for number in range(6)]
+    with mpl.rc_context({"axes.grid": True, "font.size": 30, "axes.facecolor": "red"}):
+        assert picture(0) == expected[0]
+        assert mpl.rcParams["axes.grid"]
+        with ThreadPoolExecutor(6) as threads:
+            assert list(threads.map(picture, range(6))) == expected
+        assert mpl.rcParams["font.size"] == 30

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Set
 from pathlib import Path
 
 from lsprotocol import types as lsp
@@ -89,3 +89,28 @@ def diagnostics_of(analyses: Sequence[Analysis], place: str, uri_of: UriOf) -> l
             if key not in texts:
                 texts[key] = as_diagnostic(analysis, found, uri_of)
     return [*texts.values()]
+
+
+def errors_beside(
+    analyses: Sequence[Analysis], opened: Set[str], uri_of: UriOf
+) -> dict[str, list[lsp.Diagnostic]]:
+    """The errors of those files of some programs that are not open, by the URIs of the files.
+
+    Args:
+        analyses: the programs.
+        opened: the paths without links of the open files.
+        uri_of: gives the client's URI of a file.
+    """
+    errors: dict[str, list[lsp.Diagnostic]] = {}
+    for analysis in analyses:
+        for place in analysis.places:
+            number = analysis.number(place)
+            path = None if number is None or place in opened else analysis.path(number)
+            if path is None:
+                continue
+            here = (d for d in analysis.known_findings if d.span.file == number)
+            told = _told(d for d in here if d.severity is Severity.ERROR)
+            known = errors.setdefault(uri_of(path), [])
+            shown = [as_diagnostic(analysis, found, uri_of) for found in told]
+            known += [each for each in shown if each not in known]
+    return errors

@@ -1,4 +1,8 @@
-"""Findings as one types: soon, but not at every key, and never about a text that has gone."""
+"""Findings as one types: soon, but not at every key, and never about a text that has gone.
+
+Of files that are not open, but belong to the program of one that is, the errors are published, too:
+``srgc check`` names them.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,7 @@ from pygls.lsp.server import LanguageServer
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.open_documents import Document
 from srgc.language_server.documents.programs import Programs
-from srgc.language_server.documents.published import diagnostics_of
+from srgc.language_server.documents.published import diagnostics_of, errors_beside
 
 DEBOUNCE = 0.12
 """Seconds without a change before a text is looked at."""
@@ -24,16 +28,24 @@ _PATIENCE = 0.4
 
 _Shown: TypeAlias = tuple[int, list[lsp.Diagnostic]]
 """The version of a document and what was said about it."""
+_Errors: TypeAlias = dict[str, list[lsp.Diagnostic]]
+"""Errors by the URI of the file that they are about."""
 
 
 @dataclass(slots=True)
 class Publishing:
-    """Publishes the findings of open documents; each has one task that waits or works."""
+    """Publishes the findings of open documents; each has one task that waits or works.
+
+    ``_beside`` has for every open document the errors of the files of its programs that are not
+    open, by their URIs; ``_told`` is what was said about such files.
+    """
 
     server: LanguageServer
     programs: Programs
     _tasks: dict[str, asyncio.Task[None]] = field(default_factory=dict[str, asyncio.Task[None]])
     _shown: dict[str, _Shown] = field(default_factory=dict[str, _Shown])
+    _beside: dict[str, _Errors] = field(default_factory=dict[str, _Errors])
+    _told: _Errors = field(default_factory=dict[str, list[lsp.Diagnostic]])
 
     def soon(self, uri: str, wait: float = DEBOUNCE) -> None:
         """The document, or what it belongs to, has changed."""
@@ -54,6 +66,8 @@ class Publishing:
             old.cancel()
         if self._shown.pop(uri, (0, []))[1]:
             self._publish(uri, None, [])
+        self._beside.pop(uri, None)
+        self._tell_beside()
 
     def stop(self) -> None:
         """Nothing more is published."""
@@ -85,6 +99,23 @@ class Publishing:
         for document in [*documents]:
             if document.uri == uri or document.real in places:
                 self._show_one(analyses, document, own=document.uri == uri)
+        if documents.get(uri) is not None:
+            opened = {document.real for document in documents}
+            self._beside[uri] = errors_beside(analyses, opened, documents.uri)
+        self._tell_beside()
+
+    def _tell_beside(self) -> None:
+        """Publish what is new about files that are not open, and take back what is out of date."""
+        found: _Errors = {uri: [] for uri in self._told}
+        for errors in self._beside.values():
+            for uri, each in errors.items():
+                known = found.get(uri, [])
+                found[uri] = known + [error for error in each if error not in known]
+        for uri, each in found.items():
+            if self.programs.documents.get(uri) is None and self._told.get(uri, []) != each:
+                self._publish(uri, None, each)
+        closed = {uri for uri in found if self.programs.documents.get(uri) is None}
+        self._told = {uri: each for uri, each in found.items() if each and uri in closed}
 
     def _show_one(self, analyses: list[Analysis], document: Document, *, own: bool) -> None:
         numbers = [analysis.number(document.real) for analysis in analyses]

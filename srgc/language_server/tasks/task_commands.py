@@ -13,12 +13,14 @@ from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
 from grammar_lang.findings.diagnostics import Severity
+from srgc.exit_status import USAGE
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.programs import Programs
 from srgc.language_server.protocol import RequestRefused
 from srgc.language_server.tasks.subprocess_jobs import Ended, Jobs
 from srgc.language_server.tasks.verdicts import Verdicts, current_files, folder_of
 
+_REPLACE = "Replace Results"
 _VERDICTS = {0: "found", 3: "impossible", 4: "unknown", 130: "interrupted"}
 _OUTCOMES = {0: "verified", 1: "refuted", 4: "not decided"}
 
@@ -53,9 +55,11 @@ class TaskCommands:
         folder = folder_of(path, task)
         relative = folder.relative_to(path.parent)
         arguments = ["synth", path.name, "--task", task, "-o", str(relative)]
-        if any((folder / name).exists() for name in ("design.json", "journal.jsonl")):
-            arguments.append("--force")  # results of ours, perhaps of an older text
         ended = await self._run(path, task, "synth", arguments)
+        if ended.status == USAGE and "--force" in ended.errors:
+            if not await self._may_replace(folder, relative):
+                return {"verdict": None, "status": ended.status}
+            ended = await self._run(path, task, "synth", [*arguments, "--force"])
         verdict = _VERDICTS.get(ended.status)
         if verdict is None:
             self._say(f"{task}: {_last(ended)}", lsp.MessageType.Error)
@@ -81,6 +85,29 @@ class TaskCommands:
             self._say(f"{task}: {outcome}", lsp.MessageType.Info)
         self.refresh()
         return {"outcome": outcome, "status": ended.status}
+
+    async def _may_replace(self, folder: Path, shown: Path) -> bool:
+        """Whether results of another text, or another seed, may go: the user is asked.
+
+        Of a run without an end nothing could be used, and it goes unasked.
+
+        Raises:
+            RequestRefused: there are files, but no results.
+        """
+        if self.verdicts.read(folder, {}) is None:
+            if not (folder / "journal.jsonl").exists():
+                raise RequestRefused(f"{shown} is not empty and holds no results")
+            return True
+        request = lsp.ShowMessageRequestParams(
+            lsp.MessageType.Warning,
+            f"{shown} holds the results of another text or seed.",
+            [lsp.MessageActionItem(_REPLACE), lsp.MessageActionItem("Keep Them")],
+        )
+        try:
+            chosen = await self.server.window_show_message_request_async(request)
+        except Exception:  # a client that cannot ask
+            chosen = None
+        return chosen is not None and chosen.title == _REPLACE
 
     # --- what a command is about ---------------------------------------------------------------
 

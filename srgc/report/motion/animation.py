@@ -16,7 +16,7 @@ from srgc.report.motion.scene_marks import (
     boxes_path,
     line_path,
     pose_marks,
-    shape_mark,
+    shape_marks,
     shape_names,
     shape_path,
 )
@@ -53,13 +53,13 @@ def motion_section(evidence: Evidence) -> str:
 
 
 def _workspace_alone(evidence: Evidence, scene: MotionScene) -> str:
-    shapes = "".join(shape_mark(shape, scene.view) for shape in scene.shapes)
+    shapes = shape_marks(scene.shapes, scene.view)
     shapes += shape_names(scene.shapes, scene.view) + _measure(scene)
     return (
         '<section id="motion"><h2>Workspace</h2><figure>'
         f"{_svg(scene.view, f'Workspace {evidence.workspace.name}', shapes)}"
         f"{_views(scene)}"
-        "<figcaption>No robot was found, and so there is no motion: the workspace "
+        "<figcaption>There is no robot, and so no motion: the workspace "
         f"<i>{text(evidence.workspace.name)}</i> with its regions and cells.{_beyond(scene)}"
         "</figcaption></figure>"
         f"{json_script('motion-data', scene_data(scene))}</section>"
@@ -78,7 +78,7 @@ def _svg(view: View, title: str, content: str) -> str:
 
 def _picture(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
     view = scene.view
-    parts = ["".join(shape_mark(shape, view) for shape in scene.shapes)]
+    parts = [shape_marks(scene.shapes, view)]
     if motion.tube is not None:
         boxes = motion.tube.boxes.reshape(-1, *motion.tube.boxes.shape[2:])
         parts.append(f'<path class="tube" d="{boxes_path(boxes, view)}"/>')
@@ -160,7 +160,7 @@ def _views(scene: MotionScene) -> str:
 
 def _controls(scene: MotionScene, motion: RobotMotion) -> str:
     total = motion.steps * motion.step
-    choice = _speeds(total)
+    choice = show_speeds(total)
     wanted = next(speed for speed in choice if speed * LONGEST_SHOW >= total)
     selected, checked = ' selected=""', ' checked=""'
     speeds = "".join(
@@ -184,7 +184,7 @@ def _controls(scene: MotionScene, motion: RobotMotion) -> str:
     )
 
 
-def _speeds(total: float) -> list[float]:
+def show_speeds(total: float) -> list[float]:
     """The usual speeds, and slower and faster ones for motions of microseconds or hours."""
     found = list(SPEEDS)
     while found[0] * SHORTEST_SHOW > total:

@@ -90,7 +90,7 @@ def motion_scene(evidence: Evidence) -> MotionScene:
         motion = robot_motion(evidence.found, evidence.trajectory, tube)
     shapes = _shapes(evidence, motion)
     return MotionScene(
-        evidence.workspace.dimension, shapes, motion, fitted(_corners(shapes, motion))
+        evidence.workspace.dimension, shapes, motion, fitted(seen_corners(shapes, motion))
     )
 
 
@@ -137,7 +137,7 @@ def _visits(path: Sequence[str]) -> tuple[CellVisit, ...]:
     return tuple(found)
 
 
-def _corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -> list[Array]:
+def seen_corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -> list[Array]:
     """What a view has to hold: the regions and the motion, and the bounds unless they are vast."""
     bounds = shapes[0].corners
     inner = [shape.corners for shape in shapes if shape.kind not in ("bounds", "cell")]

@@ -130,9 +130,8 @@ def _moved(at: Array, kind: str, data: str, angle: float = 0.0) -> str:
 
 def _obstacles(drawing: ModuleDrawing, view: View) -> Array:
     """Points (m, 2) along all that is drawn, which names keep away from."""
-    steps = np.linspace(0, 1, 13)[:, None]
     found = [
-        ends[0] + steps * (ends[1] - ends[0])
+        _along(ends)
         for module in drawing.modules
         for ends in (view.project(line) for line in (*module.lines, *module.bodies))
     ]
@@ -142,6 +141,14 @@ def _obstacles(drawing: ModuleDrawing, view: View) -> Array:
         if module.at is not None
     ]
     return np.concatenate(found)
+
+
+def _along(ends: Array) -> Array:
+    """Points of a line, so close to each other that no name has room between them."""
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    steps = np.linspace(0, 1, 2 + int(length / HALF_LINE))[:, None]
+    found: Array = ends[0] + steps * (ends[1] - ends[0])
+    return found
 
 
 class _Names:

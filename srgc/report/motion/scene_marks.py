@@ -65,15 +65,27 @@ def shape_path(shape: WorkspaceShape, view: View) -> str:
     return f"{line_path(outline(corners))}Z"
 
 
-def shape_mark(shape: WorkspaceShape, view: View) -> str:
+def shape_marks(shapes: Sequence[WorkspaceShape], view: View) -> str:
+    """All sets; the pieces of a map, of which there may be thousands, are one mark."""
+    groups: list[list[WorkspaceShape]] = []
+    for shape in shapes:
+        if groups and shape.kind not in ("bounds", "cell") and not shape.label:
+            groups[-1].append(shape)
+        else:
+            groups.append([shape])
+    return "".join(_shape_mark(group, view) for group in groups)
+
+
+def _shape_mark(group: Sequence[WorkspaceShape], view: View) -> str:
     """A set: what it covers, and its edges in space."""
-    corners = view.project(shape.corners)
-    face = f'<path class="face" d="{line_path(outline(corners))}Z"/>'
+    shape = group[0]
+    outlines = "".join(f"{line_path(outline(view.project(each.corners)))}Z" for each in group)
+    face = f'<path class="face" d="{outlines}"/>'
     edges = ""
     if view.axes.shape[1] == 3:
-        data = "".join(line_path(corners[[a, b]]) for a, b in shape.edges)
-        edges = f'<path class="edges" d="{data}"/>'
-    title = f"<title>{text(shape.name)}</title>" if shape.kind != "bounds" else ""
+        edges = f'<path class="edges" d="{shape_path(shape, view)}"/>'
+    name = shape.label if len(group) > 1 else shape.name
+    title = f"<title>{text(name)}</title>" if shape.kind != "bounds" else ""
     return f'<g class="shape {shape.kind}">{title}{face}{edges}</g>'
 
 

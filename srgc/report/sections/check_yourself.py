@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import shlex
 from collections.abc import Iterator
 from importlib.metadata import version
 
@@ -60,7 +61,8 @@ def _commands(evidence: Evidence) -> Iterator[tuple[str, str]]:
             yield "srgc verify . --trust z3", "run z3 again where no covering is"
             yield "srgc why .", "which lines conflict, what would help"
         yield "python -m solvers.verifier .", "the verifier alone"
-    yield f"srgc synth spec/{evidence.design['spec']} -o again{_options(evidence)}", "search again"
+    path = shlex.quote(f"spec/{evidence.design['spec']}")
+    yield f"srgc synth {path} -o again{_options(evidence)}", "search again"
 
 
 def _options(evidence: Evidence) -> str:

@@ -54,7 +54,8 @@ def _robot_line(evidence: Evidence) -> str:
     claim = evidence.claim
     if isinstance(claim, ImpossibleClaim):
         return f'<p class="reason">{_code(_claimed(claim))}</p>'
-    return f'<p class="reason">{_code(str(evidence.design["reason"]))}</p>'
+    reason = evidence.design["reason"]
+    return "" if reason is None else f'<p class="reason">{_code(str(reason))}</p>'
 
 
 def _claimed(claim: ImpossibleClaim) -> str:

@@ -7,11 +7,13 @@ from collections.abc import Iterator, Sequence
 from grammar_lang.source import Span, written
 from solvers.explanation.conflict import Conflict
 from solvers.verifier.claims.certificate import ImpossibleClaim
+from solvers.verifier.claims.outcome import Outcome
 from srgc.report.evidence import Evidence
 from srgc.report.html_text import many, text
 from srgc.report.sections.spec_source import line_anchor
 from srgc.report.structure_groups import TriedRobot, tried_robots
 
+UNCONFIRMED = (Outcome.REFUTED, Outcome.UNDECIDED)
 MOST_REASONS = 30
 MOST_REGIONS = 12
 
@@ -21,7 +23,7 @@ def why_not_section(evidence: Evidence) -> str:
     robots = tried_robots(evidence.design)
     refuted = [each for each in robots if each.verdict == "refuted"]
     parts = [
-        *_headline(evidence),
+        *_headline(evidence, robots),
         *(_conflict(evidence, each) for each in evidence.conflicts),
         *_separation(evidence),
         *_open(evidence, [each for each in robots if each.verdict == "unresolved"]),
@@ -34,12 +36,19 @@ def why_not_section(evidence: Evidence) -> str:
     return f'<section id="why-not"><h2>{title}</h2>{"".join(parts)}{_ask(evidence)}</section>'
 
 
-def _headline(evidence: Evidence) -> Iterator[str]:
-    if evidence.verdict == "unknown":
-        yield (
-            "<p>The verdict is unknown: what is open is listed here; it may be possible, or "
-            "impossible for a reason that the refuters do not see.</p>"
-        )
+def _headline(evidence: Evidence, robots: Sequence[TriedRobot]) -> Iterator[str]:
+    report = evidence.report
+    if evidence.verdict == "impossible" and report is not None and report.outcome in UNCONFIRMED:
+        yield "<p>The certificate was not confirmed: this is what the folder says.</p>"
+    if evidence.verdict != "unknown":
+        return
+    listed = any(each.verdict == "unresolved" for each in robots)
+    reason = str(evidence.design["reason"] or "no reason is stated").replace("`", "")
+    what = "what is open is listed here" if listed else text(reason)
+    yield (
+        f"<p>The verdict is unknown: {what}. The task may be possible, or impossible for a reason "
+        "that the refuters do not see.</p>"
+    )
 
 
 def _ask(evidence: Evidence) -> str:

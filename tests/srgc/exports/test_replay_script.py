@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 
 from tests.oracles import result_files
-from tests.oracles.driven_claims import CASES, Driven
+from tests.oracles.driven_claims import CASES, FRICTION, Driven
 from tests.oracles.mujoco_motions import sampled
+from tests.oracles.small_specs import replaced
 from tests.srgc.conftest import Ran
 
 Export = Callable[..., Ran]
@@ -142,3 +143,57 @@ def test_steps_that_are_none(srgc: Export, tmp_path: Path, value: str) -> None:
     )  # fmt: skip
     assert ran.returncode == 2
     assert "Traceback" not in ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "text", "reason"),
+    [
+        ("torques.csv", 2, "0.1,nan", "line 3: there is no number for P_2"),
+        ("torques.csv", 2, "0.1,", "line 3: there is no number for P_2"),
+        ("torques.csv", 2, "0.1,x", "torques.csv cannot be read"),
+        ("torques.csv", 2, "0.1,1,2", "torques.csv cannot be read"),
+        ("torques.csv", 0, "t,P_3", "line 2: there is no number for P_2"),
+        ("torques.csv", 2, None, "a row for every step"),
+        ("trajectory.csv", 2, None, "a row for every step"),
+        ("robot.xml", 6, None, "robot.xml cannot be loaded"),
+    ],
+)
+def test_files_that_were_spoilt(
+    srgc: Export, tmp_path: Path, name: str, line: int, text: str | None, reason: str
+) -> None:
+    """Nothing is left out unseen: a smaller difference would be that of another comparison."""
+    folder = CASES["a slide alone"].folder(tmp_path / "claimed")
+    assert srgc("export", folder, "--to", "mujoco", "-o", tmp_path / "m").status == 0
+    path = tmp_path / "m" / name
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines[line : line + 1] = [] if text is None else [text]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    ran = subprocess.run(
+        [sys.executable, tmp_path / "m" / "replay.py"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (ran.returncode, ran.stdout) == (1, "")
+    assert reason in ran.stderr
+    assert "Traceback" not in ran.stderr
+
+
+def test_the_script_without_mujoco(srgc: Export, tmp_path: Path) -> None:
+    folder = CASES["a slide alone"].folder(tmp_path / "claimed")
+    assert srgc("export", folder, "--to", "mujoco", "-o", tmp_path / "m").status == 0
+    (tmp_path / "mujoco.py").write_text("raise ModuleNotFoundError('mujoco')", encoding="utf-8")
+    ran = subprocess.run(
+        [sys.executable, tmp_path / "m" / "replay.py"], env={"PYTHONPATH": str(tmp_path)},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 1
+    assert ran.stderr == "MuJoCo is not installed; it comes with: pip install mujoco\n"
+
+
+def test_a_replay_that_diverges(srgc: Export, tmp_path: Path) -> None:
+    text = replaced(FRICTION, "0.7 N*m*s", "700 N*m*s")
+    case = Driven(text, CASES["friction"].word, ("1.5",), ("JO_2",), ("EN_6",))
+    assert srgc("export", case.folder(tmp_path / "c"), "--to", "mujoco", "-o", tmp_path / "m")
+    command = [sys.executable, tmp_path / "m" / "replay.py", "--timestep", "0.05"]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stdout) == (1, "")
+    assert "the simulation diverges with steps of 0.05 s" in ran.stderr

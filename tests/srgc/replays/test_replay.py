@@ -16,7 +16,8 @@ import scipy
 
 from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.proofs.enclosure import EnclosureFailure
-from srgc.replays import mujoco_replay, replay_run
+from srgc.replays import mujoco_replay, python_replay, replay_run
+from srgc.replays.replayed_motion import ReplayedMotion
 from tests.oracles import result_files
 from tests.oracles.driven_claims import CASES, FRICTION, Driven
 from tests.oracles.found_folders import claim_found
@@ -238,6 +239,17 @@ def test_without_mujoco(srgc: Command, arm: Path, monkeypatch: pytest.MonkeyPatc
     assert srgc("export", arm, "--to", "mjcf").status == 0
 
 
+def test_a_mujoco_that_does_not_load(
+    srgc: Command, arm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As with a library missing, or with a ``MUJOCO_GL`` that it does not know."""
+    (tmp_path / "mujoco").mkdir()
+    (tmp_path / "mujoco" / "__init__.py").write_text("raise OSError('no libGL')", "utf-8")
+    monkeypatch.delitem(sys.modules, "mujoco")
+    monkeypatch.syspath_prepend(tmp_path)
+    refused(srgc("replay", arm, "--in", "mujoco"), "MuJoCo cannot be loaded: no libGL")
+
+
 def test_usage(srgc: Command, arm: Path, tmp_path: Path) -> None:
     for options in (("--timestep", "0.1"), ("--integrator", "rk4"), ("--halvings", "1")):
         refused(srgc("replay", arm, "--in", "python", *options), "--in mujoco alone")
@@ -245,6 +257,8 @@ def test_usage(srgc: Command, arm: Path, tmp_path: Path) -> None:
         ran = srgc("replay", arm, "--in", "mujoco", "--timestep", value)
         refused(ran, "a positive number of seconds")
     refused(srgc("replay", arm, "--in", "mujoco", "--timestep", "1e-9"), "more than 100000000")
+    many = ("--timestep", "1e-5", "--halvings", "16")
+    refused(srgc("replay", arm, "--in", "mujoco", *many), "more than 100000000")
     refused(srgc("replay", tmp_path / "none", "--in", "python"), "is not a folder")
     for arguments in ((arm,), (arm, "--in", "gazebo"), (arm, "--in", "mujoco", "--halvings", "99")):
         assert srgc("replay", *arguments).status == 2
@@ -277,10 +291,18 @@ def test_a_simulation_that_diverges(
 
 
 def test_without_a_tube(srgc: Command, arm: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is simulated then: a spoilt motion may take hours."""
+
     def fails(_folder: Path) -> CertifiedTube:
         raise EnclosureFailure(0.75)
 
+    def simulated(*_: object) -> ReplayedMotion:
+        raise AssertionError
+
     monkeypatch.setattr(replay_run, "certified_tube", fails)
-    ran = srgc("replay", arm, "--in", "python")
-    assert (ran.status, ran.out) == (4, "")
-    assert "no enclosure of the motion beyond 0.75 s" in ran.err
+    monkeypatch.setattr(replay_run, "replay_in_mujoco", simulated)
+    monkeypatch.setattr(python_replay, "replay_in_python", simulated)
+    for simulator in SIMULATORS:
+        ran = srgc("replay", arm, "--in", simulator)
+        assert (ran.status, ran.out) == (4, "")
+        assert "no enclosure of the motion beyond 0.75 s" in ran.err

@@ -160,6 +160,45 @@ def test_verdicts_are_told_apart(pages: Pages, weak: Made, unknown: Made) -> Non
         assert "srgc why ." in page.section("check")
 
 
+def test_what_is_said_of_all_robots_is_bounded(result: Callable[[str], Path]) -> None:
+    """The certificate is about four modules; what ``reason`` says was not proved."""
+    folder = result("beyond_reach")
+    design = result_files.read(folder, "design.json") | {"reason": "no robot whatever can"}
+    result_files.write(folder, design, "design.json")
+    page = page_of(folder)
+    assert "no robot whatever" not in page.source
+    (reason,) = page.all("p", class_="reason")
+    count = len(result_files.read(folder)["structures"])
+    assert reason.text == f"all {count} structures of at most 4 modules are refuted"
+    assert "proved" not in page.section("motion")
+    assert "proved" not in page_of(folder, "--no-verify").section("motion")
+
+
+def test_an_unconfirmed_refutation_is_only_told(result: Callable[[str], Path]) -> None:
+    folder = result("beyond_reach")
+    assert "not confirmed" not in page_of(folder).section("why-not")
+    (folder / "certificate.json").unlink()
+    assert "not confirmed" in page_of(folder).section("why-not")
+
+
+def test_what_an_unknown_verdict_rests_on(unknown: Made) -> None:
+    check = unknown[1].section("check")
+    assert "certificate in its folder does" not in check
+    assert "The verifier" not in check
+
+
+def test_what_changes_of_an_existing_robot(pages: Pages) -> None:
+    folder, page = pages("without_link")
+    change = result_files.read(folder, "design.json")["reconfiguration"]
+    said = page.section("change")
+    assert "1 module added (L 4), 0 modules removed" in said
+    steps = [each.text for each in page.all("li", class_="word")]
+    assert steps == [" ".join(word) for word in change["configurations"]]
+    assert "No module" in pages("good_as_it_is")[1].section("change")
+    assert "L.length of symbol 4: 1.5 m" in pages("good_as_it_is")[1].section("verdict")
+    assert not pages("turner")[1].all("section", id="change")
+
+
 def test_conflicting_lines_are_shown_with_links(pages: Pages) -> None:
     folder, page = pages("beyond_reach")
     lines = (folder / "spec" / "beyond_reach.srg").read_text(encoding="utf-8").splitlines()
@@ -196,6 +235,7 @@ def test_nothing_of_a_folder_becomes_markup(tmp_path: Path) -> None:
     assert not page.all("b")
     assert not page.all("i") or not any("srg" in each.text for each in page.all("i"))
     assert "a&b <i>.srg" in page.section("check")
+    assert "srgc synth 'spec/a&b <i>.srg' -o again" in page.section("check")
     assert "</script><b>" in page.all("p", class_="word")[0].text
     assert "\u202e" not in page.source
 

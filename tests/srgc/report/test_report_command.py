@@ -78,6 +78,9 @@ def test_no_results(srgc: Srgc, tmp_path: Path) -> None:
     ran = srgc("report", tmp_path)
     assert (ran.status, ran.out) == (2, "")
     assert "no design.json" in ran.err
+    assert "goes on" not in ran.err
+    (tmp_path / "journal.jsonl").touch()
+    assert "goes on from there" in srgc("report", tmp_path).err
 
 
 def test_an_altered_spec(srgc: Srgc, result: Result) -> None:

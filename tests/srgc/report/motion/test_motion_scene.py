@@ -10,8 +10,16 @@ import numpy as np
 import pytest
 
 from srgc.report.evidence import Evidence
-from srgc.report.motion.motion_scene import MOST_NUMBERS, RobotMotion, motion_scene, robot_motion
+from srgc.report.motion.animation import show_speeds
+from srgc.report.motion.motion_scene import (
+    MOST_NUMBERS,
+    RobotMotion,
+    motion_scene,
+    robot_motion,
+    seen_corners,
+)
 from srgc.report.motion.scene_data import GRID, scene_data
+from srgc.report.motion.scene_marks import shape_marks
 from srgc.report.trajectory import Trajectory
 
 On = Callable[[str], Evidence]
@@ -145,3 +153,54 @@ def test_edges_of_a_box_of_space(evidence_on: On) -> None:
     assert len(post.edges) == 12
     for a, b in post.edges:
         assert (post.corners[a] != post.corners[b]).sum() == 1
+
+
+def test_bounds_are_whole_unless_they_are_vast(evidence_on: On) -> None:
+    """A workspace is seen to its edges; where it is far larger than what is in it, that is said."""
+    evidence = evidence_on("turner")
+    scene = motion_scene(evidence)
+    assert not scene.beyond
+    vast = replace(scene.shapes[0], corners=20 * scene.shapes[0].corners)
+    assert replace(scene, shapes=(vast, *scene.shapes[1:])).beyond
+    points = np.array([[-0.2, -0.2], [1.4, 1.4]])
+    bounds = np.array([[-3.0, -3], [3, -3], [3, 3], [-3, 3]])
+    shapes = [
+        replace(vast, corners=bounds),
+        replace(vast, kind="region", corners=points),
+    ]
+    corners = np.concatenate(seen_corners(shapes, None))
+    assert corners.min() == -3
+    assert corners.max() == 3
+
+
+def test_short_motions_keep_their_times(evidence_on: On) -> None:
+    """A motion of microseconds: neither its times nor its way may be rounded away."""
+    scene = motion_scene(evidence_on("slider"))
+    assert scene.motion is not None
+    tiny = replace(scene.motion, times=1e-6 * scene.motion.times, q=1e-6 * scene.motion.q)
+    data = scene_data(replace(scene, motion=tiny))["motion"]
+    np.testing.assert_allclose(data["times"], tiny.times, rtol=1e-6)
+    np.testing.assert_allclose(data["q"], tiny.q, rtol=1e-6)
+
+
+@pytest.mark.parametrize("total", [2e-6, 3e-4, 0.4, 2, 30, 100, 7200, 1e6])
+def test_some_speed_shows_a_motion_in_seconds(total: float) -> None:
+    choice = show_speeds(total)
+    assert choice == sorted(choice)
+    assert any(1 <= total / speed <= 20 for speed in choice)
+
+
+def test_a_map_of_thousands_of_pieces_is_one_mark(evidence_on: On) -> None:
+    """As many octagons as a map may have: well below the size that a page may have."""
+    scene = motion_scene(evidence_on("turner"))
+    (obstacle,) = [shape for shape in scene.shapes if shape.kind == "obstacle"]
+    turns = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    octagon = 0.01 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    pieces = [
+        replace(obstacle, name=f"map.{i + 1}", label="" if i else "map", corners=octagon + at)
+        for i, at in enumerate(np.random.default_rng(1).uniform(-1, 3, (5000, 2)))
+    ]
+    marks = shape_marks([*scene.shapes, *pieces], scene.view)
+    assert marks.count("<title>map</title>") == 1
+    assert marks.count("Z") == len(scene.shapes) + len(pieces)
+    assert len(marks) < 420_000

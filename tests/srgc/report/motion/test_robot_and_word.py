@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -23,9 +24,12 @@ from srgc.report.motion.derivation_tree import derivation_tree
 from srgc.report.motion.module_drawing import DrawnModule, ModuleDrawing, module_drawing
 from srgc.report.motion.module_marks import marked_robot
 from srgc.report.motion.robot_picture import robot_picture
+from tests.oracles.small_specs import SLIDER, replaced
 
 On = Callable[[str], Evidence]
 SPECS = Path(__file__).parents[4] / "specs"
+BOLD_LETTER = 8.6
+"""Width of a letter of names on the picture, all in all, in a wide font (DejaVu Sans Bold)."""
 
 
 def structure(spec: str, word: str) -> tuple[Program, Task, Derivation]:
@@ -167,6 +171,44 @@ def test_tree_has_every_production_and_the_word_in_order() -> None:
     assert len(arrows) == len(derivation.word) + len(derivation.nodes) - 1
 
 
+def test_tools_are_joined_to_what_carries_them(tmp_path: Path) -> None:
+    """An effector away from the last frame, by the lines of the picture and no body between."""
+    old = "effector(frame: N.frame);"
+    new = "effector(frame: N.frame * move(y, 30 cm));"
+    path = tmp_path / "spec.srg"
+    path.write_text(replaced(SLIDER, old, new), encoding="utf-8")
+    program = load(path).program
+    assert program is not None
+    (task,) = program.tasks.values()
+    language = family_of(program, task).language
+    word = ("B", "eps", "P", "eps", "M", "eps", "EN")
+    derivation = next(iter(derivations_of(language, word)))
+    robot = marked_robot(program.grammars[task.grammar], program.modules, derivation, 2)
+    modules = by_place(module_drawing(robot, derivation.word, dict(program.modules), []))
+    (line,) = modules[6].lines
+    assert modules[6].at == pytest.approx(line[1])
+    assert line[1] - line[0] == pytest.approx([0, 0.3])
+
+
+def test_long_names_fit_into_the_pictures() -> None:
+    """All of a tree is within its picture, and no name lies over the next one."""
+    _, _, derivation = structure("planar_arm", "B eps JO eps L eps EN")
+    name = "Base_with_a_name_that_is_far_too_long_for_any_picture"
+    word = (name, *derivation.word[1:])
+    svg = ElementTree.fromstring(derivation_tree(replace(derivation, word=word), {}))
+    width = float(svg.get("width") or 0)
+    places = []
+    for mark in svg.iter("g"):
+        if (mark.get("class") or "").startswith("leaf"):
+            text = next(mark.iter("text"))
+            half = BOLD_LETTER * len(text.text or "") / 2
+            places.append((float(text.get("x") or 0) - half, float(text.get("x") or 0) + half))
+    assert places[0][0] >= 0
+    assert places[-1][1] <= width
+    assert all(end <= begin for (_, end), (begin, _) in pairwise(places))
+    assert name in [title.text for title in svg.iter("title")]
+
+
 def test_names_cannot_break_the_page(evidence_on: On) -> None:
     evidence = evidence_on("turner")
     for section in (robot_section(evidence), motion_section(evidence)):
@@ -188,9 +230,12 @@ def test_no_robot_is_invented(evidence_on: On, spec: str) -> None:
 def test_unknown_claims_nothing(evidence_on: On) -> None:
     evidence = evidence_on("beyond_reach")
     unknown = replace(evidence, design={**evidence.design, "verdict": "unknown"})
-    for section in (robot_section(unknown), motion_section(unknown)):
+    for section, said in (
+        (robot_section(unknown), "None was found"),
+        (motion_section(unknown), "There is no robot"),
+    ):
         assert "proved" not in section
-        assert "found" in section
+        assert said in section
 
 
 def test_sections_are_the_same_again(evidence_on: On) -> None:

@@ -1,0 +1,35 @@
+"""A task in words: its numbers with units, as the spec has them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from grammar_lang.load import load
+from srgc.report.task_words import task_sentences
+from tests.oracles.small_specs import SLIDER, TURNER, replaced
+
+
+def words(text: str, folder: Path) -> str:
+    path = folder / "spec.srg"
+    path.write_text(text, encoding="utf-8")
+    program = load(path).program
+    assert program is not None
+    (task,) = program.tasks.values()
+    return " ".join(task_sentences(program, task))
+
+
+@pytest.mark.parametrize(
+    ("spec", "old", "new", "said"),
+    [
+        (TURNER, "start in S at rest", "start in S rates <= 0.1", "at most 0.1 rad/s, with"),
+        (SLIDER, "start in S", "start in S rates <= 0.1", "at most 0.1 m/s, with"),
+        (TURNER, "horizon 10 steps", "horizon 1 steps", "(1 step of 0.2 s)"),
+        (TURNER, "O with effector", "O with effector margin 5 mm", "by at least 0.005 m"),
+        (TURNER, "  reach T;", "  reach T;\n  robust start 2 deg, 3 deg/s;",
+         "off by up to 2°, 3°/s"),
+    ],
+)  # fmt: skip
+def test_numbers_have_their_units(tmp_path: Path, spec: str, old: str, new: str, said: str) -> None:
+    assert said in words(replaced(spec, old, new), tmp_path)
