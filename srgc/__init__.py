@@ -50,15 +50,17 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> object:
-    """A public name, when it is first used."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'srgc' has no attribute {name!r}")
-    from importlib import import_module
+if not TYPE_CHECKING:  # for a type checker there are no other names than those above
 
-    found: object = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = found
-    return found
+    def __getattr__(name: str) -> object:
+        """A public name, when it is first used."""
+        if name not in _HOMES:
+            raise AttributeError(f"module 'srgc' has no attribute {name!r}")
+        from importlib import import_module
+
+        found: object = getattr(import_module(_HOMES[name]), name)
+        globals()[name] = found
+        return found
 
 
 def __dir__() -> list[str]:

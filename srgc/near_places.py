@@ -34,7 +34,7 @@ def no_folder(path: Path) -> UsageFault:
 def unwritable(path: Path, error: OSError) -> UsageFault:
     """What is said of a file or folder that cannot be written."""
     advice = ""
-    if error.errno == errno.ENOENT:
+    if error.errno == errno.ENOENT and not path.parent.is_dir():
         advice = f"; is there a folder {path.parent}?"
     elif error.errno in REFUSED:
         advice = "; choose another place with -o"

@@ -44,7 +44,7 @@ def test_types(tmp_path):
 
 
 def a_strictly_typed_program_is_accepted(tmp_path):
-    """But for the line that mistakes the types, so that they are known at all."""
+    """But for the lines that mistake a type and a name, so that they are known at all."""
     sample = tmp_path / "sample.py"
     sample.write_text(
         "import srgc\n"
@@ -58,13 +58,15 @@ def a_strictly_typed_program_is_accepted(tmp_path):
         "    left: float = min(srgc.verify(result).margins.values())\n"
         "try:\n    srgc.check(text='module')\n"
         "except srgc.SrgcError as error:\n    print(str(error).upper())\n"
-        "wrong: int = srgc.words(program)\n",
+        "wrong: int = srgc.words(program)\n"
+        "srgc.synthesise(program)\n",
         encoding="utf-8",
     )
     found = tool("mypy", "--strict", "--python-executable", sys.executable, sample)
-    [told] = [line for line in found.stdout.splitlines() if line.startswith(str(sample))]
+    told, named = [line for line in found.stdout.splitlines() if line.startswith(str(sample))]
     assert told.startswith(f"{sample}:14: error: Incompatible types in assignment")
     assert '"list[str]", variable has type "int"' in told
+    assert 'Module has no attribute "synthesise"' in named
 
 
 def test_no_file_is_over_four_hundred_lines():

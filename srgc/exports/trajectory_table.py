@@ -49,7 +49,13 @@ def _columns(motion: ExportedMotion) -> Iterator[str]:
 
 
 def _rows(motion: ExportedMotion) -> Iterator[list[str]]:
-    held = [*motion.design.claim.inputs, ("",) * len(motion.inputs)]
+    held = [
+        *(
+            [_stated(text, value) for text, value in zip(*row, strict=True)]
+            for row in zip(motion.design.claim.inputs, motion.input.tolist(), strict=True)
+        ),
+        [""] * len(motion.inputs),
+    ]
     for k, time in enumerate(motion.times):
         before = (motion.position, motion.velocity, motion.acceleration, motion.effort)
         yield [
@@ -58,3 +64,8 @@ def _rows(motion: ExportedMotion) -> Iterator[list[str]]:
             *held[k],
             *(decimal(value) for part in (motion.state, motion.effector) for value in part[k].flat),
         ]
+
+
+def _stated(text: str, value: float) -> str:
+    """An input as the certificate says it, or as a decimal where that is a quotient."""
+    return decimal(value) if "/" in text else text

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from compiler.views.picture import Picture
+from srgc.faults import UsageFault
 from srgc.public.program import Program
 from srgc.public.spoken_faults import spoken
 from srgc.public.words import symbols
@@ -96,6 +97,8 @@ def graph(
     """
     from srgc.graphs.graph_request import GraphRequest, drawing_of
 
+    if cells is not None and cells < 1:
+        raise UsageFault("`cells` counts from 1")
     run = None if highlight is None else symbols(highlight)
     robot = None if word is None else symbols(word)
     request = GraphRequest(of, grammar, workspace, depth, run, near, robot, derivation, cells)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from srgc.faults import UsageFault
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -17,7 +19,11 @@ if TYPE_CHECKING:
     Array: TypeAlias = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+LEAST_POINTS, MOST_POINTS = 2, 1000
+"""Per parameter, as the command has it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Landscape:
     """Rho on a grid over one or two parameters (the paper's Figure 4); it draws itself.
 
@@ -93,14 +99,22 @@ def landscape_of(
 
     found = found_design(folder)
     record = found_record(folder, found)
+    if points is not None and not LEAST_POINTS <= points <= MOST_POINTS:
+        raise UsageFault(f"`points` is a number from {LEAST_POINTS} to {MOST_POINTS}")
+    if jobs < 1:
+        raise UsageFault("`jobs` counts from 1")
     names = None if over is None else over if isinstance(over, str) else ",".join(over)
-    request = LandscapeRequest(
-        names,
-        tuple(f"{name}={float(low)!r}:{float(high)!r}" for name, (low, high) in ranges.items()),
-        points,
-        tuple(",".join(repr(float(x)) for x in mark) for mark in marks.values()),
-        tuple(marks),
-    )
+    try:
+        request = LandscapeRequest(
+            names,
+            tuple(f"{name}={float(low)!r}:{float(high)!r}" for name, (low, high) in ranges.items()),
+            points,
+            tuple(",".join(repr(float(x)) for x in mark) for mark in marks.values()),
+            tuple(marks),
+        )
+    except (TypeError, ValueError):
+        said = "`ranges` has two numbers for a name, `marks` a number for each parameter"
+        raise UsageFault(said) from None
     axes = axes_of(found.model, request)
     marked = marks_of(axes, request)
     with workers_for(jobs) as workers:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
-import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike, fspath
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from srgc.chosen_robot import ChosenRobot
@@ -19,27 +16,14 @@ from srgc.public.landscape import Landscape, landscape_of
 from srgc.public.page import Page, page_of
 from srgc.public.robot import Robot
 from srgc.public.spoken_faults import spoken
+from srgc.public.temporary_folder import TemporaryFolder
 from srgc.public.verification import Verification, verify
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from srgc.report.trajectory import Trajectory
     from srgc.results.found_design import FoundDesign
-
-
-@dataclass(frozen=True, slots=True, weakref_slot=True)
-class TemporaryFolder:
-    """A new folder, which is removed when nothing refers to this any more."""
-
-    path: Path
-
-    @classmethod
-    def made(cls) -> TemporaryFolder:
-        """A new one."""
-        folder = cls(Path(tempfile.mkdtemp(prefix="srgc-")))
-        weakref.finalize(folder, shutil.rmtree, folder.path, ignore_errors=True)
-        return folder
 
 
 @dataclass(frozen=True)
@@ -62,6 +46,13 @@ class Result:
 
     def __fspath__(self) -> str:
         return fspath(self.folder)
+
+    def __reduce__(self) -> tuple[Callable[..., Result], tuple[object, ...]]:
+        """How it is pickled: with what a temporary folder holds, since that is removed with it."""
+        if self.keeper is None:
+            return Result, (self.folder, self.design, None, self.answers)
+        place = self.folder.relative_to(self.keeper.path)
+        return _unpickled, (self.keeper.files(), place, self.design, self.answers)
 
     @property
     def verdict(self) -> Literal["found", "impossible", "unknown"]:
@@ -239,6 +230,17 @@ def opened(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
 
     tried_folder(folder)
     return Result(folder, _design(folder), keeper)
+
+
+def _unpickled(
+    files: Mapping[str, bytes],
+    place: PurePath,
+    design: Mapping[str, Any],
+    answers: list[Verification],
+) -> Result:
+    """A result in a temporary folder of its own."""
+    keeper = TemporaryFolder.made(files)
+    return Result(keeper.path / place, design, keeper, answers)
 
 
 def _design(folder: Path) -> dict[str, Any]:

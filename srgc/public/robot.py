@@ -92,6 +92,8 @@ class Robot:
 
         poses, single = self._poses(q, "q")
         rates, _ = self._poses(qd, "qd")
+        if len(poses) != len(rates) and 1 not in (len(poses), len(rates)):
+            raise UsageFault(f"`q` has {len(poses)} poses, and `qd` {len(rates)}")
         poses, rates = np.broadcast_arrays(poses, rates)
         function = self._reading.graph.centrifugal
         rows = [
@@ -140,14 +142,26 @@ class Robot:
         """A drawing at coordinates q (n,); by default in a pose with bent joints."""
         from srgc.displays.robot_drawing import drawing
 
-        pose = None if q is None else self._poses(q, "q")[0][0]
-        return drawing(self.chosen.model, self.theta, pose)
+        return drawing(self.chosen.model, self.theta, None if q is None else self._pose(q))
+
+    def _pose(self, q: ArrayLike) -> Array:
+        """A single pose (n,) that is somewhere."""
+        import numpy as np
+
+        poses, single = self._poses(q, "q")
+        if not single or not np.isfinite(poses).all():
+            raise UsageFault(f"`q` is one pose to be drawn: {len(self.dofs)} finite numbers")
+        pose: Array = poses[0]
+        return pose
 
     def _poses(self, q: ArrayLike, name: str) -> tuple[Array, bool]:
         """Coordinates as (K, n), and whether a single pose was given."""
         import numpy as np
 
-        found, n = np.asarray(q, dtype=np.float64), len(self.dofs)
+        try:
+            found, n = np.asarray(q, dtype=np.float64), len(self.dofs)
+        except (TypeError, ValueError, OverflowError):
+            raise UsageFault(f"`{name}` is no array of numbers") from None
         if found.ndim not in (1, 2) or found.shape[-1] != n:
             raise UsageFault(f"`{name}` has the shape {found.shape}: ({n},) or (K, {n}) is due")
         return np.atleast_2d(found), found.ndim == 1
@@ -196,6 +210,8 @@ def robot(
     Raises:
         SrgcError: the word is not in the family, it is no robot, or a parameter has another range.
     """
+    if derivation is not None and derivation < 1:
+        raise UsageFault("`derivation` counts from 1")
     request = RobotRequest(symbols(word), grammar, task, workspace, derivation)
     chosen = chosen_robot(program.ir, request)
     return Robot(chosen, _theta(chosen.model.parameters, parameters))
@@ -225,8 +241,12 @@ def _value(parameter: RobotParameter, value: float) -> Fraction:
     from compiler.robots.parameter_values import stated_value
 
     name = parameter_name(parameter)
-    if not isfinite(value):
-        raise UsageFault(f"{name} is {value}")
+    try:
+        finite = isfinite(value)
+    except (TypeError, OverflowError):
+        finite = False
+    if not finite:
+        raise UsageFault(f"{name} is {value!r}: a finite number is due")
     exact = Fraction(repr(float(value)))
     if stated_value(parameter.domain, exact) is None:
         domain = domain_text(parameter.domain, parameter.unit)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from srgc.faults import UsageFault
 from srgc.public.program import Program
-from srgc.public.result import Result, TemporaryFolder, opened
+from srgc.public.result import Result, opened
 from srgc.public.spoken_faults import spoken
+from srgc.public.temporary_folder import TemporaryFolder
 from srgc.session import chosen, refuse_cycles, refuse_unsupported
 
 

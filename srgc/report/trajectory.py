@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 _COLUMN = re.compile(r"q[1-9]\d*|qd[1-9]\d*|s[1-9]\d*|u[1-9]\d*|e[1-9]\d*_[xyz]|t")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """A motion at its samples, in SI units.
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import os
 
 import pytest
 
+from srgc.near_places import unwritable
 from tests.oracles.small_specs import TURNER
 
 
@@ -72,6 +74,13 @@ def test_outputs_that_cannot_be_written(srgc, place):
     assert srgc("synth", "specs/turner.srg", "-o", "turner.txt").err == (
         "error: turner.txt: File exists; it is a file, and a folder is due\n"
     )
+
+
+def test_a_folder_that_is_there_is_not_asked_for(tmp_path):
+    """As of files in /proc, which nobody can make."""
+    refused = FileNotFoundError(errno.ENOENT, "No such file or directory")
+    told = str(unwritable(tmp_path / "arm.csv", refused))
+    assert told == f"{tmp_path / 'arm.csv'}: No such file or directory"
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")

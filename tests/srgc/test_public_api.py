@@ -7,6 +7,7 @@ import gc
 import inspect
 import json
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -68,7 +69,9 @@ def test_light_calls_load_no_library():
 
 def test_every_name_has_one_home_and_is_known_to_type_checkers():
     tree = ast.parse((ROOT / "srgc" / "__init__.py").read_text(encoding="utf-8"))
-    [guarded] = [node for node in tree.body if isinstance(node, ast.If)]
+    [guarded] = [
+        node for node in tree.body if isinstance(node, ast.If) and isinstance(node.test, ast.Name)
+    ]
     static = {
         alias.name: node.module
         for node in guarded.body
@@ -104,8 +107,10 @@ def test_every_name_is_in_the_reference():
     )
 
 
-def test_types_are_shipped():
-    assert (ROOT / "srgc" / "py.typed").is_file()
+@pytest.mark.parametrize("package", ["srgc", "solvers", "compiler", "grammar_lang"])
+def test_types_are_shipped(package):
+    """Of all packages: what srgc gives has types of the others, as ``Verification.outcome``."""
+    assert (ROOT / package / "py.typed").is_file()
 
 
 # --- specifications -----------------------------------------------------------------------------
@@ -187,6 +192,28 @@ def test_a_traceback_ends_at_the_call(program):
         (lambda p: srgc.robot(p, WORD, {"5.length": 1}), "no parameter `5.length`"),
         (lambda p: srgc.robot(p, WORD, [1, 7]), r"8.length = 7 is not in \[0.5, 5\] m"),
         (lambda p: srgc.robot(p, WORD, [1, np.nan]), "8.length is nan"),
+        (lambda p: srgc.robot(p, WORD, [1, "1"]), "8.length is '1': a finite number is due"),
+        (lambda p: srgc.robot(p, WORD, 3), "`parameters` is numbers by their names"),
+        (lambda p: srgc.robot(p, WORD, derivation=0), "counts from 1"),
+        (lambda p: srgc.robot(p, WORD).mass_matrix("ab"), "`q` is no array of numbers"),
+        (lambda p: srgc.robot(p, WORD).mass_matrix([0, 10**400]), "`q` is no array of numbers"),
+        (lambda p: srgc.robot(p, WORD).coriolis([[1, 2]] * 2, [[1, 2]] * 3), "2 poses, and `qd` 3"),
+        (lambda p: srgc.robot(p, WORD).svg([0, np.nan]), "2 finite numbers"),
+        (lambda p: srgc.robot(p, WORD).svg([[0, 0]]), "2 finite numbers"),
+        (lambda _: srgc.words("arm.srg"), "`program` is what `srgc.load` gives, not 'arm.srg'"),
+        (lambda _: srgc.synthesize(None), "`program` is what `srgc.load` gives, not None"),
+        (srgc.load, "`path` is a path, not <Program"),
+        (lambda _: srgc.load(b"arm.srg"), "`path` is a path, not b'arm.srg'"),
+        (lambda _: srgc.check(text=3), "`text` is a text, not 3"),
+        (lambda _: srgc.open_result(7), "`folder` is a path, not 7"),
+        (lambda p: srgc.words(p, limit=2.5), "`limit` is a whole number, not 2.5"),
+        (lambda p: srgc.words(p, max_length="9"), "`max_length` is a whole number, not '9'"),
+        (lambda p: srgc.words(p, grammar=1), "`grammar` is a text, not 1"),
+        (lambda p: srgc.graph(p, "sra", highlight=3), "`highlight` is a text, or several, not 3"),
+        (lambda p: srgc.graph(p, "workspace", cells=0), "counts from 1"),
+        (lambda p: srgc.synthesize(p, time_limit="1"), "`time_limit` is a number, not '1'"),
+        (lambda p: srgc.synthesize(p, jobs="2" * 99), r"whole number, not '2{56}\.\.\."),
+        (lambda _: srgc.export("nowhere", "csv", efforts=False), "goes with ros2 alone"),
         (lambda p: srgc.robot(p, WORD).mass_matrix([1]), r"`q` has the shape \(1,\): \(2,\)"),
         (lambda p: srgc.synthesize(p, jobs=0), "count from 1"),
         (lambda p: srgc.synthesize(p, seed=-1), "not negative"),
@@ -209,6 +236,7 @@ def test_faults_are_one_message(program, call, said):
 def test_options_are_called_as_arguments_are():
     assert in_python("give --max-length to count it") == "give `max_length` to count it"
     assert in_python("a -- b, `x--y`") == "a -- b, `x--y`"
+    assert in_python("choose another place with -o") == "choose another place"
 
 
 # --- robots -------------------------------------------------------------------------------------
@@ -285,6 +313,26 @@ def test_a_temporary_folder_lasts_as_long_as_its_result():
     assert not folder.exists()
 
 
+def test_a_pickled_result_takes_its_files_along():
+    """As one that another process sends, whose temporary folder ends with it."""
+    result = srgc.synthesize(srgc.load(text=TURNER), time_limit=1e-9)
+    content, expected = pickle.dumps(result), files(result.folder)
+    del result
+    gc.collect()
+    sent = pickle.loads(content)
+    assert files(sent.folder) == expected
+    assert sent.verify().outcome.value == "undecided"
+    folder = sent.folder
+    del sent
+    gc.collect()
+    assert not folder.exists()
+
+
+def test_a_result_in_a_folder_of_its_own_is_pickled_as_that(turned):
+    assert pickle.loads(pickle.dumps(turned)) == turned
+    assert pickle.loads(pickle.dumps(turned)).folder == turned.folder
+
+
 def test_an_unfinished_search_goes_on_in_its_folder(tmp_path, made):
     program = srgc.load(made("turner") / "turner.srg")
     assert srgc.synthesize(program, folder=tmp_path, time_limit=1e-9).verdict == "unknown"
@@ -358,6 +406,15 @@ def test_a_landscape(turned):
     assert "own" in found.svg
     with pytest.raises(srgc.SrgcError, match=r"no parameter `5\.length`"):
         turned.landscape("5.length")
+    for wrong, said in (
+        ({"points": 1}, "from 2 to 1000"), ({"points": 10**9}, "from 2 to 1000"),
+        ({"jobs": 0}, "counts from 1"), ({"ranges": {"4.length": 3}}, "two numbers"),
+        ({"marks": {"own": 1.3}}, "a number for each"), ({"ranges": [1]}, "is a mapping"),
+    ):  # fmt: skip
+        with pytest.raises(srgc.SrgcError, match=said):
+            turned.landscape("4.length", **wrong)
+    assert found != turned.landscape(points=3, ranges={"4.length": (1.21, 1.6)})
+    assert turned.trajectory != srgc.open_result(turned).trajectory
 
 
 def test_exports(turned, tmp_path):
@@ -366,6 +423,8 @@ def test_exports(turned, tmp_path):
     assert srgc.export(turned, "urdf", tmp_path / "arm.urdf") == (tmp_path / "arm.urdf",)
     assert (tmp_path / "arm.urdf").read_text(encoding="utf-8") == text
     assert srgc.export(turned, "npz")[:2] == b"PK"
+    assert "effort: []" in srgc.export(turned, "ros2", efforts=False)
+    assert "effort: []" not in srgc.export(turned, "ros2")
     with pytest.raises(srgc.SrgcError, match="is one of the results"):
         srgc.export(turned, "csv", turned.folder / "trajectory.csv")
 

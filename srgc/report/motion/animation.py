@@ -244,7 +244,7 @@ def _tube_words(tube: TubeBoxes | None, factor: float) -> str:
         f"{_length(float(sides.max()))} wide"
     )
     if factor > 1:
-        shown = f"{factor:,.0f}".replace(",", " ")
+        shown = f"{factor:,.0f}".replace(",", "\u202f")
         return f"{words}; the box about the effector is drawn {shown} times as wide as it is."
     return f"{words}; that is the box about the effector."
 

@@ -5,6 +5,7 @@ The page's script moves these marks; without it they show the first pose.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -23,6 +24,7 @@ AXIS_LENGTH = 34.0
 THINNEST_CAPSULE = 6.0
 """Twice the radius on the picture from which on a rod is drawn as thick as it is."""
 LETTER = 7.2
+_LEADING_ZERO = re.compile(r"(^|[ -])0\.")
 
 
 def place(value: float) -> str:
@@ -62,7 +64,18 @@ def shape_path(shape: WorkspaceShape, view: View) -> str:
     corners = view.project(shape.corners)
     if view.axes.shape[1] == 3:
         return "".join(line_path(corners[[a, b]]) for a, b in shape.edges)
-    return f"{line_path(outline(corners))}Z"
+    return _closed(outline(corners))
+
+
+def _closed(corners: Array) -> str:
+    """A polygon as the data of a path, from corner to corner: short where there are thousands."""
+    tenths = np.rint(10 * corners).astype(int)
+    steps = "".join(
+        f" {place(dx / 10)} {place(dy / 10)}" for dx, dy in np.diff(tenths, axis=0).tolist()
+    )
+    short = _LEADING_ZERO.sub(r"\1.", steps.lstrip()).replace(" -", "-")
+    x, y = tenths[0].tolist()
+    return f"M{place(x / 10)} {place(y / 10)}l{short}Z"
 
 
 def shape_marks(shapes: Sequence[WorkspaceShape], view: View) -> str:
@@ -79,7 +92,7 @@ def shape_marks(shapes: Sequence[WorkspaceShape], view: View) -> str:
 def _shape_mark(group: Sequence[WorkspaceShape], view: View) -> str:
     """A set: what it covers, and its edges in space."""
     shape = group[0]
-    outlines = "".join(f"{line_path(outline(view.project(each.corners)))}Z" for each in group)
+    outlines = "".join(_closed(outline(view.project(each.corners))) for each in group)
     face = f'<path class="face" d="{outlines}"/>'
     edges = ""
     if view.axes.shape[1] == 3:

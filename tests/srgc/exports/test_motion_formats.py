@@ -91,6 +91,19 @@ def test_csv(srgc: Export, driven: Driven, folder: Path, expected: Sampled) -> N
                 assert np.abs(expected.tips[:, number, i]).max() == 0
 
 
+def test_a_quotient_in_the_certificate_is_a_decimal_in_the_table(
+    srgc: Export, tmp_path: Path
+) -> None:
+    """Certificates may state quotients; tables are read by programs that know numbers alone."""
+    driven = CASES["a slide alone"]
+    folder = driven.folder(tmp_path / "claimed")
+    result_files.alter(folder, lambda c: c["inputs"].__setitem__(0, ["1/3"]), sign=True)
+    columns = table(srgc("export", folder, "--to", "csv").out)
+    assert columns["input.P_2"][0] == columns["effort.P_2"][0] == "0.3333333333333333"
+    stated = [row[0] for row in result_files.read(folder)["inputs"]]
+    assert columns["input.P_2"][1:] == [*stated[1:], ""]
+
+
 def test_the_others_have_the_same_numbers(
     srgc: Export, driven: Driven, folder: Path, tmp_path: Path
 ) -> None:
