@@ -45,6 +45,7 @@ from solvers.verifier.claims.certificate import ParameterClaim, decimal
 from solvers.verifier.proofs.finding import Finding, decisive
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.proofs.watch import Watch
 from solvers.verifier.verdict import Holds, Unknown
 
 PLANS = (6, 3)
@@ -305,7 +306,7 @@ class StructureSearch:
         motion = motion_of(design)
         if motion is None:
             return None
-        findings = prove_motion(scene, motion, self.conduct.check_time)
+        findings = prove_motion(scene, motion, Watch(self.conduct.check_time))
         obstacle = decisive(findings)
         if obstacle is not None:
             self.obstacle = f"; last proof tried: {obstacle.reason}"

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from tests.oracles import small_specs
 from tests.oracles.spatial_arm import SPATIAL
@@ -30,6 +31,13 @@ SPECS = {
     "too_short": small_specs.TOO_SHORT.encode(),
     "spatial": SPATIAL.encode(),
 }
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """`make test` takes the same examples every time; `make test-slow` looks for others."""
+    settings.register_profile("the same examples", derandomize=True)
+    if config.option.markexpr == "not slow":
+        settings.load_profile("the same examples")
 
 
 def srgc_process(

@@ -63,8 +63,9 @@ def a_strictly_typed_program_is_accepted(tmp_path):
         encoding="utf-8",
     )
     found = tool("mypy", "--strict", "--python-executable", sys.executable, sample)
-    told, named = [line for line in found.stdout.splitlines() if line.startswith(str(sample))]
-    assert told.startswith(f"{sample}:14: error: Incompatible types in assignment")
+    # What mypy remembers of an earlier run has the folder of that run in it.
+    told, named = [line for line in found.stdout.splitlines() if "sample.py:" in line]
+    assert "sample.py:14: error: Incompatible types in assignment" in told
     assert '"list[str]", variable has type "int"' in told
     assert 'Module has no attribute "synthesise"' in named
 

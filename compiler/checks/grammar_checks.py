@@ -104,6 +104,8 @@ def _grammar(context: _Context, grammar: ir.Grammar, sink: Sink) -> None:
         _empty_language(grammar, rules, sink)
         return
     _effector(context, grammar, language, sink)
+    if context.complete:
+        _module_bounds(context.tasks.get(grammar.name, ()), language, sink)
     unambiguous, longest = False, longest_word(language)
     if not cycles:
         found = ambiguity(language, longest)
@@ -245,6 +247,21 @@ def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: 
             hint=f"derive a module of role effector ({listed}{more})"
             if listed
             else "declare a module with `role effector;` and derive it",
+        )
+
+
+def _module_bounds(tasks: Sequence[ir.Task], language: Language, sink: Sink) -> None:
+    """Tasks that allow fewer modules than any word has."""
+    for task in tasks:
+        fewest = None if task.modules is None else language.fewest_modules()
+        if task.modules is None or fewest is None or task.modules >= fewest:
+            continue
+        sink.warning(
+            Code.TOO_FEW_MODULES,
+            f"no robot of `{task.grammar}` has so few modules",
+            task.clauses.get("modules", task.span),
+            hint=f"the smallest have {fewest}: write `modules <= {fewest}` or more; as it is, "
+            "`synth` says impossible",
         )
 
 

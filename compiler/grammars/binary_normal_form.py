@@ -7,7 +7,7 @@ pairs).  Such a grammar speaks of words only; derivations are those of the origi
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -57,8 +57,16 @@ class BinaryGrammar:
 
     def shortest(self) -> int | None:
         """The length of the shortest word; None where there is none."""
-        if self.empty_word:
-            return 0
+        return 0 if self.empty_word else self.lightest([1] * self.terminals)
+
+    def lightest(self, weights: Sequence[int]) -> int | None:
+        """The least weight of a word that is not empty; None where there is none.
+
+        Knuth's generalisation of shortest paths, *Inf. Proc. Lett.* 6 (1977), by relaxation.
+
+        Args:
+            weights: of the terminals, none negative.
+        """
         least: list[int | None] = [None] * len(self.rules)
         users: list[dict[int, None]] = [{} for _ in self.rules]
         for k, right in self._sides():
@@ -69,25 +77,26 @@ class BinaryGrammar:
         while todo:
             k = next(iter(todo))
             del todo[k]
-            found = self._least(k, least)
+            found = self._least(k, least, weights)
             if found != least[k]:
                 least[k] = found
                 todo.update(users[k])
-        lengths = [least[start - self.terminals] for start in self.starts]
-        return min((length for length in lengths if length is not None), default=None)
+        totals = [least[start - self.terminals] for start in self.starts]
+        return min((total for total in totals if total is not None), default=None)
 
-    def _least(self, k: int, least: list[int | None]) -> int | None:
-        """The least length of nonterminal number k, from what is known of the others."""
+    def _least(self, k: int, least: Sequence[int | None], weights: Sequence[int]) -> int | None:
+        """The least weight of nonterminal number k, from what is known of the others."""
         found = least[k]
         for right in self.rules[k]:
-            length = 0
+            total = 0
             for symbol in right:
-                part = 1 if symbol < self.terminals else least[symbol - self.terminals]
+                first = self.terminals
+                part = weights[symbol] if symbol < first else least[symbol - first]
                 if part is None:
                     break
-                length += part
+                total += part
             else:
-                found = length if found is None else min(found, length)
+                found = total if found is None else min(found, total)
         return found
 
     def _sides(self) -> Iterable[tuple[int, RightSide]]:

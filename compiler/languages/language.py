@@ -144,6 +144,10 @@ class Language:
         """
         return next(self.words(), None)
 
+    def fewest_modules(self) -> int | None:
+        """The least number of modules in a word that is not empty; None where there is none."""
+        return self.product.lightest([int(name in self.srg.modules) for name in self.srg.terminals])
+
     def words(
         self, *, max_length: int | None = None, max_modules: int | None = None
     ) -> Iterator[tuple[str, ...]]:

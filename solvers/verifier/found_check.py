@@ -20,6 +20,7 @@ from solvers.verifier.claims.effort_check import check_efforts
 from solvers.verifier.claims.outcome import Refused
 from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.proofs.watch import Watch
 from solvers.verifier.report import Report, concluded
 
 
@@ -49,7 +50,11 @@ def claimed_robot(claim: FoundClaim, program: ir.Program, task: ir.Task) -> Clai
 
 
 def check_found(
-    claim: FoundClaim, program: ir.Program, task: ir.Task, cells: Abstraction
+    claim: FoundClaim,
+    program: ir.Program,
+    task: ir.Task,
+    cells: Abstraction,
+    watch: Watch,
 ) -> tuple[RobotModel, Report]:
     """The robot of a claim, and the report on what is claimed of it.
 
@@ -65,7 +70,7 @@ def check_found(
     _path_avoids(claim, task, cells)
     if all(finding.status is Status.HOLDS for finding in findings):
         scene = scene_of(program, task, model, cells, claimed.derivation)
-        findings += prove_motion(scene, motion, refute=True)
+        findings += prove_motion(scene, motion, watch, refute=True)
     return model, concluded(findings)
 
 

@@ -14,18 +14,22 @@ from solvers.verifier.claims.design_agreement import disagreement
 from solvers.verifier.claims.formula_agreement import misstated_formula
 from solvers.verifier.claims.outcome import Outcome, Refused
 from solvers.verifier.found_check import check_found
+from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.report import Report
 
 __all__ = ["Outcome", "Report", "verify_directory"]
 
 
-def verify_directory(folder: Path, spec: Path | None = None, trust: str | None = None) -> Report:
+def verify_directory(
+    folder: Path, spec: Path | None = None, trust: str | None = None, watch: Watch = UNWATCHED
+) -> Report:
     """Check the certificate of a result folder.
 
     Args:
         folder: a folder written by ``srgc synth``.
         spec: a spec file the result must be about, besides its own copy.
         trust: ``"z3"`` runs refutation scripts again in a z3 process and believes its ``unsat``.
+        watch: told of the steps of the motion, or of the structures, that are done.
     """
     path = folder / "certificate.json"
     if not path.is_file():
@@ -33,7 +37,7 @@ def verify_directory(folder: Path, spec: Path | None = None, trust: str | None =
             Outcome.UNDECIDED, None, None, f"there is no certificate in {folder}: nothing to verify"
         )
     try:
-        return _judged(folder, claimed_task(folder, spec), trust)
+        return _judged(folder, claimed_task(folder, spec), trust, watch)
     except OSError as error:
         reason = f"the certificate cannot be read: {error.strerror}"
         return Report(Outcome.UNDECIDED, None, None, reason)
@@ -45,13 +49,13 @@ def verify_directory(folder: Path, spec: Path | None = None, trust: str | None =
         return Report(refusal.outcome, None, None, str(refusal))
 
 
-def _judged(folder: Path, claimed: ClaimedTask, trust: str | None) -> Report:
+def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch) -> Report:
     """The report on a claim; then whether ``design.json`` says the same."""
     claim, program, task, cells = claimed.claim, claimed.program, claimed.task, claimed.cells
     if isinstance(claim, FoundClaim):
-        model, report = check_found(claim, program, task, cells)
+        model, report = check_found(claim, program, task, cells, watch)
     else:
-        model, report = None, _impossible(folder, claim, program, task, trust)
+        model, report = None, _impossible(folder, claim, program, task, trust, watch)
     if report.outcome is not Outcome.REFUTED:
         reason = disagreement(folder, claim, program, task, cells, model)
         if reason is None and model is not None and report.outcome is Outcome.VALID:
@@ -62,12 +66,17 @@ def _judged(folder: Path, claimed: ClaimedTask, trust: str | None) -> Report:
 
 
 def _impossible(
-    folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
+    folder: Path,
+    claim: ImpossibleClaim,
+    program: ir.Program,
+    task: ir.Task,
+    trust: str | None,
+    watch: Watch,
 ) -> Report:
     # Not for `found`, whose check should not wait for it.
     from solvers.verifier.refutations.impossibility_check import check_impossible
 
-    found = check_impossible(folder, claim, program, task, trust)
+    found = check_impossible(folder, claim, program, task, trust, watch)
     if isinstance(found, str):
         return Report(Outcome.REFUTED, "impossible", None, found)
     if found.complete:

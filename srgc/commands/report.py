@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from os.path import realpath
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from srgc.commands.arguments import FOLDER, QUIET
 from srgc.faults import UsageFault
 from srgc.output_file import write_output
 from srgc.taught_command import TaughtCommand
-from srgc.terminal import redraws
 
 NAME = "report.html"
 
@@ -48,11 +46,13 @@ def report(folder: Path, quiet: bool, output: Path | None, no_verify: bool) -> i
     if target.suffix.lower() not in (".html", ".htm"):
         raise UsageFault(f"{target}: a report is a page; let the name end in .html")
     _spare_results(target, folder)
+    from solvers.verifier.proofs.watch import Watch
     from srgc.report.page import report_page
+    from srgc.results.progress_display import progress
 
-    if not (quiet or no_verify) and redraws(sys.stderr):
-        click.echo("checking the certificate", err=True)
-    write_output(target, report_page(folder, verify=not no_verify))
+    with progress("report", quiet=quiet, unit="parts", plain=False) as display:
+        page = report_page(folder, verify=not no_verify, watch=Watch(part=display.part))
+    write_output(target, page)
     click.echo(f"report: {target}")
     return 0
 

@@ -49,6 +49,7 @@ def verify(
     Every condition of the certificate is proved again, with its margin, from the copy of the spec
     in FOLDER.  No solver and no searcher is loaded for that.
     """
+    from solvers.verifier.proofs.watch import Watch
     from solvers.verifier.verification import Outcome, verify_directory
     from srgc.near_places import no_folder
     from srgc.results.progress_display import progress
@@ -58,7 +59,7 @@ def verify(
         raise no_folder(folder)
     if spec is not None and not spec.is_file():
         raise UsageFault(f"{spec} is not a file")
-    with progress(f"verify {folder}", quiet=quiet, plain=False):
-        report = verify_directory(folder, spec, trust)
+    with progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display:
+        report = verify_directory(folder, spec, trust, Watch(part=display.part))
     click.echo(verification_json(report) if as_json else verification_text(report))
     return {Outcome.VALID: 0, Outcome.REFUTED: REFUSED}.get(report.outcome, UNKNOWN)

@@ -10,6 +10,8 @@ from math import log2
 
 import numpy as np
 
+from solvers.verifier.claims.outcome import Outcome
+from solvers.verifier.report import Report
 from srgc.replays.replay_run import Replay
 from srgc.replays.tube_comparison import Deviation, Farthest, TubeComparison
 
@@ -24,6 +26,7 @@ def replay_text(replay: Replay) -> str:
         f"in {first.simulator}, {first.method}{steps}; {len(first.times)} instants compared",
         *_farthest_lines(replay.runs[0]),
         *_tube_lines(replay),
+        *_proof_lines(replay.verified),
     ]
     if len(replay.runs) > 1:
         lines += ["", *_table(replay.runs)]
@@ -38,6 +41,7 @@ def replay_json(replay: Replay) -> str:
         "method": replay.runs[0].motion.method,
         "disturbed": replay.disturbed,
         "half_width": replay.half_width,
+        "certificate": replay.verified.outcome.value,
         "runs": [
             {
                 "timestep": None if (h := run.motion.timestep) is None else float(h),
@@ -75,6 +79,12 @@ def _tube_lines(replay: Replay) -> Iterator[str]:
         return
     of = "all disturbed motions" if replay.disturbed else "the motion"
     yield f"the tube holds {of}; its half-width is at most {replay.half_width:.2e} (SI)"
+
+
+def _proof_lines(verified: Report) -> Iterator[str]:
+    """What a tube alone does not say: that the motion in it does the task."""
+    if verified.outcome is not Outcome.VALID:
+        yield f"but the certificate is {verified.outcome.value}: {verified.reason}"
 
 
 def _table(runs: Sequence[TubeComparison]) -> Iterator[str]:

@@ -12,6 +12,8 @@ from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.claims.outcome import Refused
 from solvers.verifier.proofs.enclosure import EnclosureFailure
+from solvers.verifier.report import Report
+from solvers.verifier.verification import verify_directory
 from srgc.exports.design_names import design_names, design_tree
 from srgc.exports.exported_motion import POSITION_UNITS
 from srgc.exports.mjcf import substeps
@@ -41,12 +43,13 @@ class Replay:
     """The runs, one per timestep, and what the tube is.
 
     ``half_width`` is the largest of coordinates and rates at the instants compared in the last run
-    (SI), None without any.
+    (SI), None without any.  ``verified`` is what the verifier says of the certificate.
     """
 
     runs: tuple[TubeComparison, ...]
     disturbed: bool
     half_width: float | None
+    verified: Report
 
 
 def replay(folder: Path, request: ReplayRequest) -> Replay:
@@ -66,7 +69,8 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
     units = [POSITION_UNITS[dof.kind] for dof in design.model.dofs]
     joints = list(zip(names.joints, units, strict=True))
     runs = tuple(tube_comparison(tube, motion, joints, names.effectors) for motion in motions)
-    return Replay(runs, tube.disturbed, _half_width(tube, motions[-1]))
+    width = _half_width(tube, motions[-1])
+    return Replay(runs, tube.disturbed, width, verify_directory(folder))
 
 
 def _motions(design: FoundDesign, request: ReplayRequest) -> Iterator[ReplayedMotion]:

@@ -18,6 +18,7 @@ from solvers.verifier.claims.certificate import CertificateError, Claim, from_te
 from solvers.verifier.claims.outcome import Outcome
 from solvers.verifier.claims.spec_copy import files_of
 from solvers.verifier.proofs.enclosure import EnclosureFailure
+from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.report import Report
 from solvers.verifier.verification import verify_directory
 from srgc.faults import UsageFault
@@ -36,12 +37,13 @@ if TYPE_CHECKING:
     from solvers.verifier.certified_tube import CertifiedTube
 
 
-def read_evidence(folder: Path, *, verify: bool) -> Evidence:
+def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Evidence:
     """All that the report of a result folder is made of.
 
     Args:
         folder: one that ``srgc synth`` has written, with any verdict.
         verify: whether to check the certificate again, and to enclose the motion.
+        watch: told how far the check has come.
 
     Raises:
         UsageFault: there are no results, or they or the spec have been altered.
@@ -64,7 +66,7 @@ def read_evidence(folder: Path, *, verify: bool) -> Evidence:
         trajectory = planned_trajectory(found)
     pareto = json_object(folder / "pareto.json", needed=False)
     checked_designs(pareto, folder / "pareto.json")
-    report = verify_directory(folder) if verify else None
+    report = verify_directory(folder, watch=watch) if verify else None
     return Evidence(
         folder,
         design,

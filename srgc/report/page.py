@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
+from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from srgc.report.evidence import Evidence
 from srgc.report.evidence_reader import read_evidence
 from srgc.report.html_text import text
@@ -38,17 +39,18 @@ POLICY = (
 """What a browser lets the page do: nothing is loaded, nothing is sent."""
 
 
-def report_page(folder: Path, *, verify: bool = True) -> str:
+def report_page(folder: Path, *, verify: bool = True, watch: Watch = UNWATCHED) -> str:
     """The page of a result folder; the same folder gives the same text.
 
     Args:
         folder: one that ``srgc synth`` has written, with any verdict.
         verify: whether to check its certificate again; the page says what comes of it.
+        watch: told how far that check has come.
 
     Raises:
         UsageFault: there are no results, or they or the spec have been altered.
     """
-    return page_of(read_evidence(folder, verify=verify))
+    return page_of(read_evidence(folder, verify=verify, watch=watch))
 
 
 def page_of(evidence: Evidence) -> str:

@@ -50,6 +50,20 @@ def check_against_brute_force(g: ir.Grammar) -> None:
 
 @settings(deadline=None, max_examples=40)
 @given(random_grammars())
+def test_the_fewest_modules_against_an_automaton_that_counts_them(g: ir.Grammar) -> None:
+    lang = language(g, AB, frozenset("b"))
+    fewest = lang.fewest_modules()
+    few = [word.count("b") for word in expected_words(g, AB, 8) if word]
+    if fewest is None:
+        assert not few
+    elif not lang.accepts(()):  # the empty word has the fewest
+        assert fewest <= min(few, default=fewest)
+        assert not lang.is_empty(max_modules=fewest)
+        assert fewest == 0 or lang.is_empty(max_modules=fewest - 1)
+
+
+@settings(deadline=None, max_examples=40)
+@given(random_grammars())
 def test_language_equals_brute_force_and_the_automaton(g: ir.Grammar) -> None:
     check_against_brute_force(g)
 

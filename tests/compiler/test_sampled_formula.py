@@ -63,7 +63,7 @@ CASES = st.tuples(
 ).flatmap(lambda case: st.tuples(st.just(case), formulas(2 * case[1], case[2], deep=5)))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=35, deadline=None)
 @given(CASES)
 def test_words_that_satisfy_it_are_followed_by_motions_that_satisfy_the_formula(
     case: tuple[tuple[str, int, int, int], ir.Formula],
@@ -89,7 +89,7 @@ def test_the_meaning_on_words_is_that_of_the_definitions(
             assert holds(strengthened, word, i) is true_at(strengthened, word, i)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=35, deadline=None)
 @given(
     st.sampled_from(sorted(KINDS)),
     formulas(4, 1, deep=5).map(untimed),

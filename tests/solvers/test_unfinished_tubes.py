@@ -12,6 +12,7 @@ from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES, Motion, Scene, prove_motion
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import Followed, driven_robot, follow
+from solvers.verifier.proofs.watch import UNWATCHED
 from tests.solvers.test_disturbed_proof import TWO, scene, spec
 
 STATE = tuple(map(Fraction, ("0.2", "0.7", "0", "0")))
@@ -30,7 +31,7 @@ def followed(where: Scene, motion: Motion) -> list[Followed]:
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
             robot = driven_robot(where, motion)
-            found.append(follow(robot, InitialSet(robot.state), None, accuracy, lambda: None))
+            found.append(follow(robot, InitialSet(robot.state), None, accuracy, UNWATCHED))
     return found
 
 

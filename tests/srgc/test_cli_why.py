@@ -190,6 +190,7 @@ def test_a_family_without_robots_within_the_bound(srgc: Srgc, tmp_path: Path) ->
     assert [one["says"] for one in found["suggestions"]] == ["with `modules <= 4`"]
 
 
+@pytest.mark.slow
 def test_refuted_up_to_the_default_bound_is_explained_like_impossible(
     srgc: Srgc, tmp_path: Path
 ) -> None:

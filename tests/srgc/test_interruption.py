@@ -53,7 +53,7 @@ def test_kills_at_random_moments(made, tmp_path):
     folder = tmp_path / "out"
     (tmp_path / "turner.srg").write_bytes((place / "turner.srg").read_bytes())
     arguments = ["synth", "turner.srg", "-o", "out"]
-    for _ in range(3):
+    for _ in range(2):
         with srgc_process(arguments, tmp_path) as process:
             time.sleep(chance.uniform(0.5, 3.0))
             process.kill()

@@ -12,6 +12,7 @@ from compiler.geometry.abstraction import abstract
 from compiler.geometry.bisection import bisections
 from grammar_lang.ir import Workspace
 from srgc.pictures.workspace_picture import workspace_svg
+from tests.conftest import ROOT, srgc_process
 from tests.oracles.planes import bench, box
 from tests.oracles.random_worlds import plane_world, space_world
 
@@ -123,3 +124,13 @@ def test_neither_settings_of_others_nor_threads_change_a_picture() -> None:
         with ThreadPoolExecutor(6) as threads:
             assert list(threads.map(picture, range(6))) == expected
         assert mpl.rcParams["font.size"] == 30
+
+
+def test_the_backend_of_another_program_is_not_looked_for(tmp_path):
+    spec = tmp_path / "arm.srg"
+    spec.write_bytes((ROOT / "specs" / "nested.srg").read_bytes())
+    arguments = ["plan", "arm.srg", "-o", "plan.svg"]
+    with srgc_process(arguments, tmp_path, MPLBACKEND="nonsense") as process:
+        _, err = process.communicate(timeout=120)
+    assert (process.returncode, err) == (0, b"")
+    assert (tmp_path / "plan.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")

@@ -25,6 +25,7 @@ from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import Slice, Status
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot, follow
+from solvers.verifier.proofs.watch import Watch
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -67,7 +68,7 @@ def counterexample(
     name: str,
     radii: Sequence[Fraction],
     accuracy: Accuracy,
-    tick: Callable[[], None],
+    watch: Watch,
 ) -> Finding | None:
     """A violation by a disturbed motion of the condition of that name, or None.
 
@@ -79,9 +80,9 @@ def counterexample(
         if measure is None:
             return None
         corner = _worst_corner(scene, motion, measure, radii, part)
-        tick()
+        watch.tick()
         disturbed = driven_robot(scene, corner.motion(motion, radii, part))
-        followed = follow(disturbed, InitialSet(disturbed.state), None, accuracy, tick)
+        followed = follow(disturbed, InitialSet(disturbed.state), None, accuracy, watch)
         found = followed.so_far() if followed.ended else followed.findings()
     for each in found:
         if each.name == name and each.status is Status.FAILS:

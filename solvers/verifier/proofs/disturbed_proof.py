@@ -6,7 +6,7 @@ instant from what is stated by no more than their part.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -21,6 +21,7 @@ from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import driven_robot, follow
+from solvers.verifier.proofs.watch import Watch
 
 
 def disturbed_findings(
@@ -28,7 +29,7 @@ def disturbed_findings(
     motion: Motion,
     planned: Sequence[Finding],
     accuracy: Accuracy,
-    tick: Callable[[], None],
+    watch: Watch,
 ) -> tuple[Finding, ...]:
     """The findings on the planned motion, replaced by those on all disturbed ones.
 
@@ -39,7 +40,7 @@ def disturbed_findings(
         robot = driven_robot(scene, motion)
         initial = disturbed_start(scene, robot.state)
         part = ball(robust.effort) if robust.effort else None
-        followed = follow(robot, initial, part, accuracy, tick)
+        followed = follow(robot, initial, part, accuracy, watch)
         found = followed.so_far() if followed.ended else followed.findings()
     told = [_told(each) for each in found]
     if followed.ended:
@@ -78,7 +79,7 @@ def with_counterexample(
     motion: Motion,
     findings: tuple[Finding, ...],
     accuracy: Accuracy,
-    tick: Callable[[], None],
+    watch: Watch,
 ) -> tuple[Finding, ...]:
     """The findings, with a violation by a disturbed motion where one is found of what is open."""
     worst = decisive(findings)
@@ -89,7 +90,9 @@ def with_counterexample(
         # What has no margin is open because the tube ends, not because it is nearly violated.
         lost = each.status is Status.UNDECIDED and each.margin < NO_MARGIN
         if lost or each.name == target:
-            found = counterexample(scene, motion, each.name, disturbed_radii(scene), accuracy, tick)
+            found = counterexample(
+                scene, motion, each.name, disturbed_radii(scene), accuracy, watch
+            )
             if found is not None:
                 return tuple(found if item is each else item for item in findings)
     return findings

@@ -7,8 +7,6 @@ disturbances, along another one that holds all disturbed motions.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from compiler.arithmetic.balls import working_precision
 from compiler.dynamics.tape import UndefinedValueError
 from compiler.specifications.task_formula import missing_effector
@@ -21,6 +19,7 @@ from solvers.verifier.proofs.scene import Motion, Scene, scene_of
 from solvers.verifier.proofs.start_check import positive_mass, start_findings, unphysical
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import driven_robot, follow
+from solvers.verifier.proofs.watch import UNWATCHED, Watch
 
 __all__ = ["ACCURACIES", "Motion", "Scene", "prove_motion", "scene_of"]
 
@@ -32,7 +31,7 @@ ENDED = "enclosure of the motion"
 def prove_motion(
     scene: Scene,
     motion: Motion,
-    tick: Callable[[], None] = lambda: None,
+    watch: Watch = UNWATCHED,
     *,
     refute: bool = False,
 ) -> tuple[Finding, ...]:
@@ -43,30 +42,30 @@ def prove_motion(
     about the planned one.  To ``refute`` asks for a disturbed motion that violates what could not
     be proved.
 
-    ``tick`` is called again and again; what it raises ends the proof.
+    What the ``watch`` raises ends the proof.
     """
     missing = missing_effector(scene.task, len(scene.model.effectors))
     if missing is not None:
         return (Finding(f"effector {missing} of the task", Status.FAILS, 0.0, ""),)
     try:
-        planned = _planned(scene, motion, tick)
+        planned = _planned(scene, motion, watch)
         if scene.task.robust is None or decisive(planned) is not None:
             return planned
-        found = disturbed_findings(scene, motion, planned, ACCURACIES[0], tick)
+        found = disturbed_findings(scene, motion, planned, ACCURACIES[0], watch)
         if not refute:
             return found
-        return with_counterexample(scene, motion, found, ACCURACIES[0], tick)
+        return with_counterexample(scene, motion, found, ACCURACIES[0], watch)
     except UndefinedValueError as error:
         return (Finding(f"equations of motion: {error}", Status.FAILS, 0.0, ""),)
 
 
-def _planned(scene: Scene, motion: Motion, tick: Callable[[], None]) -> tuple[Finding, ...]:
+def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[Finding, ...]:
     """The conditions on the planned motion; where none decides, from the tube that got farthest."""
     decided: tuple[Finding, ...] | None = None
     farthest: tuple[Finding, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
-            findings = _findings(scene, motion, accuracy, tick)
+            findings = _findings(scene, motion, accuracy, watch)
         if any(finding.status is Status.UNDECIDED for finding in findings):
             farthest = max(findings, farthest, key=_end)
             continue
@@ -86,7 +85,7 @@ def _end(findings: tuple[Finding, ...]) -> float:
 
 
 def _findings(
-    scene: Scene, motion: Motion, accuracy: Accuracy, tick: Callable[[], None]
+    scene: Scene, motion: Motion, accuracy: Accuracy, watch: Watch
 ) -> tuple[Finding, ...]:
     robot = driven_robot(scene, motion)
     found = [positive_mass(scene.graph, robot.state, robot.tail)]
@@ -94,7 +93,7 @@ def _findings(
     found += start_findings(scene, motion, robot.state, robot.reading.positions(robot.state))
     if any(finding.status is Status.FAILS for finding in found):
         return tuple(found)
-    followed = follow(robot, InitialSet(robot.state), None, accuracy, tick)
+    followed = follow(robot, InitialSet(robot.state), None, accuracy, watch)
     if followed.ended:
         # What is violated before the tube ends stays so, whatever comes after.
         failed = [each for each in followed.so_far() if each.status is Status.FAILS]

@@ -34,6 +34,7 @@ from solvers.verifier.proofs.tube_checks import (
     close_margins,
 )
 from solvers.verifier.proofs.vector_field import VectorField
+from solvers.verifier.proofs.watch import Watch
 
 LONGEST_TEXT = 72
 """Characters of a formula in a report."""
@@ -143,12 +144,12 @@ def follow(
     initial: InitialSet,
     effort: arb | None,
     accuracy: Accuracy,
-    tick: Callable[[], None],
+    watch: Watch,
 ) -> Followed:
     """Hold the tube from a set of states against the task.
 
     ``effort`` is the part of themselves by which inputs may differ from what is stated, None: they
-    do not.  ``tick`` is called again and again; what it raises ends the proof.
+    do not.  What the ``watch`` raises ends the proof.
     """
     scene, step = robot.scene, robot.scene.task.step
     graph = scene.graph
@@ -157,7 +158,7 @@ def follow(
         position_conditions(scene, robot.tail),
         state_limits(scene),
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
-        _formulas(scene, robot.reading, tick),
+        _formulas(scene, robot.reading, watch.tick),
         [],
     )
     part = arb(0) if effort is None else effort * arb(0, 1)
@@ -165,7 +166,7 @@ def follow(
     ends: dict[int, Sequence[arb]] = {0: box_of(initial)}
     try:
         for segment in tube(robot.field, initial, robot.inputs, ball(step), accuracy, effort):
-            tick()
+            watch.tick()
             inputs = applied[segment.number]
             check_segment(robot.reading, segment, inputs, found.constraints, found.limits)
             found.formulas.add(segment, inputs)
@@ -174,6 +175,7 @@ def follow(
             found.time = float((segment.start + segment.length).mid())
             if segment.steps[1].denominator == 1:
                 ends[int(segment.steps[1])] = segment.end
+                watch.part(int(segment.steps[1]), scene.task.steps)
     except EnclosureFailure as failure:
         found.ended = str(failure)
     close_margins(robot.reading, found.constraints)

@@ -20,6 +20,7 @@ from compiler.robots.robot_key import robot_key
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
+from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.refutations.z3_process import run_z3_subprocess
@@ -47,7 +48,12 @@ class Impossibility:
 
 
 def check_impossible(
-    folder: Path, claim: ImpossibleClaim, program: ir.Program, task: ir.Task, trust: str | None
+    folder: Path,
+    claim: ImpossibleClaim,
+    program: ir.Program,
+    task: ir.Task,
+    trust: str | None,
+    watch: Watch = UNWATCHED,
 ) -> Impossibility | str:
     """How a claim is proved, or the reason why it is refused.
 
@@ -58,7 +64,7 @@ def check_impossible(
     family = family_of(program, task)
     try:
         bound = _bound(claim, family, task)
-        proved = _structures(Evidence(folder, program, task, trust), claim, family, bound)
+        proved = _structures(Evidence(folder, program, task, trust), claim, family, bound, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         return str(error)
     return Impossibility(len(proved), sum(proved))
@@ -88,7 +94,11 @@ def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
 
 
 def _structures(
-    evidence: Evidence, claim: ImpossibleClaim, family: RobotFamily, bound: int
+    evidence: Evidence,
+    claim: ImpossibleClaim,
+    family: RobotFamily,
+    bound: int,
+    watch: Watch,
 ) -> list[bool]:
     """For each structure whether it is refuted by boxes."""
     keys: list[str] = []
@@ -98,6 +108,8 @@ def _structures(
         number, derivation = candidate.number, candidate.derivation
         if number >= len(claim.structures):
             raise FalseClaim(f"structure {number} is missing: {' '.join(derivation.word)}")
+        watch.tick()
+        watch.part(number, len(claim.structures))
         claimed = claim.structures[number]
         if (claimed.word, claimed.derivation) != (derivation.word, derivation.labels):
             raise FalseClaim(f"structure {number} is not {' '.join(derivation.word)}")

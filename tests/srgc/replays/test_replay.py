@@ -276,6 +276,25 @@ def test_an_altered_or_false_certificate(srgc: Command, arm: Path) -> None:
     refused(srgc("replay", arm, "--in", "python"), "the robot has no effector 4")
 
 
+def test_a_false_certificate_with_a_tube(srgc: Command, result: Result) -> None:
+    """The tube is that of its motion all the same; `verify` refutes what is said of that."""
+    arm = result("turner")
+    assert numbers(srgc, arm, "--in", "python")["certificate"] == "valid"
+    assert "certificate" not in srgc("replay", arm, "--in", "python").out
+
+    def more_steps_in_the_target(content: dict[str, Any]) -> None:
+        path = content["path"][content["effector"]]
+        path[1] = path[-1]
+
+    result_files.alter(arm, more_steps_in_the_target, sign=True)
+    assert srgc("verify", arm).status == 1
+    ran = srgc("replay", arm, "--in", "python")
+    assert ran.status == 0
+    assert "the tube holds the motion" in ran.out
+    assert ran.out.splitlines()[-1].startswith("but the certificate is refuted: ")
+    assert numbers(srgc, arm, "--in", "python")["certificate"] == "refuted"
+
+
 def test_a_simulation_that_diverges(
     srgc: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

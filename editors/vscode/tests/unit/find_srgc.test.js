@@ -8,7 +8,7 @@ const { findSrgc, isExecutable } = require("../../src/find_srgc");
 function found(programs, where = {}) {
   return findSrgc({
     setting: "",
-    folders: ["/work", "/other"],
+    folders: ["/project", "/other"],
     env: { PATH: "/usr/bin:/opt/bin" },
     home: "/home/me",
     platform: "linux",
@@ -18,16 +18,16 @@ function found(programs, where = {}) {
 }
 
 test("the setting, then .venv of the workspace, then PATH", () => {
-  const all = ["/tools/srgc", "/work/.venv/bin/srgc", "/opt/bin/srgc"];
+  const all = ["/tools/srgc", "/project/.venv/bin/srgc", "/opt/bin/srgc"];
   assert.deepEqual(found(all, { setting: " /tools/srgc " }), { path: "/tools/srgc", from: "setting" });
-  assert.deepEqual(found(all), { path: "/work/.venv/bin/srgc", from: "venv" });
+  assert.deepEqual(found(all), { path: "/project/.venv/bin/srgc", from: "venv" });
   assert.deepEqual(found(["/opt/bin/srgc"]), { path: "/opt/bin/srgc", from: "PATH" });
 });
 
 test("any folder of the workspace may have the .venv, the first before the others", () => {
   const second = "/other/.venv/bin/srgc";
   assert.deepEqual(found([second, "/usr/bin/srgc"]), { path: second, from: "venv" });
-  assert.equal(found([second, "/work/.venv/bin/srgc"]).path, "/work/.venv/bin/srgc");
+  assert.equal(found([second, "/project/.venv/bin/srgc"]).path, "/project/.venv/bin/srgc");
 });
 
 test("a setting that names nothing is told of and not passed over", () => {
@@ -38,8 +38,8 @@ test("a setting that names nothing is told of and not passed over", () => {
 test("the setting may begin with ~ or the workspace folder, or be relative to it", () => {
   const path = (setting, program) => found([program], { setting }).path;
   assert.equal(path("~/bin/srgc", "/home/me/bin/srgc"), "/home/me/bin/srgc");
-  assert.equal(path("${workspaceFolder}/e/srgc", "/work/e/srgc"), "/work/e/srgc");
-  assert.equal(path("e/srgc", "/work/e/srgc"), "/work/e/srgc");
+  assert.equal(path("${workspaceFolder}/e/srgc", "/project/e/srgc"), "/project/e/srgc");
+  assert.equal(path("e/srgc", "/project/e/srgc"), "/project/e/srgc");
 });
 
 test("entries of PATH that are not absolute would mean the open folder: they are left out", () => {
@@ -54,8 +54,8 @@ test("nowhere", () => {
 });
 
 test("on Windows", () => {
-  const where = { platform: "win32", folders: ["C:\\work"], home: "C:\\me", env: { Path: "D:\\bin;rel" } };
-  const own = "C:\\work\\.venv\\Scripts\\srgc.exe";
+  const where = { platform: "win32", folders: ["C:\\project"], home: "C:\\me", env: { Path: "D:\\bin;rel" } };
+  const own = "C:\\project\\.venv\\Scripts\\srgc.exe";
   assert.deepEqual(found([own], where), { path: own, from: "venv" });
   assert.deepEqual(found(["D:\\bin\\srgc.exe"], where), { path: "D:\\bin\\srgc.exe", from: "PATH" });
 });
