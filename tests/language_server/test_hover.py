@@ -13,7 +13,7 @@ import pytest
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.hovers.hover import hover
 from srgc.language_server.hovers.hover_numbers import hover_number
-from srgc.language_server.hovers.production_physics import added_physics
+from srgc.language_server.hovers.production_physics import AddedPhysics, added_physics
 from srgc.language_server.keywords import explained
 
 ROOT = Path(__file__).parents[2]
@@ -98,15 +98,18 @@ def evaluated(text: str, **values: float) -> float:
     return float(eval(python, {"__builtins__": {}}, values))
 
 
+def physics_of(label: str) -> AddedPhysics:
+    """What a rule of the motor arm adds."""
+    program = analysed("motor_arm").program
+    assert program is not None
+    added = added_physics(program, program.grammars["MotorArm"], label)
+    assert added is not None
+    return added
+
+
 def test_the_rod_is_that_of_the_compiler() -> None:
     """One joint and one rod: the mass matrix is the moment of inertia about the beginning."""
-    analysis = analysed("motor_arm")
-    program = analysis.program
-    assert program is not None
-    grammar = program.grammars["MotorArm"]
-    added = added_physics(program, grammar, "link")
-    assert added is not None
-    (rod,) = added.bodies
+    (rod,) = physics_of("link").bodies
     mass = re.fullmatch(r"`(.*)` kg", rod.mass)
     inertia = re.fullmatch(r"`(.*?)` kg\*m\^2 .*, `(.*?)` about its beginning", rod.inertia)
     assert mass is not None
@@ -130,16 +133,10 @@ def mass_matrix_of_one_link(length: float, density: float) -> float:
 
 
 def test_masses_and_coordinates_of_other_productions() -> None:
-    analysis = analysed("motor_arm")
-    program = analysis.program
-    assert program is not None
-    grammar = program.grammars["MotorArm"]
-    tool = added_physics(program, grammar, "tool")
-    assert tool is not None
+    tool = physics_of("tool")
     assert [(b.mass, b.inertia) for b in tool.bodies] == [("`0.3` kg", "none")]
     assert tool.effectors == ("`N.frame`",)
-    motor = added_physics(program, grammar, "motor")
-    assert motor is not None
+    motor = physics_of("motor")
     assert motor.bodies == ()
     assert len(motor.dofs) == 1
     assert any("torque(q)" in law for law in motor.torques)

@@ -10,6 +10,7 @@ not decided is halved, so that every answer is a proof or an honest "undecided".
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -94,7 +95,7 @@ class HeldSlice:
 
 
 @dataclass(slots=True)
-class Constraint:
+class Constraint(ABC):
     """A condition on points at every instant, with the least margin proved so far (metres).
 
     ``time`` and ``place`` say where that is; of one that is not proved, where it is so first, and
@@ -112,17 +113,17 @@ class Constraint:
     held: list[HeldSlice] = field(default_factory=list["HeldSlice"])
     """Slices on which it holds, and which may have the least margin."""
 
+    @abstractmethod
     def bound(self, over: Slice) -> tuple[arb, arb]:
         """The distance to a violation: a lower bound over the slice, and at its middle."""
-        raise NotImplementedError
 
+    @abstractmethod
     def violated(self, over: Slice) -> bool:
         """Whether the condition certainly fails at the middle of the slice."""
-        raise NotImplementedError
 
+    @abstractmethod
     def where(self, over: Slice) -> tuple[float, ...]:
         """The place at the middle of the slice that its bound is about."""
-        raise NotImplementedError
 
     def note(self, status: Status, margin: float, over: Slice) -> None:
         """Keep what a slice shows."""

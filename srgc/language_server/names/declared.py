@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 from grammar_lang import syntax as s
@@ -73,19 +73,19 @@ def module_names(module: s.Module) -> dict[str, s.ModuleItem]:
 
 def productions_of(grammar: s.Grammar) -> dict[str, s.Production]:
     """The productions of a grammar, by label."""
-    found: dict[str, s.Production] = {}
-    for item in grammar.items:
-        if isinstance(item, s.Production):
-            found.setdefault(item.label.text, item)
-    return found
+    return _first_by(grammar, lambda production: production.label.text)
 
 
 def nonterminals_of(grammar: s.Grammar) -> dict[str, s.Production]:
     """The nonterminals of a grammar, each with its first production."""
+    return _first_by(grammar, lambda production: production.left.text)
+
+
+def _first_by(grammar: s.Grammar, name: Callable[[s.Production], str]) -> dict[str, s.Production]:
     found: dict[str, s.Production] = {}
     for item in grammar.items:
         if isinstance(item, s.Production):
-            found.setdefault(item.left.text, item)
+            found.setdefault(name(item), item)
     return found
 
 
