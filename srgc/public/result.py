@@ -127,11 +127,9 @@ class Result:
 
     @spoken
     def _trajectory(self) -> Trajectory:
-        from srgc.report.trajectory import read_trajectory
+        from srgc.report.planned_trajectory import planned_trajectory
 
-        model = self._found.model
-        path = self.folder / "trajectory.csv"
-        return read_trajectory(path, len(model.dofs), len(model.effectors), model.dimension)
+        return planned_trajectory(self._found)
 
     @property
     def designs(self) -> tuple[Result, ...]:
