@@ -26,9 +26,10 @@ from solvers.motions.control import CONVEX_STEP, NOT_FINITE
 from solvers.motions.counterexample import infeasible_prefix, infeasible_sample
 from solvers.motions.fine_check import seems_to_satisfy
 from solvers.motions.fine_motion import fine_motion
-from solvers.motions.path_following import BEYOND, LEAST_MARGIN, OVERSHOOT, Follower
+from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import gentle_entries, polyline, smooth_timing
 from solvers.motions.task_limits import motion_limits, parameter_bounds
+from solvers.motions.trajectory import Trajectory
 from solvers.parameters.configuration_search import (
     Configuration,
     resolved,
@@ -42,17 +43,14 @@ from solvers.parameters.standing_robot import standing_configurations
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.progress import Conduct
 from solvers.verifier.claims.certificate import ParameterClaim, decimal
-from solvers.verifier.proofs.finding import Finding, decisive
+from solvers.verifier.proofs.finding import decisive
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
-from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.watch import Watch
 from solvers.verifier.verdict import Holds, Unknown
+from solvers.wider_margins import Room, lacking_room, no_room_text
 
 PLANS = (6, 3)
 """How many plans are tried, and how many after each cut of a cell."""
-MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2, 0.1)
-WIDEST = 1.0
-"""Metres; no disturbances are worth a wider margin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,26 +261,36 @@ class StructureSearch:
             self.top = found.outcome.robustness, theta
 
     def widened(self, follower: Follower, found: Configuration) -> Attempt:
-        """A proved design from a feasible configuration, with margins as wide as that takes."""
-        margin: float | None = MARGINS[0]
-        while margin is not None:
-            wider = follower.with_margin(margin).refined(found.outcome.trajectory)
-            if (wider.margin, wider.substeps) != (follower.margin, follower.substeps):
+        """A proved design from a feasible configuration, with as much room as that takes."""
+        room: Room | None = Room()
+        tried = ""
+        while room is not None:
+            wider = self.roomy(follower, found.outcome.trajectory, room)
+            given = follower.spread, follower.margin, follower.substeps
+            if (wider.spread, wider.margin, wider.substeps) != given:
                 follower = wider
                 found = resolved(follower, found)
             follower, found = within_limits(follower, found)
             if not found.outcome.feasible:
+                if follower.spread is not None:
+                    self.obstacle = f"{tried}; {no_room_text(follower.spread)}"
                 break
             self.lacking = 0.0
-            if margin >= MARGINS[-1] or seems_to_satisfy(follower, found.outcome.trajectory):
+            if room.is_last or seems_to_satisfy(follower, found.outcome.trajectory):
                 design = self.certified(follower, found)
                 if design is not None:
                     return Attempt(design, found.outcome.robustness)
+                tried = self.obstacle
                 self.conduct.reporter.note("the proof did not go through; trying a wider margin")
             else:
                 self.obstacle = "; a formula fails between the samples"
-            margin = wider_margin(margin, self.lacking)
+            room = room.wider(self.lacking, follower.spread)
         return Attempt(None, found.outcome.robustness)
+
+    def roomy(self, follower: Follower, trajectory: Trajectory, room: Room) -> Follower:
+        """The same task with room for what a motion needs of it."""
+        wider = follower.with_margin(room.margin).refined(trajectory)
+        return wider.spreading(trajectory, room.spreads) if self.task.robust else wider
 
     def certified(self, follower: Follower, found: Configuration) -> Design | None:
         """The design, if the continuous-time nonlinear robot is proved to do the task."""
@@ -310,34 +318,13 @@ class StructureSearch:
         obstacle = decisive(findings)
         if obstacle is not None:
             self.obstacle = f"; last proof tried: {obstacle.reason}"
-            self.lacking = 0.0 if self.task.robust is None else shortfall(findings)
+            spread = follower.spread
+            self.lacking = 0.0 if spread is None else lacking_room(findings, spread)
             return None
         fine = fine_motion(follower.reading, trajectory, float(self.task.step))
         outcome = replace(found.outcome, trajectory=fine)
         configuration = replace(found, outcome=outcome)
         return replace(design, configuration=configuration, findings=findings)
-
-
-def shortfall(findings: Sequence[Finding]) -> float:
-    """The margin that a motion lacks, in metres; that of limits widens faster with it.
-
-    It is infinite where the enclosure of the disturbed motions ends.
-    """
-    lacking = [
-        -finding.margin / (1.0 if finding.unit == "m" else OVERSHOOT)
-        for finding in findings
-        if finding.status is not Status.HOLDS
-    ]
-    return max([0.0, *lacking])
-
-
-def wider_margin(margin: float, lacking: float) -> float | None:
-    """The margin to try after one, which is wider by what a proof has lacked; None: no other."""
-    following = next((item for item in MARGINS if item > margin), None)
-    if lacking <= 0:
-        return following
-    wanted = max(following or 0.0, margin + BEYOND * lacking)
-    return wanted if wanted <= WIDEST else None
 
 
 def stuck_text(names: Sequence[str], sample: int, task: ir.Task) -> str:

@@ -66,12 +66,11 @@ class MotionConstraints:
     ) -> tuple[Dwell, ...]:
         """Where points stay; without ``entries`` only the two ends of the path bind to cells."""
         k = self.task.steps
-        stays = [(self.cells[0], 0, 0)] if self.starts_in_its_cell else []
-        stays.append((self.cells[-1], k, k))
-        found = [
-            Dwell(self.effector, first, last, convex_set(self.abstraction.cells[cell].polytope))
-            for cell, first, last in stays
-        ]
+        last = convex_set(self.abstraction.cells[self.cells[-1]].polytope)
+        found = [Dwell(self.effector, k, k, last)]
+        if self.starts_in_its_cell:
+            first = convex_set(self.abstraction.cells[self.cells[0]].polytope)
+            found.insert(0, _planned_start(self.effector, first))
         if entries is not None:
             ends = [*(entry - 1 for entry in entries[1:]), k]
             path = zip(self.cells, entries, ends, strict=True)
@@ -88,14 +87,16 @@ class MotionConstraints:
     def _stay(self, cell: int, first: int, last: int) -> Dwell:
         """A stay in a cell of the path, near enough to the facets that it is entered through.
 
-        Only samples lie in cells, for the proof; the bounds hold all the time.
+        Only samples of the planned motion lie in cells, for the proof; the bounds hold all the
+        time, and of disturbed motions.
         """
         region = convex_set(self.abstraction.cells[cell].polytope)
         bounds = convex_set(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
         alike = region.normals @ bounds.normals.T > 1 - ON_FACET
         level = np.abs(region.offsets[:, None] - bounds.offsets) < ON_FACET
-        shares = np.where(np.any(alike & level, axis=1), 1.0, CELL_SHARE)
-        return Dwell(self.effector, first, last, region, shares)
+        bounding = np.any(alike & level, axis=1)
+        shares = np.where(bounding, 1.0, CELL_SHARE)
+        return Dwell(self.effector, first, last, region, shares, bounding.astype(float))
 
     def _within_bounds(self, *, with_own: bool) -> Iterator[Dwell]:
         """Effectors, and bodies where the task says so, stay inside the bounds."""
@@ -110,7 +111,7 @@ class MotionConstraints:
         """Start and target of effectors that follow no path of their own."""
         k, start, reach = self.task.steps, self.task.start, self.task.reach
         if isinstance(start, ir.StartIn) and self.start_effector != self.effector:
-            yield Dwell(self.start_effector, 0, 0, self._set(start.region))
+            yield _planned_start(self.start_effector, self._set(start.region))
         if reach is not None and self.recorded != self.effector:
             yield Dwell(self.recorded, k, k, self._set(reach.region))
 
@@ -126,3 +127,8 @@ class MotionConstraints:
 
     def _set(self, name: str) -> ConvexSet:
         return self.avoidances.region(name)
+
+
+def _planned_start(effector: int, region: ConvexSet) -> Dwell:
+    """Where the planned motion starts; disturbed ones may start beside it."""
+    return Dwell(effector, 0, 0, region, spreads=np.zeros(len(region.offsets)))

@@ -19,6 +19,7 @@ from solvers.motions.body_seeds import body_seeds
 from solvers.motions.control import WORST, synthesise_control
 from solvers.motions.control_problem import FULL, ControlOutcome, ControlProblem, Effort
 from solvers.motions.corridor import Corridor
+from solvers.motions.disturbance_spread import DisturbanceSpread, disturbance_spread
 from solvers.motions.inverse_kinematics import branches
 from solvers.motions.motion_constraints import MotionConstraints
 from solvers.motions.motion_limits import MotionLimits
@@ -62,7 +63,8 @@ class Follower:
     one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
     (n, 2, 2): motions were seen to pass them within steps.  A word of cells has to satisfy
     ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
-    are entered, where smooth timing will not do.  ``solver`` is the name in cvxpy of what solves
+    are entered, where smooth timing will not do.  ``spread`` is the room that disturbed motions are
+    given beside the margins.  ``solver`` is the name in cvxpy of what solves
     the convex steps, None: our own programs.
     """
 
@@ -81,6 +83,7 @@ class Follower:
     formula: SampledFormula | None = None
     others: tuple[EffectorPath, ...] = ()
     timing: Entries | None = None
+    spread: DisturbanceSpread | None = None
     solver: str | None = None
 
     @property
@@ -106,7 +109,8 @@ class Follower:
     def limits(self) -> MotionLimits:
         """The limits of the motion, narrowed so that the proof passes."""
         insets = 0.0 if self.insets is None else self.insets
-        return motion_limits(self.model, self.task, self.limit_margin + insets)
+        room = 0.0 if self.spread is None else self.spread.states[:, :, None]
+        return motion_limits(self.model, self.task, self.limit_margin + insets + room)
 
     # --- timing and formulas --------------------------------------------------------------------
 
@@ -154,6 +158,7 @@ class Follower:
             self.margin,
             None if released else self.effector,
             place,
+            None if self.spread is None else self.spread.points,
         )
 
     def problem(self, entries: Entries, *, released: bool = False) -> ControlProblem:
@@ -256,6 +261,12 @@ class Follower:
     def with_margin(self, margin: float) -> Follower:
         """The same task with another margin."""
         return replace(self, margin=margin)
+
+    def spreading(self, trajectory: Trajectory, factor: float) -> Follower:
+        """The same task with so many times the room that a motion's disturbed ones take."""
+        with np.errstate(all="ignore"):
+            found = disturbance_spread(self.reading, self.task, trajectory, self.substeps)
+        return replace(self, spread=found.scaled(factor))
 
     def refined(self, trajectory: Trajectory) -> Follower:
         """The same task with as many substeps as a motion needs to be integrated accurately.

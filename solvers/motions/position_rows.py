@@ -65,6 +65,7 @@ class Dwell:
     """A point stays in a convex set at the samples ``first`` to ``last`` (included).
 
     ``shares`` (m,) says what part of the margin is kept from each facet; None: all of it.
+    ``spreads`` (m,) says the same of the spread of disturbed motions.
     """
 
     point: int
@@ -72,6 +73,7 @@ class Dwell:
     last: int
     region: ConvexSet
     shares: Array | None = None
+    spreads: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +107,8 @@ class PositionPlan:
 
     ``anchors`` (k + 1, d) are positions of point ``anchored`` inside its dwells.  Half-planes are
     chosen about them wherever the reference has left its dwell, so that a bad reference cannot
-    ask for a side that the path excludes.
+    ask for a side that the path excludes.  ``spread`` (k + 1, m) is room for disturbed motions, in
+    metres, beside the margin.
     """
 
     steps: int
@@ -114,6 +117,7 @@ class PositionPlan:
     margin: float
     anchored: int | None = None
     anchors: Array | None = None
+    spread: Array | None = None
 
     def rows(self, positions: Array) -> PositionRows:
         """The half-planes about reference positions of shape (k + 1, m, d)."""
@@ -155,7 +159,11 @@ class PositionPlan:
         point = np.full(samples * facets, dwell.point)
         normal = np.tile(region.normals, (samples, 1))
         margins = self.margin if dwell.shares is None else self.margin * dwell.shares
-        return sample, point, normal, np.tile(region.offsets - margins, samples)
+        offset = np.tile(region.offsets - margins, samples)
+        if self.spread is not None:
+            kept = np.ones(facets) if dwell.spreads is None else dwell.spreads
+            offset -= self.spread[sample, point] * np.tile(kept, samples)
+        return sample, point, normal, offset
 
     def _near(self, positions: Array) -> list[tuple[Separation, tuple[Indices, Indices]]]:
         """The separations with the spans of samples that they bind.
@@ -191,8 +199,10 @@ class PositionPlan:
         sample = np.repeat(np.stack([first, last], axis=1), len(group), axis=1)
         point = np.broadcast_to(np.tile(group, 2)[None, :], (k, width))
         normals = np.broadcast_to(-normal[:, None, :], (k, width, d)).reshape(-1, d)
-        offset = -(support + wanted.distance + self.margin)
-        return sample.ravel(), point.ravel(), normals, np.repeat(offset, width)
+        offset = np.repeat(-(support + wanted.distance + self.margin), width)
+        if self.spread is not None:
+            offset -= self.spread[sample.ravel(), point.ravel()]
+        return sample.ravel(), point.ravel(), normals, offset
 
 
 def separating_planes(swept: Array, obstacle: ConvexSet) -> tuple[Array, Array]:

@@ -230,6 +230,27 @@ def test_dwells_are_the_shrunk_cells_at_their_samples() -> None:
         assert rows.excess(points_of(positions)).max() == pytest.approx(0.05)
 
 
+def test_room_for_disturbed_motions_is_that_of_its_sample_and_point() -> None:
+    spread = np.random.default_rng(4).uniform(0, 0.3, (6, 2))
+    dwells = (
+        Dwell(1, 2, 4, OBSTACLE),
+        Dwell(0, 0, 1, OBSTACLE, spreads=np.array([1.0, 0.0, 0.0, 1.0])),
+    )
+    separations = (Separation((0, 1), OBSTACLE, 0.1),)
+    here = np.random.default_rng(7).uniform(3, 5, (6, 2, 2))
+    rows = PositionPlan(5, dwells, separations, 0.05, spread=spread).rows(here)
+    plain = PositionPlan(5, dwells, separations, 0.05).rows(here)
+    np.testing.assert_array_equal(rows.sample, plain.sample)
+    np.testing.assert_array_equal(rows.point, plain.point)
+    room = plain.offset - rows.offset
+    whole = spread[rows.sample, rows.point]
+    planned = slice(12, 20)  # four facets at two samples
+    np.testing.assert_allclose(room[planned], whole[planned] * np.tile([1.0, 0.0, 0.0, 1.0], 2))
+    np.testing.assert_allclose(
+        np.delete(room, np.arange(12, 20)), np.delete(whole, np.arange(12, 20))
+    )
+
+
 def test_planes_of_a_reference_that_is_astray_are_chosen_at_its_anchors() -> None:
     """The dwell is left of the obstacle; the reference has strayed to its right."""
     cell = convex_set(np.array([[0.0, 2.0], [1.5, 2.0], [1.5, 3.0], [0.0, 3.0]]))

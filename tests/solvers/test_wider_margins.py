@@ -1,46 +1,61 @@
-"""By how much a margin is widened where disturbances outgrow it."""
+"""How much more room a motion is given where a proof did not go through."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from solvers.structure_search import MARGINS, WIDEST, shortfall, wider_margin
+from solvers.motions.disturbance_spread import DisturbanceSpread
 from solvers.verifier.proofs.finding import Finding
 from solvers.verifier.proofs.tube_checks import Status
+from solvers.wider_margins import MARGINS, WIDEST, Room, lacking_room
+
+SPREAD = DisturbanceSpread(np.array([[0.0], [0.01], [0.04]]), np.array([[0.02, 0.1]]))
 
 
 def finding(margin: float, unit: str = "m", status: Status = Status.UNDECIDED) -> Finding:
     return Finding("something", status, margin, unit)
 
 
-def test_the_largest_shortfall_counts() -> None:
-    assert shortfall([finding(-0.01), finding(-0.03), finding(0.5, status=Status.HOLDS)]) == 0.03
-    assert shortfall([finding(0.2, status=Status.HOLDS)]) == 0
-    assert shortfall([finding(float("-inf"), "")]) == float("inf")
+def test_the_largest_lack_counts_as_a_part_of_the_room() -> None:
+    held = finding(0.5, status=Status.HOLDS)
+    assert lacking_room([finding(-0.01), finding(-0.03), held], SPREAD) == pytest.approx(0.75)
+    assert lacking_room([held], SPREAD) == 0
+    assert lacking_room([finding(float("-inf"), "")], SPREAD) == float("inf")
+    # Limits of coordinates and rates are held against the spread of those.
+    assert lacking_room([finding(-0.05, "rad")], SPREAD) == pytest.approx(0.5)
 
 
-def test_limits_widen_faster_than_positions() -> None:
-    assert shortfall([finding(-0.08, "rad")]) < shortfall([finding(-0.08)])
+def test_a_lack_of_what_the_disturbances_do_not_move_is_not_mended_by_room() -> None:
+    none = DisturbanceSpread(np.zeros((3, 1)), np.zeros((1, 2)))
+    assert lacking_room([finding(-0.01)], none) == float("inf")
 
 
-def test_a_margin_gets_as_wide_as_was_lacking() -> None:
-    following = wider_margin(MARGINS[0], 0.2)
-    assert following is not None
-    assert following >= MARGINS[0] + 0.2
-    assert wider_margin(MARGINS[-1], 0.2) == pytest.approx(following - MARGINS[0] + MARGINS[-1])
+def test_the_room_gets_as_wide_as_was_lacking() -> None:
+    room = Room().wider(0.75, SPREAD)
+    assert room is not None
+    assert room.margin == MARGINS[0]
+    assert room.spreads >= 1.75
+    again = room.wider(1e-9, SPREAD.scaled(room.spreads))
+    assert again is not None
+    assert again.spreads > 1.1 * room.spreads
 
 
-def test_a_step_is_never_smaller_than_without_disturbances() -> None:
-    assert wider_margin(MARGINS[0], 1e-6) == MARGINS[1]
-    assert [wider_margin(margin, 0) for margin in MARGINS] == [*MARGINS[1:], None]
+def test_without_disturbances_margins_grow_step_by_step() -> None:
+    room, seen = Room(), [Room().margin]
+    while (following := room.wider(0.0, None)) is not None:
+        room = following
+        seen.append(room.margin)
+    assert tuple(seen) == MARGINS
+    assert room.is_last
 
 
 def test_it_ends() -> None:
-    assert wider_margin(MARGINS[0], float("inf")) is None
-    margin: float | None = MARGINS[0]
+    assert Room().wider(float("inf"), SPREAD) is None
+    room: Room | None = Room()
     for _ in range(100):
-        if margin is None:
+        if room is None:
             break
-        margin = wider_margin(margin, 0.05)
-    assert margin is None
-    assert MARGINS[-1] < WIDEST
+        assert room.spreads * SPREAD.widest <= WIDEST
+        room = room.wider(0.3, SPREAD.scaled(room.spreads))
+    assert room is None

@@ -13,6 +13,7 @@ from fractions import Fraction
 from flint import arb
 
 from compiler.arithmetic.balls import ball, working_precision
+from compiler.specifications.disturbance_radii import disturbance_radii
 from grammar_lang import ir
 from solvers.verifier.proofs.counterexample import counterexample
 from solvers.verifier.proofs.enclosure import Accuracy
@@ -91,7 +92,12 @@ def with_counterexample(
         lost = each.status is Status.UNDECIDED and each.margin < NO_MARGIN
         if lost or each.name == target:
             found = counterexample(
-                scene, motion, each.name, disturbed_radii(scene), accuracy, watch
+                scene,
+                motion,
+                each.name,
+                disturbance_radii(scene.task, scene.model),
+                accuracy,
+                watch,
             )
             if found is not None:
                 return tuple(found if item is each else item for item in findings)
@@ -111,7 +117,7 @@ def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
 
     The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.
     """
-    radii = disturbed_radii(scene)
+    radii = disturbance_radii(scene.task, scene.model)
     n, columns = len(scene.model.dofs), list[list[Fraction]]()
     moved = [number for number, radius in enumerate(radii) if radius]
     for number in moved:
@@ -123,11 +129,3 @@ def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
     rows = tuple(tuple(ball(column[i]) for column in columns) for i in range(len(state)))
     centre = tuple(state)
     return InitialSet(centre, rows, tuple(ball(radii[number]) for number in moved))
-
-
-def disturbed_radii(scene: Scene) -> list[Fraction]:
-    """Per coordinate, then per rate, how far it may be from what is planned."""
-    robust = scene.task.robust or ir.Robust()
-    turning = [dof.kind == "revolute" for dof in scene.model.dofs]
-    places = [robust.angle if turns else robust.length for turns in turning]
-    return places + [robust.angular_rate if turns else robust.speed for turns in turning]

@@ -1,0 +1,86 @@
+"""The room that a search leaves for disturbed motions, against a closed form and differences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.dynamics.equations_of_motion import robot_graph
+from solvers.motions.disturbance_spread import disturbance_spread
+from solvers.motions.trajectory import Trajectory
+from tests.solvers.test_disturbed_proof import SLIDE, TWO, scene, spec
+
+SUBSTEPS = 8
+
+
+def moved(labels: Sequence[str], disturbances: str, start: Array, u: Array):
+    where = scene(labels, spec(len(u), disturbances))
+    reading = FloatReading(robot_graph(where.model, where.task.gravity))
+    theta = np.zeros(0)
+    x = reading.simulate(start, u, theta, float(where.task.step), SUBSTEPS)
+    return where, reading, Trajectory(x, u, theta)
+
+
+def test_a_slide_against_its_closed_form() -> None:
+    """1.5 kg: x = x0 + v0 t + the double integral of u / m, each disturbance at its end."""
+    u = np.array([[3.0], [-2.0], [0.5], [4.0], [-1.0], [-4.0]])
+    radii = "robust start 3 cm; robust start 2 cm/s; robust effort 4 %;"
+    where, reading, motion = moved(SLIDE, radii, np.array([0.2, 0.5]), u)
+    found = disturbance_spread(reading, where.task, motion, SUBSTEPS)
+    h, pushed = 0.1, 0.04 * np.abs(u[:, 0]) / 1.5
+    places, rates = [], []
+    for sample in range(7):
+        ages = h * (sample - np.arange(sample))
+        rates.append(0.02 + np.sum(pushed[:sample] * h))
+        places.append(
+            0.03 + 0.02 * h * sample + np.sum(pushed[:sample] * (ages**2 - (ages - h) ** 2) / 2)
+        )
+    np.testing.assert_allclose(found.points[:, 0], places, rtol=1e-9)
+    np.testing.assert_allclose(found.states, [[places[-1], rates[-1]]], rtol=1e-9)
+    assert found.widest == pytest.approx(places[-1])
+    np.testing.assert_allclose(found.scaled(2.5).points, 2.5 * found.points)
+
+
+def test_two_links_against_differences() -> None:
+    """Each disturbance alone, by central differences of whole simulations; then all together."""
+    rng = np.random.default_rng(5)
+    u = rng.uniform(-2, 2, (8, 2))
+    radii = "robust start 0.3 deg; robust start 0.2 deg/s; robust effort 1 %;"
+    start = np.array([0.4, -1.1, 0.3, 0.7])
+    where, reading, motion = moved(TWO, radii, start, u)
+    angle, rate = np.deg2rad(0.3), np.deg2rad(0.2)
+    step, small = float(where.task.step), 1e-3
+
+    def simulated(start: Array, u: Array) -> tuple[Array, Array]:
+        x = reading.simulate(start, u, motion.theta, step, SUBSTEPS)
+        return x, reading.points(x[:, :2], motion.theta).value
+
+    states, places = (np.zeros_like(each) for each in simulated(start, u))
+    for number in range(4 + u.size):
+        shift, more = np.zeros(4), np.zeros(u.size)
+        if number < 4:
+            shift[number] = small * (angle, angle, rate, rate)[number]
+        else:
+            more[number - 4] = small * 0.01 * abs(u.ravel()[number - 4])
+        one, other = (
+            simulated(start + sign * shift, u + sign * more.reshape(u.shape)) for sign in (1, -1)
+        )
+        states += np.abs(one[0] - other[0]) / (2 * small)
+        places += np.abs(one[1] - other[1]) / (2 * small)
+    found = disturbance_spread(reading, where.task, motion, SUBSTEPS)
+    np.testing.assert_allclose(found.points, np.linalg.norm(places, axis=2), rtol=1e-5)
+    expected = states.max(axis=0).reshape(2, 2).T
+    np.testing.assert_allclose(found.states, expected, rtol=1e-5)
+
+
+def test_without_disturbances_there_is_none() -> None:
+    u = np.ones((3, 1))
+    where, reading, motion = moved(SLIDE, "robust effort 1 %;", np.array([0.2, 0.5]), u)
+    still = Trajectory(motion.x, np.zeros_like(u), motion.theta)
+    assert disturbance_spread(reading, where.task, still, SUBSTEPS).widest == 0
+    assert where.task.robust is not None
+    assert where.task.robust.effort == Fraction(1, 100)
