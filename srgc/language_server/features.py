@@ -19,6 +19,7 @@ from srgc.language_server.edits.format_edits import format_edits
 from srgc.language_server.edits.quick_fixes import quick_fixes
 from srgc.language_server.edits.rename import RenameRefused, renamable, rename
 from srgc.language_server.hovers.hover import hover
+from srgc.language_server.hovers.plain_text import plain_text
 from srgc.language_server.outlines.folding import folding
 from srgc.language_server.outlines.include_links import include_links
 from srgc.language_server.outlines.outline import outline, workspace_symbols
@@ -41,6 +42,8 @@ class Features:
 
     programs: Programs
     snippets: bool = True
+    markdown: bool = True
+    """Whether the client shows it in hovers."""
 
     def _document(self, uri: str) -> Document | None:
         document = self.programs.documents.get(uri)
@@ -73,7 +76,11 @@ class Features:
 
     async def hover(self, params: lsp.HoverParams) -> lsp.Hover | None:
         """What stands at a place."""
-        return await self._at(params, hover)
+        found = await self._at(params, hover)
+        if self.markdown or found is None or not isinstance(found.contents, lsp.MarkupContent):
+            return found
+        text = plain_text(found.contents.value)
+        return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.PlainText, text), found.range)
 
     async def definition(self, params: lsp.DefinitionParams) -> list[lsp.Location]:
         """Where the name at a place is declared."""

@@ -21,7 +21,12 @@ from srgc.language_server.tasks.task_lenses import CHECK, SYNTH, VERIFY, task_le
 from srgc.language_server.tasks.verdicts import Verdicts
 from srgc.version import VERSION
 
-_WATCHED = ("**/*.srg", "**/design.json", "**/certificate.json")
+_FOLDERS = ("**/out", "**/out/*")
+"""Of a folder that is removed as a whole, editors do not tell what was in it."""
+_WATCHED = (
+    *(lsp.FileSystemWatcher(one) for one in ("**/*.srg", "**/design.json", "**/certificate.json")),
+    *(lsp.FileSystemWatcher(one, lsp.WatchKind.Delete) for one in _FOLDERS),
+)
 
 
 class Server(LanguageServer):
@@ -83,6 +88,8 @@ class Server(LanguageServer):
         if text is not None and text.completion is not None:
             item = text.completion.completion_item
         self.features.snippets = item is not None and bool(item.snippet_support)
+        shown = None if text is None or text.hover is None else text.hover.content_format
+        self.features.markdown = not shown or lsp.MarkupKind.Markdown in shown
 
     def watch(self) -> None:
         """Ask to be told of files that change on the disk."""
@@ -90,8 +97,7 @@ class Server(LanguageServer):
         watched = None if workspace is None else workspace.did_change_watched_files
         if watched is None or not watched.dynamic_registration:
             return
-        watchers = [lsp.FileSystemWatcher(pattern) for pattern in _WATCHED]
-        options = lsp.DidChangeWatchedFilesRegistrationOptions(watchers)
+        options = lsp.DidChangeWatchedFilesRegistrationOptions(_WATCHED)
         method = lsp.WORKSPACE_DID_CHANGE_WATCHED_FILES
         registration = lsp.Registration("srgc-files", method, options)
         self.client_register_capability(lsp.RegistrationParams([registration]))
@@ -130,8 +136,7 @@ def _connect_life(server: Server) -> None:
         server.programs.disk_changed()
         if any(change.uri.endswith(".srg") for change in params.changes):
             server.publishing.all_soon()
-        else:
-            server.refresh_lenses()
+        server.refresh_lenses()  # results come together with their copy of the text
 
 
 def _connect_documents(server: Server) -> None:

@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from srgc.language_server.documents.analysis import analyse
+from srgc.language_server.outlines.semantic_tokens import LEGEND, semantic_tokens
 from tests.editors.conftest import EXTENSION, ROOT, run
 from tests.oracles.textmate import Grammar
 
@@ -185,6 +187,38 @@ def test_the_two_tokenisers_agree_on_all_texts(vsix: Path) -> None:
 def test_no_text_has_an_invalid_scope(name: str) -> None:
     pieces = Grammar(read_json(GRAMMAR)).tokenise(TEXTS[name])
     assert not [piece for piece in pieces if any("invalid" in s for s in piece.scopes)]
+
+
+def test_colours_stay_when_the_language_server_starts() -> None:
+    """Its tokens take the colours of the grammar where VS Code would give them others.
+
+    Left alone, it paints `keyword` as `keyword.control`, a unit as a type, a task as nothing.
+    """
+    [mapped] = MANIFEST["contributes"]["semanticTokenScopes"]
+    assert mapped["language"] == "srg"
+    scopes: dict[str, list[str]] = mapped["scopes"]
+    assert {"keyword", "type", "event"} <= set(scopes) <= set(LEGEND.token_types)
+    text = TEXTS["specs/planar_arm.srg"]
+    analysis = analyse("untitled:arm", text, {})
+    data = semantic_tokens(analysis, 0).data
+    coloured: dict[str, set[str]] = {}
+    line = column = 0
+    painted = {
+        (piece.line, at): piece.scopes[-1]
+        for piece in Grammar(read_json(GRAMMAR)).tokenise(text)
+        for at in range(piece.start, piece.end)
+    }
+    for down, right, _, kind, _ in zip(*[iter(data)] * 5, strict=True):
+        line, column = line + down, right if down else column + right
+        coloured.setdefault(LEGEND.token_types[kind], set()).add(painted[line, column])
+    for kind, chosen in scopes.items():
+        assert any(scope.startswith(f"{chosen[0]}.") for scope in coloured[kind]), kind
+
+
+def test_words_that_a_theme_of_vs_code_colours() -> None:
+    """The themes that come with it know nothing of `support.constant` and `operator.logical`."""
+    names = set(re.findall(r'"name": "([a-z.-]+)\.srg"', GRAMMAR.read_text(encoding="utf-8")))
+    assert {"constant.language.role", "keyword.operator.wordlike"} <= names
 
 
 # --- the client ---------------------------------------------------------------------------------

@@ -35,6 +35,29 @@ def test_a_life_in_order(started: Start) -> None:
     assert b"Traceback" not in b"".join(client.log)
 
 
+def test_a_hover_has_the_form_that_the_client_shows(started: Start) -> None:
+    """Emacs without a mode for Markdown asks for plain text, and shows what it gets as it is."""
+    module, production = (SPEC.count("\n", 0, SPEC.index(t)) for t in ("module JO", "  link: N"))
+    told = {}
+    for kind, formats in (("plaintext", ["plaintext"]), ("markdown", ["markdown", "plaintext"])):
+        client = started()
+        client.initialize(textDocument={"hover": {"contentFormat": formats}})
+        assert client.open("untitled:Untitled-1", SPEC) == []
+        for line, column in ((module, 8), (production, 3)):
+            params = client.at("untitled:Untitled-1", line, column)
+            found = client.ask("textDocument/hover", params)["contents"]
+            assert found["kind"] == kind
+            told[kind, line] = found["value"]
+    plain = told["plaintext", module].splitlines()
+    assert plain[:3] == ["module JO {", "  role joint;", "  dof q: revolute z in [-180, 180] deg;"]
+    for line in (module, production):
+        assert not any(mark in told["plaintext", line] for mark in ("`", "**"))
+        # The same words otherwise.
+        marked = told["markdown", line].replace("```srg\n", "").replace("```\n", "")
+        assert "**" in marked or line == module
+        assert told["plaintext", line] == marked.replace("`", "").replace("**", "")
+
+
 def test_an_end_in_the_middle_of_work(started: Start) -> None:
     """Nothing goes wrong inside, and the end is an end."""
     client = started()

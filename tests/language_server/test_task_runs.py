@@ -76,7 +76,7 @@ def test_cancelling(client: Client) -> None:
     client.open(uri, LONG)
     number = client.begin("workspace/executeCommand", command("srgc.synth", uri))
     begun = client.notified("$/progress", lambda p: p["value"]["kind"] == "report")
-    assert any(title.startswith("synth (") for title in titles(client, uri))
+    assert "synth (running)" in titles(client, uri)
     again = client.error("workspace/executeCommand", command("srgc.synth", uri))
     assert "going on" in again["message"]
     client.notify("window/workDoneProgress/cancel", {"token": begun["token"]})
@@ -120,6 +120,47 @@ def test_results_of_another_text(client: Client) -> None:
     assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(other))) == found
     assert design.read_bytes() != before
     del client.answers["window/showMessageRequest"]
+
+
+def test_results_and_their_copy_of_the_text_come_together(client: Client) -> None:
+    """A run in a terminal writes both at once; the lenses are drawn again, whatever came."""
+    for changed in (["design.json", "spec/turner.srg"], ["spec/turner.srg"], ["design.json"], [""]):
+        uris = [uri_of(client.folder / "out" / "Turn" / name) for name in changed]
+        changes = [{"uri": uri, "type": 1} for uri in uris]
+        client.requests.clear()
+        client.notify("workspace/didChangeWatchedFiles", {"changes": changes})
+        client.ask("workspace/symbol", {"query": ""})
+        asked = [request["method"] for request in client.requests]
+        assert asked == ["workspace/codeLens/refresh"], changed
+
+
+def test_a_result_folder_that_is_removed_is_watched(
+    started: Callable[..., Client], tmp_path: Path
+) -> None:
+    """Of a folder that goes as a whole, VS Code tells that it is gone, not what was in it."""
+    client = started()
+    client.initialize(tmp_path, workspace={"didChangeWatchedFiles": {"dynamicRegistration": True}})
+    client.ask("workspace/symbol", {"query": ""})
+    [asked] = [m for m in client.requests if m["method"] == "client/registerCapability"]
+    [registration] = asked["params"]["registrations"]
+    watched = {w["globPattern"]: w.get("kind") for w in registration["registerOptions"]["watchers"]}
+    deleted = 4  # WatchKind.Delete
+    assert watched["**/out"] == watched["**/out/*"] == deleted
+    assert watched["**/*.srg"] is watched["**/design.json"] is None  # all kinds
+
+
+def test_a_text_with_errors_is_not_synthesised(client: Client) -> None:
+    """The message says so: the last line of a finding is no reason."""
+    path = client.folder / "broken.srg"
+    text = TURNER.replace("reach T;", "reach T")
+    assert text != TURNER
+    path.write_text(text, encoding="utf-8", newline="")
+    client.open(uri_of(path), text)
+    client.notifications.clear()
+    answer = client.ask("workspace/executeCommand", command("srgc.synth", uri_of(path)))
+    assert answer == {"verdict": None, "status": 5}
+    [told] = [m["params"] for m in client.notifications if m["method"] == "window/showMessage"]
+    assert told == {"type": 1, "message": "Turn: the text has errors"}
 
 
 @pytest.mark.parametrize("end", ["shutdown", "exit", "end of input", "SIGTERM"])

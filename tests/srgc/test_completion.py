@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import subprocess
 import sys
 
+import pexpect
 import pytest
 
 from grammar_lang.findings.codes import Code
 from srgc.cli import run
 from srgc.command_table import TABLE
+from srgc.completion_scripts import SCRIPTS
 from tests.conftest import ROOT
 
 SPEC = """\
@@ -138,6 +141,12 @@ def test_an_unknown_shell_asks_for_nothing(monkeypatch, capsys):
 BASH = """\
 eval "$(srgc completion bash)"
 reply() {
+    COMP_LINE="srgc $*" COMP_WORDS=(srgc "$@") COMP_CWORD=$# COMPREPLY=()
+    _srgc_completion srgc
+    echo "${COMPREPLY[@]}"
+}
+glued() {  # The line as it is typed, and the words that bash makes of it.
+    COMP_LINE=$1; shift
     COMP_WORDS=(srgc "$@") COMP_CWORD=$# COMPREPLY=()
     _srgc_completion srgc
     echo "${COMPREPLY[@]}"
@@ -151,14 +160,24 @@ reply check my
 reply check '"my'
 reply synth 'my\\ arm,\\ 2.srg' --task ''
 reply verify 'out/a\\ '
+glued 'srgc synth specs/two_arm.srg --task=' synth specs/two_arm.srg --task =
+glued 'srgc synth specs/planar_arm.srg --task=P' synth specs/planar_arm.srg --task = P
+glued 'srgc check a:' check a :
+glued 'true; srgc  check a:b.s' check a : b.s
+glued 'srgc verify out/x --spec=a:' verify out/x --spec = a :
+glued 'srgc verify out/x --spec="my' verify out/x --spec = '"my'
 """
 
 
-@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
-def test_in_a_real_bash(place):
-    """With a ``srgc`` of this checkout, as its console script is."""
-    shutil.copy(place / "specs" / "planar_arm.srg", place / "my arm, 2.srg")
+def _awkward_names(place):
+    """Files and folders whose names have blanks, commas, colons."""
+    for name in ("my arm, 2.srg", "a:b.srg"):
+        shutil.copy(place / "specs" / "planar_arm.srg", place / name)
     (place / "out" / "demo").rename(place / "out" / "a b")
+
+
+def _binary(place):
+    """A ``srgc`` of this checkout, as its console script is."""
     binary = place / "bin" / "srgc"
     binary.parent.mkdir()
     binary.write_text(
@@ -166,6 +185,14 @@ def test_in_a_real_bash(place):
         "from srgc.cli import main\nmain()\n"
     )
     binary.chmod(0o755)
+    return binary
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+def test_in_a_real_bash(place):
+    """With a ``srgc`` of this checkout, as its console script is."""
+    _awkward_names(place)
+    binary = _binary(place)
     finished = subprocess.run(
         ["bash", "--norc", "-c", BASH],
         cwd=place, capture_output=True, text=True, check=True, timeout=120,
@@ -175,4 +202,72 @@ def test_in_a_real_bash(place):
     assert "-F _srgc_completion" in registered
     assert replies[:4] == ["synth", "specs/planar_arm.srg", "Tend", "JO"]
     # What is typed without quotes needs them for the blanks; between quotes it has them.
-    assert replies[4:] == [r"my\ arm\,\ 2.srg", "my arm, 2.srg", "PickAndPlace", r"out/a\ b"]
+    assert replies[4:8] == [r"my\ arm\,\ 2.srg", "my arm, 2.srg", "PickAndPlace", r"out/a\ b"]
+    # Bash breaks words at = and :, and replaces from there.
+    assert replies[8:] == ["Tend", "PickAndPlace", "b.srg", "b.srg", "b.srg", "my arm, 2.srg"]
+
+
+def _typed(shell, place, lines):
+    """What a shell in a terminal makes of lines, with the script where a user has it."""
+    home, said = place / "home", place / "said"
+    script = home / {"zsh": "_srgc", "fish": ".config/fish/completions/srgc.fish"}[shell]
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(SCRIPTS[shell], encoding="utf-8")
+    start = home / {"zsh": ".zshrc", "fish": ".config/fish/config.fish"}[shell]
+    start.write_text({"zsh": ZSHRC, "fish": FISHRC}[shell])
+    env = {
+        "PATH": f"{_binary(place).parent}:/usr/bin:/bin", "HOME": str(home), "TERM": "dumb",
+        "LC_ALL": "C.UTF-8", "SAID": str(said),
+    }  # fmt: skip
+    child = pexpect.spawn(shell, ["-i"], cwd=str(place), env=env, timeout=60, dimensions=(50, 200))
+    answers = []
+    try:
+        child.expect_exact("READY")
+        for line in lines:
+            child.send(line + {"zsh": "\x07", "fish": "\t\x07"}[shell])
+            for _ in range(60):
+                with contextlib.suppress(pexpect.TIMEOUT):
+                    child.read_nonblocking(4096, 1)
+                if said.exists() and said.read_text(encoding="utf-8").endswith("\n"):
+                    break
+            answers.append(said.read_text(encoding="utf-8").strip())
+            said.unlink()
+    finally:
+        child.close(force=True)
+    return answers
+
+
+ZSHRC = """\
+PS1='READY '
+fpath=(~ $fpath)
+autoload -U compinit
+compinit -u
+say() { zle complete-word; print -r -- "$BUFFER" > $SAID; BUFFER= }
+zle -N say
+bindkey '^G' say
+"""
+FISHRC = """\
+function fish_prompt; echo 'READY '; end
+bind \\cg 'commandline > $SAID; commandline ""'
+"""
+TYPED = {
+    "srgc sy": "srgc synth",
+    "srgc check my": r"srgc check my\ arm,\ 2.srg",
+    'srgc check "my': 'srgc check "my arm, 2.srg"',
+    "srgc check a:": "srgc check a:b.srg",
+    "srgc check ~/h": "srgc check ~/homely.srg",
+    "srgc verify out/a": r"srgc verify out/a\ b",
+    "srgc synth spec.srg --task F": "srgc synth spec.srg --task First",
+    "srgc synth spec.srg --task=S": "srgc synth spec.srg --task=Second",
+    "srgc verify out/x --spec=my": r"srgc verify out/x --spec=my\ arm,\ 2.srg",
+}
+
+
+@pytest.mark.parametrize("shell", ["zsh", "fish"])
+def test_in_a_real_terminal(shell, place):
+    if shutil.which(shell) is None:
+        pytest.skip(f"there is no {shell}")
+    _awkward_names(place)
+    (place / "home").mkdir()
+    shutil.copy(place / "specs" / "two_arm.srg", place / "home" / "homely.srg")
+    assert _typed(shell, place, TYPED) == [*TYPED.values()]

@@ -171,8 +171,8 @@ def kind_lexed(value: str, kind: object) -> str:
 SCOPES = {
     "unit": "keyword.other.unit",
     "sign": "keyword.operator.(arithmetic|comparison|assignment|arrow|quantifier)|punctuation",
-    "keyword": "keyword|storage|constant.language.(?!pi)|variable.language.this",
-    "name": "variable|entity|support|constant.language.pi",
+    "keyword": "keyword|storage|constant.language.(?!pi|role)|variable.language.this",
+    "name": "variable|entity|support|constant.language.(pi|role)",
     "number": "constant.numeric",
     "string": "string",
 }
@@ -449,8 +449,8 @@ def test_comments_and_strings() -> None:
         ("PickAndPlace", "entity.name.namespace.srg"),
         ("density", "variable.parameter.srg"),
         ("contains", "keyword.other.condition.srg"),
-        ("and", "keyword.operator.logical.srg"),
-        ("base", "support.constant.role.srg"),
+        ("and", "keyword.operator.wordlike.srg"),
+        ("base", "constant.language.role.srg"),
         ("this", "variable.language.this.srg"),
         ("world", "constant.language.srg"),
         ("rot", "support.function.srg"),
@@ -525,7 +525,7 @@ def test_a_missing_brace_does_not_spoil_the_next_item(broken: str, kind: str) ->
     scopes = {value.strip(): scope for _, value, scope in scoped(text)}
     assert scopes[kind] == f"storage.type.{kind}.srg"
     assert scopes["Next"].startswith("entity.name")
-    assert scopes["link"] == "support.constant.role.srg"
+    assert scopes["link"] == "constant.language.role.srg"
 
 
 def test_the_statement_after_a_broken_one_has_its_colours() -> None:

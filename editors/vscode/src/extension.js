@@ -55,7 +55,9 @@ class Session {
     const advice = `${missing} Install it, for instance with \`pip install srgc\`, or say where it is.`;
     const choice = await vscode.window.showErrorMessage(advice, "Choose srgc", "Open Settings", "Try Again");
     if (choice === "Open Settings") {
-      await vscode.commands.executeCommand("workbench.action.openSettings", "srgc.path");
+      // In a window on another machine the setting is that machine's, not the user's.
+      const where = vscode.env.remoteName ? "openRemoteSettings" : "openSettings";
+      await vscode.commands.executeCommand(`workbench.action.${where}`, { query: "@id:srgc.path" });
     } else if (choice === "Try Again") {
       await this.server.restart();
     } else if (choice === "Choose srgc") {

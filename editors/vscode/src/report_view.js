@@ -25,7 +25,8 @@ async function openReport(session, uri) {
     return;
   }
   const settings = vscode.workspace.getConfiguration("srgc", folder);
-  if (settings.get("report.openIn", "editor") === "browser") {
+  // In a window on another machine the page is there, and the browser is here.
+  if (settings.get("report.openIn", "editor") === "browser" && !vscode.env.remoteName) {
     await vscode.env.openExternal(page);
     return;
   }

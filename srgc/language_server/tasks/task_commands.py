@@ -13,7 +13,7 @@ from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
 from grammar_lang.findings.diagnostics import Severity
-from srgc.exit_status import USAGE
+from srgc.exit_status import SPEC_ERRORS, USAGE
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.programs import Programs
 from srgc.language_server.protocol import RequestRefused
@@ -62,7 +62,9 @@ class TaskCommands:
             ended = await self._run(path, task, "synth", [*arguments, "--force"])
         verdict = _VERDICTS.get(ended.status)
         if verdict is None:
-            self._say(f"{task}: {_last(ended)}", lsp.MessageType.Error)
+            broken = ended.status == SPEC_ERRORS  # its last line is but the hint of a finding
+            reason = "the text has errors" if broken else _last(ended)
+            self._say(f"{task}: {reason}", lsp.MessageType.Error)
             return {"verdict": None, "status": ended.status}
         self._say(f"{task}: {verdict}", lsp.MessageType.Info)
         if verdict in {"found", "impossible"}:

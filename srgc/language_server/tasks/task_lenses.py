@@ -44,9 +44,9 @@ def task_lenses(
         if path is None:
             continue
         doing = running.get((str(path), name))
-        add("synth" if doing is None else f"synth ({doing})", SYNTH)
+        add("synth (running)" if doing == "synth" else "synth", SYNTH)
         files = files or current_files(analysis)
         verdict = verdicts.read(folder_of(path, name), files)
         if verdict is not None:
-            add(verdict.text, VERIFY)
+            add(f"{verdict.text}, verifying" if doing == "verify" else verdict.text, VERIFY)
     return lenses

@@ -103,7 +103,14 @@ test("where there is no srgc, that is said once, and where it can be mended", as
   assert.match(text, /\/gone\/srgc.*Install it/);
   assert.deepEqual(actions, ["Choose srgc", "Open Settings", "Try Again"]);
   await until(() => seen.executed.length);
-  assert.deepEqual(seen.executed, [["workbench.action.openSettings", "srgc.path"]]);
+  assert.deepEqual(seen.executed, [["workbench.action.openSettings", { query: "@id:srgc.path" }]]);
+});
+
+test("where VS Code runs on another machine, the setting is among those of that machine", async (t) => {
+  const given = { settings: using("/gone"), answers: ["Open Settings"], remote: "ssh-remote" };
+  const { seen } = await activated(t, given);
+  await until(() => seen.executed.length);
+  assert.deepEqual(seen.executed, [["workbench.action.openRemoteSettings", { query: "@id:srgc.path" }]]);
 });
 
 test("srgc may be chosen, which changes the setting and starts it", async (t) => {
@@ -144,6 +151,14 @@ test("a report is written and shown, and may load nothing", async (t) => {
   assert.equal(title, "Move: report");
   assert.ok(webview.html.includes(`<body>${results}</body>`));
   assert.match(webview.html, /default-src 'none'/);
+});
+
+test("a report on another machine is shown in the editor, as no browser here can read it", async (t) => {
+  const { folder, results } = workspace(t);
+  const settings = { ...using(FAKE), "srgc.report.openIn": "browser" };
+  const { seen, run } = await activated(t, { folders: [folder], settings, remote: "ssh-remote" });
+  await run("srgc.openReport", Uri.file(path.join(results, "design.json")));
+  assert.deepEqual([seen.opened.length, seen.panels.length], [0, 1]);
 });
 
 test("a report in the browser", async (t) => {

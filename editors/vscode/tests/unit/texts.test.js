@@ -3,7 +3,7 @@
 const assert = require("node:assert/strict");
 const test = require("node:test");
 const { synthesisOutcome, verificationOutcome } = require("../../src/outcomes");
-const { POLICY, reportPage } = require("../../src/report_page");
+const { PLAIN, POLICY, reportPage } = require("../../src/report_page");
 const { runSrgc } = require("../../src/run_srgc");
 const { taskNames } = require("../../src/task_names");
 
@@ -49,10 +49,22 @@ test("only a valid result is called one", () => {
 
 test("a report may load nothing", () => {
   const meta = `<meta http-equiv="Content-Security-Policy" content="${POLICY}">`;
-  assert.equal(reportPage("<html><HEAD a='b'><title>"), `<html><HEAD a='b'>${meta}<title>`);
-  assert.equal(reportPage("<p>"), `${meta}<p>`);
+  const own = `${meta}<style>${PLAIN}</style>`;
+  assert.equal(reportPage("<html><HEAD a='b'><title>"), `<html><HEAD a='b'>${own}<title>`);
+  assert.equal(reportPage("<p>"), `${own}<p>`);
   assert.match(POLICY, /^default-src 'none'/);
   assert.doesNotMatch(POLICY, /https?:|\*/);
+});
+
+test("a report keeps its own colours, whatever the theme of the editor", () => {
+  // VS Code puts its own style before ours: `code` and links get the colours of the theme.
+  for (const [selector, property] of [["code", "background"], ["code", "color"], ["a:hover", "color"]]) {
+    const rules = [...PLAIN.matchAll(/([^{}]+)\{([^{}]*)\}/g)].filter(([, selectors]) =>
+      selectors.split(",").some((one) => one.trim() === selector),
+    );
+    assert.ok(rules.some(([, , body]) => new RegExp(`(^|[; ])${property}: (inherit|none);`).test(body)), selector);
+  }
+  assert.doesNotMatch(PLAIN, /vscode/);
 });
 
 test("a program is run without a shell, and its status is known", async () => {

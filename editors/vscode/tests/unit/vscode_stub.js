@@ -141,7 +141,7 @@ function editor(given = {}) {
     LogLevel: { Off: 0, Trace: 1, Debug: 2, Info: 3, Warning: 4, Error: 5 },
     ProcessExecution: class { constructor(process, args, options) { Object.assign(this, { process, args, options }); } },
     Task: class { constructor(definition, scope, name, source, execution) { Object.assign(this, { definition, scope, name, source, execution }); } },
-    env: { appName: "stub", language: "en", openExternal: async (uri) => seen.opened.push(uri.fsPath), createTelemetryLogger: () => ({ logUsage() {}, logError() {}, dispose() {} }) },
+    env: { appName: "stub", language: "en", remoteName: given.remote, openExternal: async (uri) => seen.opened.push(uri.fsPath), createTelemetryLogger: () => ({ logUsage() {}, logError() {}, dispose() {} }) },
     commands: {
       registerCommand(id, run) {
         if (seen.commands.has(id)) throw new Error(`command '${id}' already exists`);
