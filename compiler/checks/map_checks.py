@@ -9,6 +9,7 @@ from compiler.maps.map_fault import MapFault
 from compiler.maps.obstacle_pieces import pieces_of, polytopes_within
 from compiler.maps.pieces import Pieces, cross, sides
 from grammar_lang.findings.codes import Code
+from grammar_lang.findings.counted import counted
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.ir import ObstacleMap, Workspace
 
@@ -44,20 +45,16 @@ def map_shapes(
 
 def _note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, sink: Sink) -> None:
     """What a map is made of, how far it was rounded, and whether the bounds go on beyond it."""
-    parts = [f"{_counted(inside, 'convex piece')} from {every.origin}"]
+    parts = [f"{counted(inside, 'convex piece')} from {every.origin}"]
     if every.inflation:
         parts.append(f"rounded outwards by at most {_above(every.inflation)} m")
     outside = len(every.polygons) - inside
     if outside:
-        parts.append(f"{_counted(outside, 'more piece')} outside the bounds left out")
+        parts.append(f"{counted(outside, 'more piece')} outside the bounds left out")
     hint = None
     if every.extent is not None and not _holds(every.extent, bounds):
         hint = "the bounds go on beyond the image, where there is no obstacle"
     sink.note(Code.MAP_PIECES, f"obstacle `{found.name}`: {', '.join(parts)}", found.span, hint)
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number:,} {what}{'' if number == 1 else 's'}"
 
 
 def _above(value: Fraction) -> str:

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+from grammar_lang.findings.counted import counted
 from grammar_lang.findings.diagnostics import Severity
 from srgc.session import Checked
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def summary(results: Sequence[Checked]) -> str:
     """One line about all files of a call."""
     found = Counter(d.severity for result in results for d in result.diagnostics)
-    files = _counted(len(results), "file")
-    counts = [_counted(found[kind], kind.value) for kind in Severity if found[kind]]
+    files = counted(len(results), "file")
+    counts = [counted(found[kind], kind.value) for kind in Severity if found[kind]]
     if not found[Severity.ERROR]:
         return ", ".join([f"{files} without errors", *counts])
     return f"{files}: {', '.join(counts)}; `srgc explain CODE` says more of a code"

@@ -161,6 +161,11 @@ def test_a_text_with_errors_is_not_synthesised(client: Client) -> None:
     assert answer == {"verdict": None, "status": 5}
     [told] = [m["params"] for m in client.notifications if m["method"] == "window/showMessage"]
     assert told == {"type": 1, "message": "Turn: the text has errors"}
+    client.notifications.clear()
+    answer = client.ask("workspace/executeCommand", command("srgc.check", uri_of(path)))
+    assert answer == {"errors": 1, "warnings": 0}
+    [told] = [m["params"] for m in client.notifications if m["method"] == "window/showMessage"]
+    assert told == {"type": 1, "message": "Turn: 1 error, 0 warnings"}
 
 
 @pytest.mark.parametrize("end", ["shutdown", "exit", "end of input", "SIGTERM"])

@@ -12,6 +12,7 @@ from typing import Any
 from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
+from grammar_lang.findings.counted import counted
 from grammar_lang.findings.diagnostics import Severity
 from srgc.exit_status import SPEC_ERRORS, USAGE
 from srgc.language_server.documents.analysis import Analysis
@@ -43,7 +44,7 @@ class TaskCommands:
         found = await self.programs.work(lambda: analysis.findings)
         errors = sum(each.severity is Severity.ERROR for each in found)
         warnings = sum(each.severity is Severity.WARNING for each in found)
-        text = f"{task}: {errors} errors, {warnings} warnings"
+        text = f"{task}: {counted(errors, 'error')}, {counted(warnings, 'warning')}"
         if not found:
             text = f"{task}: no findings"
         self._say(text, lsp.MessageType.Error if errors else lsp.MessageType.Info)
