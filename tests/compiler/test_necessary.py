@@ -128,7 +128,7 @@ def holds_of_all(formula: ir.Formula, seconds: int, effectors: tuple[int, ...]) 
                 assert not any(place.region in part[place.effector] for part in signal)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_every_signal_that_satisfies_a_formula(data: st.DataObject) -> None:
     seconds = data.draw(st.integers(1, 2))

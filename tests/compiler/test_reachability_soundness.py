@@ -25,6 +25,7 @@ from tests.oracles.questions import (
     random_robot,
     round_box_about,
 )
+from tests.oracles.some_cases import some
 
 # --- hand-computed radii -------------------------------------------------------------------------
 
@@ -122,7 +123,7 @@ def sound(seed, dimension, budget, *, pin):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", some(range(60), 24))
 def test_what_a_robot_does_is_never_refuted(seed, dimension):
     assert UNSAT not in sound(seed, dimension, BUDGET, pin=True)
 

@@ -24,7 +24,7 @@ from tests.oracles.survival import (
     time_bound,
 )
 
-FAST_BLOCKS, FAST = 7, 1000
+FAST_BLOCKS, FAST = 5, 1000
 SLOW_BLOCKS, SLOW = 100, 2000
 
 # What the programs go through, in turn.

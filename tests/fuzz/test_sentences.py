@@ -18,7 +18,7 @@ from grammar_lang.parsing.tree_builder import BUILDERS
 from grammar_lang.source import Span
 from tests.oracles.programs import POOLS, grammar, random_item
 
-FAST_BLOCKS, SLOW_BLOCKS, SIZE = 8, 100, 150
+FAST_BLOCKS, SLOW_BLOCKS, SIZE = 5, 100, 150
 GAPS = (" ", "\n", "  ", "\t", " // c\n", "/* c */", "\r\n")
 
 

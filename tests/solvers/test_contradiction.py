@@ -202,7 +202,7 @@ def some_signal(name: str, formula: ir.Formula, seconds: int, effectors: tuple[i
     )
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(st.data())
 def test_no_signal_does_what_is_told_to_be_impossible(data: st.DataObject) -> None:
     name = data.draw(st.sampled_from(sorted(SHAPES)))

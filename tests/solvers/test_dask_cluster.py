@@ -74,6 +74,7 @@ def test_a_job_that_kills_every_worker_is_given_up():
         ended(process)
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_dies_ends_the_waiting():
     process, address = started(1)
     workers = join_cluster(address, 2.0)

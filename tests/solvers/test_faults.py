@@ -30,6 +30,7 @@ from srgc.results.result_folder import ResultFolder
 from tests.oracles.faulty_solvers import CLAIMS, GARBAGE, PLAUSIBLE, RAISED, claims, inject
 from tests.oracles.result_files import without_boxes
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
+from tests.oracles.some_cases import some
 
 ROOT = Path(__file__).parents[2]
 STATUS = {"found": 0, "impossible": 3, "unknown": 4}
@@ -96,7 +97,7 @@ def test_without_a_fault_the_specs_are_found(tmp_path: Path) -> None:
         assert verdict(tmp_path / str(number), text)[0] == "found"
 
 
-@pytest.mark.parametrize("fault", sorted(GARBAGE))
+@pytest.mark.parametrize("fault", some(sorted(GARBAGE), 5))
 def test_garbage_is_believed_by_nobody(
     fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

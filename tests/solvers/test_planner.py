@@ -74,7 +74,7 @@ KINDS = st.sampled_from([(1, False), (1, True), (2, True)]).flatmap(
 )
 
 
-@settings(max_examples=90, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(KINDS)
 def test_all_plans_and_no_others_the_fewest_changes_first(case: Case) -> None:
     everything = brute_force(case)
@@ -114,7 +114,7 @@ def begins_with(plan: Sequence[tuple[int, Cells]], blocked: Sequence[CounterExam
     )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(KINDS, st.data())
 def test_blocked_prefixes_are_respected(case: Case, data: st.DataObject) -> None:
     numbers = [one.effector for one in case.problem.effectors]

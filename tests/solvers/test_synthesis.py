@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import pytest
+
 import solvers.conclusion
 import solvers.structure_search
 import solvers.synthesis
@@ -61,6 +63,7 @@ def test_a_robot_without_mass_is_inadmissible_and_not_refuted(tmp_path):
     assert "mass matrix" in result.reason
 
 
+@pytest.mark.slow
 def test_too_weak_a_robot_is_given_up_at_a_limit_that_is_named(tmp_path, monkeypatch):
     """A quarter turn within 2 s needs 4 rad / s^2 of a rod of 1/3 kg m^2 at least."""
     monkeypatch.setattr(solvers.synthesis, "MOTION_SEARCHES", 1)

@@ -19,6 +19,7 @@ from tests.oracles.cluster import ended, started
 from tests.oracles.small_specs import SLIDER
 
 
+@pytest.mark.slow
 def test_the_same_bytes_from_a_cluster(made, tmp_path):
     place = made("turner")
     (tmp_path / "turner.srg").write_bytes((place / "turner.srg").read_bytes())

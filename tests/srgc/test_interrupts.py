@@ -99,7 +99,6 @@ def test_it_ends_at_any_moment_and_goes_on(made, tmp_path):
         one_moment(tmp_path, 0, 1),
         one_moment(tmp_path, 0.05, 1, signals=[signal.SIGTERM]),
         one_moment(tmp_path, 0.5, 2, signals=twice),
-        one_moment(tmp_path, 0.9, 1),
         one_moment(tmp_path, 1.3, 2, group=True),
     ]
     assert statuses[0] == 130

@@ -26,6 +26,7 @@ def test_peaks_and_margins(made: Callable[[str], Path], spec: str, bounds: list[
     assert [each.margin for each in found] == pytest.approx(bounds - np.abs(rows).max(axis=0))
 
 
+@pytest.mark.slow
 def test_every_kind_of_joint_has_its_peak(pages: Callable[[str], tuple[Path, Page]]) -> None:
     """A turning joint and two sliding ones: a peak each, and the robustness in the unit it has."""
     folder, page = pages("prismatic")
