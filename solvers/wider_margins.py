@@ -63,7 +63,8 @@ def no_room_text(room: DisturbanceSpread) -> str:
 def lacking_room(findings: Sequence[Finding], spread: DisturbanceSpread) -> float:
     """By what part of the room given an enclosure of all disturbed motions is wider than that.
 
-    It is infinite where the enclosure ends, or outgrows what the disturbances do not move.
+    It is infinite where the enclosure ends.  What the disturbances do not move lacks none of this
+    room, but a wider margin.
     """
     most = {"m": spread.widest}
     states = float(np.max(spread.states, initial=0.0))
@@ -71,5 +72,8 @@ def lacking_room(findings: Sequence[Finding], spread: DisturbanceSpread) -> floa
     for finding in findings:
         if finding.status is not Status.HOLDS and finding.margin < 0:
             width = most.get(finding.unit, states)
-            lacking.append(-finding.margin / width if width > 0 else np.inf)
+            if width > 0:
+                lacking.append(-finding.margin / width)
+            elif np.isinf(finding.margin):
+                lacking.append(np.inf)
     return max(lacking)

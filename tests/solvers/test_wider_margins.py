@@ -26,9 +26,11 @@ def test_the_largest_lack_counts_as_a_part_of_the_room() -> None:
     assert lacking_room([finding(-0.05, "rad")], SPREAD) == pytest.approx(0.5)
 
 
-def test_a_lack_of_what_the_disturbances_do_not_move_is_not_mended_by_room() -> None:
+def test_what_the_disturbances_do_not_move_is_given_a_wider_margin() -> None:
     none = DisturbanceSpread(np.zeros((3, 1)), np.zeros((1, 2)))
-    assert lacking_room([finding(-0.01)], none) == float("inf")
+    lacking = lacking_room([finding(-0.01)], none)
+    assert Room().wider(lacking, none) == Room(MARGINS[1])
+    assert lacking_room([finding(float("-inf"), "")], none) == float("inf")
 
 
 def test_the_room_gets_as_wide_as_was_lacking() -> None:
