@@ -10,6 +10,8 @@ from srgc.commands.arguments import FOLDER, QUIET
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
 
+PICTURE, GRID = "figures/landscape.svg", "landscape.csv"
+
 
 @click.command(
     cls=TaughtCommand,
@@ -75,15 +77,16 @@ def landscape(
     they are entered and all other parameters are those of the design.
     """
     from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
-    from srgc.output_file import write_output
+    from srgc.results.folder_output import folder_output
     from srgc.results.found_design import found_design
     from srgc.results.found_record import found_record
 
-    picture = output or folder / "figures" / "landscape.svg"
+    picture, grid = output or folder / PICTURE, table or folder / GRID
     if picture.suffix.lower() != ".svg":
         raise UsageFault(f"{picture}: a landscape is drawn as SVG; let the name end in .svg")
-    if table is not None and table.resolve() == picture.resolve():
+    if grid.resolve() == picture.resolve():
         raise UsageFault(f"{picture} cannot be the picture and the table")
+    files = [folder_output(folder, path, {PICTURE, GRID}) for path in (picture, grid)]
     found = found_design(folder)
     record = found_record(folder, found)
     request = LandscapeRequest(over, ranges, points, marks, labels)
@@ -98,12 +101,13 @@ def landscape(
 
     with workers_for(jobs) as workers, progress("landscape", quiet=quiet, unit="points") as display:
         content = evaluated(found, record, folder, axes, marked, workers, display.part)
-    for path in (picture, table or folder / "landscape.csv"):
-        _make_room(path)
-    write_output(picture, landscape_svg(content, title(found, content)))
-    write_output(table or folder / "landscape.csv", landscape_csv(found, content))
+    drawn = landscape_svg(content, title(found, content))
+    for file, written in zip(files, (drawn, landscape_csv(found, content)), strict=True):
+        if file.name is None:
+            _make_room(file.path)
+        file.write(written)
     click.echo(landscape_text(found, content))
-    click.echo(f"picture: {picture}\ntable:   {table or folder / 'landscape.csv'}")
+    click.echo(f"picture: {picture}\ntable:   {grid}")
     return 0
 
 

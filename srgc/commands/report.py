@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-from os.path import realpath
 from pathlib import Path
 
 import click
 
 from srgc.commands.arguments import FOLDER, QUIET
 from srgc.faults import UsageFault
-from srgc.output_file import write_output
 from srgc.taught_command import TaughtCommand
 
 NAME = "report.html"
@@ -45,28 +43,15 @@ def report(folder: Path, quiet: bool, output: Path | None, no_verify: bool) -> i
     target = folder / NAME if output is None else output
     if target.suffix.lower() not in (".html", ".htm"):
         raise UsageFault(f"{target}: a report is a page; let the name end in .html")
-    _spare_results(target, folder)
+    from srgc.results.folder_output import folder_output
+
+    page_file = folder_output(folder, target, {NAME})
     from solvers.verifier.proofs.watch import Watch
     from srgc.report.page import report_page
     from srgc.results.progress_display import progress
 
     with progress("report", quiet=quiet, unit="parts", plain=False) as display:
         page = report_page(folder, verify=not no_verify, watch=Watch(part=display.part))
-    write_output(target, page)
+    page_file.write(page)
     click.echo(f"report: {target}")
     return 0
-
-
-def _spare_results(target: Path, folder: Path) -> None:
-    """Refuse a path that is, links followed, another place where ``synth`` writes in its folder.
-
-    Raises:
-        UsageFault: it is.
-    """
-    from srgc.results.result_folder import OWN_FILES, OWN_FOLDERS
-
-    top, place = Path(realpath(folder)), Path(realpath(target))
-    if place == top / NAME or top not in place.parents:
-        return
-    if place.relative_to(top).parts[0] in (*OWN_FILES, *OWN_FOLDERS):
-        raise UsageFault(f"{target} is one of the results; write the report elsewhere")

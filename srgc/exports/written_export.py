@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from os.path import realpath
 from pathlib import Path
 
 from srgc.exports.design_export import FOLDER_FILES, FOLDERS, export_bytes, export_folder
 from srgc.exports.design_robot import remarks
 from srgc.faults import UsageFault
-from srgc.output_file import write_output
+from srgc.results.folder_output import folder_output
 from srgc.results.found_design import found_design
-from srgc.results.result_folder import OWN_FILES, OWN_FOLDERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,38 +39,26 @@ def written_export(
     """
     if form in FOLDERS:
         return _written_folder(folder, form, output)
-    if output is not None:
-        _spare_results(output, folder)
+    file = None if output is None else folder_output(folder, output)
     design = found_design(folder)
     content = export_bytes(design, form, efforts=efforts)
     notes = remarks(design)
-    if output is None:
+    if file is None:
         return WrittenExport((), content, notes)
-    write_output(output, content)
-    return WrittenExport((output,), None, notes)
+    file.write(content)
+    return WrittenExport((file.path,), None, notes)
 
 
 def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExport:
     if output is None:
         raise UsageFault(f"--to {form} writes several files; name a folder with -o")
-    for name in FOLDER_FILES:
-        _spare_results(output / name, folder)
+    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES}
     made = export_folder(found_design(folder), form)
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageFault(f"{output}: {error.strerror}") from None
+    if any(files[name].name is None for name in made.files):
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageFault(f"{output}: {error.strerror}") from None
     for name, content in made.files.items():
-        write_output(output / name, content)
+        files[name].write(content)
     return WrittenExport(tuple(output / name for name in sorted(made.files)), None, made.notes)
-
-
-def _spare_results(output: Path, folder: Path) -> None:
-    """Refuse a path that is, links followed, where ``synth`` writes in its folder.
-
-    Raises:
-        UsageFault: it is.
-    """
-    top, target = Path(realpath(folder)), Path(realpath(output))
-    if top in target.parents and target.relative_to(top).parts[0] in (*OWN_FILES, *OWN_FOLDERS):
-        raise UsageFault(f"{output} is one of the results; write the export elsewhere")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,7 +10,6 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from srgc.chosen_robot import ChosenRobot
-from srgc.faults import UsageFault
 from srgc.public.landscape import Landscape, landscape_of
 from srgc.public.page import Page, page_of
 from srgc.public.robot import Robot
@@ -242,10 +240,6 @@ def _unpickled(
 
 
 def _design(folder: Path) -> dict[str, Any]:
-    try:
-        content = json.loads((folder / "design.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageFault(f"{folder / 'design.json'} cannot be read: {error}") from None
-    if not isinstance(content, dict):
-        raise UsageFault(f"{folder / 'design.json'} is no JSON object")
-    return content
+    from srgc.results.json_object import json_object
+
+    return json_object(folder / "design.json")

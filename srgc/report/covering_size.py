@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from solvers.verifier.claims.result_file import evidence_bytes
+
 HEADER = "boxes 1\n"
 
 
@@ -20,10 +22,10 @@ class CoveringSize:
     by_drives: int
 
 
-def covering_size(path: Path) -> CoveringSize | None:
-    """The size of the covering in a file; None where there is none."""
+def covering_size(folder: Path, name: str) -> CoveringSize | None:
+    """The size of the covering in a file of a result folder; None where there is none."""
     try:
-        content = path.read_text(encoding="ascii")
+        content = evidence_bytes(folder, name).decode("ascii")
     except (OSError, UnicodeDecodeError):
         return None
     if not content.startswith(HEADER):

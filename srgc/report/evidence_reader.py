@@ -16,6 +16,7 @@ from compiler.maps.map_fault import MapFault
 from compiler.maps.obstacle_pieces import expanded
 from solvers.verifier.claims.certificate import CertificateError, Claim, from_text
 from solvers.verifier.claims.outcome import Outcome
+from solvers.verifier.claims.result_file import result_bytes, result_text
 from solvers.verifier.claims.spec_copy import files_of
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
@@ -93,14 +94,16 @@ def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Ev
 
 def _coverings(folder: Path, design: Mapping[str, Any]) -> dict[str, CoveringSize]:
     names = dict.fromkeys(each["boxes"] for each in design["structures_tried"] if each["boxes"])
-    sizes = {name: covering_size(folder / name) for name in names}
+    sizes = {name: covering_size(folder, name) for name in names}
     return {name: size for name, size in sizes.items() if size is not None}
 
 
 def _digests(folder: Path) -> dict[str, str]:
     paths = (folder / "design.json", folder / "certificate.json")
     return {
-        path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths if path.is_file()
+        path.name: hashlib.sha256(result_bytes(path)).hexdigest()
+        for path in paths
+        if path.is_file()
     }
 
 
@@ -109,7 +112,7 @@ def _claim(folder: Path, found: FoundDesign | None) -> Claim | None:
     if found is not None:
         return found.claim
     try:
-        return from_text((folder / "certificate.json").read_text(encoding="utf-8"))
+        return from_text(result_text(folder / "certificate.json"))
     except (OSError, UnicodeDecodeError, CertificateError):
         return None  # the verifier says which of these it is
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from solvers.parameters.sample import PathSamples, Sample
 from solvers.verifier.claims.certificate import decimal
+from solvers.verifier.claims.result_file import result_text
 
 FIXED = ("structure", "path", "rho", "feasible")
 
@@ -51,10 +52,10 @@ def last_samples(path: Path, structure: int, names: Sequence[str]) -> tuple[Samp
         ValueError: the table is none of ours.
     """
     try:
-        rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+        rows = list(csv.DictReader(io.StringIO(result_text(path))))
     except FileNotFoundError:
         return ()
-    except UnicodeDecodeError:
+    except (OSError, UnicodeDecodeError, csv.Error):
         raise ValueError(f"{path} is no table of evaluations") from None
     try:
         own = [row for row in rows if int(row["structure"]) == structure]

@@ -17,8 +17,10 @@ from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import CertificateError, FoundClaim, exact, from_text
+from solvers.verifier.claims.result_file import result_text
 from solvers.verifier.claims.spec_copy import read_copy
 from srgc.near_places import no_folder
+from srgc.results.folder_layout import refuse_links
 from srgc.session import UsageFault
 
 
@@ -56,10 +58,11 @@ def found_design(folder: Path) -> FoundDesign:
 def _found_claim(folder: Path) -> FoundClaim:
     if not folder.is_dir():
         raise no_folder(folder)
+    refuse_links(folder)
     path = folder / "certificate.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no certificate: no robot was found")
-    claim = from_text(path.read_text(encoding="utf-8"))
+    claim = from_text(result_text(path))
     if not isinstance(claim, FoundClaim):
         raise UsageFault(f"{folder}: the verdict is impossible, so there is no robot")
     return claim

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from solvers.verifier.claims.result_file import result_bytes
 from srgc.faults import UsageFault
 
 
@@ -16,7 +17,7 @@ def json_object(path: Path, *, needed: bool = True) -> dict[str, Any]:
         UsageFault: it holds none, or cannot be read.
     """
     try:
-        content = json.loads(path.read_bytes())
+        content = json.loads(result_bytes(path))
     except OSError as error:
         if not needed and not path.exists():
             return {}

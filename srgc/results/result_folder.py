@@ -1,28 +1,20 @@
-"""The folder a synthesis writes: every file whole or not at all, and a journal to go on from.
-
-A file is written beside its place and then moved there, so that a kill at any moment leaves the old
-file, the new one or none.
-"""
+"""The folder a synthesis writes: whose results it holds, and a journal to go on from."""
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
-from collections.abc import Container, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from solvers.progress import Recorded
 from srgc.faults import UsageFault
 from srgc.near_places import unwritable
-
-JOURNAL = "journal.jsonl"
-OWN_FILES = (
-    "design.json", "certificate.json", "trajectory.csv", "evaluations.csv", "landscape.csv",
-    "pareto.csv", "pareto.json", "log.json", "report.html", JOURNAL,
-)  # fmt: skip
-OWN_FOLDERS = ("spec", "proofs", "figures", "designs")
+from srgc.results.folder_layout import JOURNAL, OWN_FILES, OWN_FOLDERS, UNFINISHED, refuse_links
+from srgc.results.folder_lock import only_writer
+from srgc.results.folder_writer import FolderWriter
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,11 +38,15 @@ class Identity:
 
 @dataclass(slots=True)
 class ResultFolder:
-    """An opened result folder.  It is also the journal of the synthesis."""
+    """An opened result folder with its ``files``.  It is also the journal of the synthesis."""
 
     path: Path
     identity: Identity
     values: dict[str, Recorded] = field(default_factory=dict[str, Recorded])
+    files: FolderWriter = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.files = FolderWriter(self.path)
 
     def recall(self, key: str) -> Recorded:
         """The result of a step finished in this or an earlier, interrupted run, or None."""
@@ -59,48 +55,23 @@ class ResultFolder:
     def record(self, key: str, value: Recorded) -> None:
         """A step is finished: one line, written at once."""
         self.values[key] = value
-        with (self.path / JOURNAL).open("a", encoding="utf-8") as file:
-            file.write(json.dumps([key, value]) + "\n")
-
-    def write(self, name: str, content: str | bytes) -> None:
-        """Write a file below the folder, atomically."""
-        target = self.path / name
-        target.parent.mkdir(parents=True, exist_ok=True)
-        beside = target.with_name(_beside(target.name))
-        data = content.encode() if isinstance(content, str) else content
-        with beside.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(target)
-
-    def discard(self, name: str) -> None:
-        """Remove a file or folder of an earlier run, if it is there."""
-        target = self.path / name
-        if target.is_dir():
-            shutil.rmtree(target)
-        else:
-            target.unlink(missing_ok=True)
-
-    def keep_only(self, name: str, paths: Container[str]) -> None:
-        """Remove every file below one of our folders whose path there is not among ``paths``."""
-        top = self.path / name
-        for path in [*top.rglob("*")]:
-            is_folder = path.is_dir() and not path.is_symlink()
-            if not is_folder and path.relative_to(top).as_posix() not in paths:
-                path.unlink()
+        self.files.append(JOURNAL, json.dumps([key, value]) + "\n")
 
     def finish(self) -> None:
         """The run is complete: nothing is left to resume."""
-        self.discard(JOURNAL)
+        self.files.discard(JOURNAL)
 
 
-def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
+@contextmanager
+def open_folder(path: Path, identity: Identity, *, force: bool) -> Iterator[ResultFolder]:
     """Open or make a result folder; an interrupted run of the same synthesis goes on.
 
+    Nobody else writes to it in the block.
+
     Raises:
-        UsageFault: the folder holds other results or other files, and ``force`` is not given, or it
-            cannot be written.
+        UsageFault: somebody else writes to it; the folder holds other results or other files, and
+            ``force`` is not given; a link is where a file or folder of ours is due; or it cannot
+            be written.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -108,9 +79,15 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
         raise unwritable(path, error) from None
     if not os.access(path, os.W_OK):
         raise UsageFault(f"{path} cannot be written; choose another folder with -o")
+    with only_writer(path):
+        refuse_links(path)
+        yield _opened(path, identity, force=force)
+
+
+def _opened(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     folder = ResultFolder(path, identity)
     owner = _owner(path)
-    if owner is None and any(not _unfinished(item.name) for item in path.iterdir()) and not force:
+    if owner is None and not force and any(item.name not in UNFINISHED for item in path.iterdir()):
         raise UsageFault(f"{path} is not empty and holds no results; --force uses it all the same")
     ours = [name for name in OWN_FOLDERS if (path / name).exists()]
     if owner is None and ours and force:
@@ -125,8 +102,8 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
         folder.values.update(_journal_values(path / JOURNAL))
     else:
         for name in (*OWN_FILES, *OWN_FOLDERS):
-            folder.discard(name)
-    folder.write(JOURNAL, _journal_text(identity, folder.values))
+            folder.files.discard(name)
+    folder.files.write(JOURNAL, _journal_text(identity, folder.values))
     return folder
 
 
@@ -134,8 +111,10 @@ def copy_results(source: Path, target: Path, *, force: bool) -> Path:
     """Copy the results of a folder, and of an unfinished run what it needs to go on.
 
     Raises:
-        UsageFault: the source holds no results, or the target cannot be used (``open_folder``).
+        UsageFault: the source holds no results or a link, or the target cannot be used
+            (``open_folder``).
     """
+    refuse_links(source)
     identity = _owner(source)
     if identity is None:
         raise UsageFault(f"{source} holds no results")
@@ -146,17 +125,17 @@ def copy_results(source: Path, target: Path, *, force: bool) -> Path:
         for path in sorted(source.rglob("*"))
         if path.is_file() and path.relative_to(source).parts[0] in (*OWN_FILES, *OWN_FOLDERS)
     }
-    folder = open_folder(target, identity, force=force)
-    for name in (*OWN_FILES, *OWN_FOLDERS):
-        if name != JOURNAL and not any(file.split("/")[0] == name for file in files):
-            folder.discard(name)
-    for name, path in files.items():
-        folder.write(name, path.read_bytes())
-    for top in OWN_FOLDERS:
-        if (target / top).is_dir():
-            folder.keep_only(top, {name[len(top) + 1 :] for name in files})
-    if JOURNAL not in files:
-        folder.finish()
+    with open_folder(target, identity, force=force) as folder:
+        for name in (*OWN_FILES, *OWN_FOLDERS):
+            if name != JOURNAL and not any(file.split("/")[0] == name for file in files):
+                folder.files.discard(name)
+        for name, path in files.items():
+            folder.files.write(name, path.read_bytes())
+        for top in OWN_FOLDERS:
+            if (target / top).is_dir():
+                folder.files.keep_only(top, {name[len(top) + 1 :] for name in files})
+        if JOURNAL not in files:
+            folder.finish()
     return target
 
 
@@ -164,16 +143,6 @@ def _journal_text(identity: Identity, values: Mapping[str, Recorded]) -> str:
     """A whole journal, so that a line cut by a kill is gone before the next one is appended."""
     lines = (asdict(identity), *values.items())
     return "".join(f"{json.dumps(line)}\n" for line in lines)
-
-
-def _beside(name: str) -> str:
-    """The name under which a file is written before it is moved to its place."""
-    return f".{name}.part"
-
-
-def _unfinished(name: str) -> bool:
-    """Whether a kill left this behind: a file of ours that was never moved to its place."""
-    return any(name == _beside(own) for own in OWN_FILES)
 
 
 def _difference(a: Identity, b: Identity) -> str:

@@ -24,6 +24,7 @@ from srgc.results.design_file import (
     trajectory_csv,
 )
 from srgc.results.evaluations_file import evaluations_csv
+from srgc.results.folder_writer import FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.results.structure_total import structure_total
@@ -73,22 +74,24 @@ def _run(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
         options.solver, options.search,
     )  # fmt: skip
-    folder = open_folder(options.output, identity, force=options.force)
-    with resumable(options.output):
+    with (
+        open_folder(options.output, identity, force=options.force) as folder,
+        resumable(options.output),
+    ):
         for name, content in files.items():
-            folder.write(f"spec/{name}", content)
-        folder.keep_only("spec", files)
+            folder.files.write(f"spec/{name}", content)
+        folder.files.keep_only("spec", files)
         program, task = expanded(program, task)
         result = _searched(folder, program, task, options, workers, started)
         searched = time.monotonic() - started
         for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv", "report.html"):
-            folder.discard(name)
+            folder.files.discard(name)
         if result.designs and options.every:
             _write_all(folder, result, program, task, path.name, files)
-        _write(folder, result, program, task, path.name, identity)
+        _write(folder.files, result, program, task, path.name, identity)
         total = time.monotonic() - started
         timings = {"search_s": round(searched, 3), "total_s": round(total, 3), **result.counts}
-        folder.write("log.json", json.dumps(timings, indent=1) + "\n")
+        folder.files.write("log.json", json.dumps(timings, indent=1) + "\n")
         if not result.unfinished:
             folder.finish()
     return result
@@ -157,13 +160,13 @@ def _write_all(
     from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_rows
 
     for proved in result.designs:
-        own = ResultFolder(folder.path / "designs" / str(proved.number), folder.identity)
+        own = folder.files.within(f"designs/{proved.number}")
         for name, content in files.items():
             own.write(f"spec/{name}", content)
         _write(own, alone(result, proved), program, task, spec, folder.identity)
     rows = pareto_rows(result, program, task)
-    folder.write("pareto.csv", pareto_csv(rows))
-    folder.write("pareto.json", pareto_json(rows, result.ended))
+    folder.files.write("pareto.csv", pareto_csv(rows))
+    folder.files.write("pareto.json", pareto_json(rows, result.ended))
 
 
 def alone(result: Synthesis, proved: Proved) -> Synthesis:
@@ -183,7 +186,7 @@ def alone(result: Synthesis, proved: Proved) -> Synthesis:
 
 
 def _write(
-    folder: ResultFolder,
+    files: FolderWriter,
     result: Synthesis,
     program: ir.Program,
     task: ir.Task,
@@ -193,28 +196,28 @@ def _write(
     """All files of a result; the certificate and ``design.json`` last."""
     for index, record in enumerate(result.records):
         if record.script is not None:
-            folder.write(proof_name(index), record.script)
+            files.write(proof_name(index), record.script)
         if record.boxes is not None:
-            folder.write(boxes_name(index), record.boxes)
+            files.write(boxes_name(index), record.boxes)
     if result.samples:
-        folder.write("evaluations.csv", evaluations_csv(result.samples))
+        files.write("evaluations.csv", evaluations_csv(result.samples))
     design = result.design
     if design is None:
         for name in ("trajectory.csv", "figures", "certificate.json"):
-            folder.discard(name)
+            files.discard(name)
     else:
         from srgc.pictures.figures import input_figure, workspace_figure
 
-        folder.write("trajectory.csv", trajectory_csv(design, task))
+        files.write("trajectory.csv", trajectory_csv(design, task))
         workspace = program.workspaces[task.workspace]
-        folder.write("figures/workspace.svg", workspace_figure(result, design, workspace, task))
-        folder.write("figures/inputs.svg", input_figure(design, task))
+        files.write("figures/workspace.svg", workspace_figure(result, design, workspace, task))
+        files.write("figures/inputs.svg", input_figure(design, task))
     certificate = certificate_text(
         result, task, spec, identity.spec_sha256, task.modules, result.separation
     )
     if certificate is not None:
-        folder.write("certificate.json", certificate)
-    folder.write(
+        files.write("certificate.json", certificate)
+    files.write(
         "design.json",
         design_text(result, task, spec, identity, change_of(program, task, design)),
     )

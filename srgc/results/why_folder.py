@@ -19,10 +19,12 @@ from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried
 from solvers.explanation.posed_task import PosedTask
 from solvers.verifier.claims.certificate import CertificateError
+from solvers.verifier.claims.result_file import result_bytes, result_text
 from solvers.verifier.claims.spec_copy import read_copy
 from srgc.named_search import named_search
 from srgc.named_solver import named_solver
 from srgc.near_places import no_folder
+from srgc.results.folder_layout import refuse_links
 from srgc.session import UsageFault
 
 
@@ -46,20 +48,24 @@ def tried_folder(folder: Path) -> TriedFolder:
     """
     if not folder.is_dir():
         raise no_folder(folder)
+    refuse_links(folder)
     path = folder / "design.json"
     if not path.exists():
         begun = (folder / "journal.jsonl").exists()
         how = "; the `srgc synth` that began it goes on from there" if begun else ""
         raise UsageFault(f"{folder} has no design.json: it holds no finished results{how}")
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(result_bytes(path))
         program, _ = read_copy(folder / "spec", content["spec"], content["spec_sha256"])
         return _read(folder, content, program)
     except OSError as error:
         raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
     except CertificateError as error:
         raise UsageFault(f"{folder}: {error}".replace("the certificate", "design.json")) from None
-    except (ArithmeticError, ValueError, KeyError, TypeError, AttributeError, BadDerivation):
+    except (
+        ArithmeticError, ValueError, LookupError, TypeError, AttributeError, RecursionError,
+        csv.Error, BadDerivation,
+    ):  # fmt: skip
         raise UsageFault(f"{path} is not what `srgc synth` writes") from None
 
 
@@ -124,7 +130,7 @@ def _robustness(path: Path) -> dict[int, float]:
     if not path.exists():
         return {}
     best: dict[int, float] = {}
-    for row in csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))):
+    for row in csv.DictReader(io.StringIO(result_text(path))):
         number, value = int(row["structure"]), float(row["rho"])
         best[number] = max(value, best.get(number, value))
     return best

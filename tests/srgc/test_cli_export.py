@@ -323,7 +323,7 @@ def test_an_altered_certificate(srgc: Export, crane: Path) -> None:
     refused(srgc("export", crane, "--to", "mjcf"), "not UTF-8")
     (crane / "certificate.json").unlink()
     (crane / "certificate.json").mkdir()
-    refused(srgc("export", crane, "--to", "mjcf"), "cannot be read")
+    refused(srgc("export", crane, "--to", "mjcf"), "certificate.json is a folder")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ from grammar_lang.load import load
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.pictures import figures
-from srgc.results import result_folder, synthesis_run
+from srgc.results import folder_writer, synthesis_run
+from srgc.results.folder_layout import JOURNAL
 from srgc.results.result_folder import Identity, open_folder
 from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
 from tests.conftest import srgc_process
@@ -111,11 +112,11 @@ def test_a_kill_at_every_write(made, tmp_path, monkeypatch):
                 raise Killed
             left[0] -= 1
 
-        monkeypatch.setattr(result_folder.os, "fsync", cut)
+        monkeypatch.setattr(folder_writer.os, "fsync", cut)
         with pytest.raises(Killed):
             run_synthesis(path, program, task, options(folder))
         whole_or_absent(folder)
-        monkeypatch.setattr(result_folder.os, "fsync", sync)
+        monkeypatch.setattr(folder_writer.os, "fsync", sync)
         run_synthesis(path, program, task, options(folder))
         same_results(folder, complete)
 
@@ -124,25 +125,31 @@ def identity_of(path):
     return Identity(spec_digest({path.name: path.read_bytes()}), "Turn", 0, "1")
 
 
+def opened(path):
+    """The folder beside a spec, as one that was opened and let go."""
+    with open_folder(path.parent / "out", identity_of(path), force=False) as folder:
+        return folder
+
+
 def test_a_journal_cut_in_its_last_line(tmp_path):
     path = tmp_path / "a.srg"
     path.write_text("// a")
-    folder = open_folder(tmp_path / "out", identity_of(path), force=False)
+    folder = opened(path)
     folder.record("a", 1.5)
     folder.record("b|ä", -0.1)
     folder.record("c", float("-inf"))
-    journal = tmp_path / "out" / result_folder.JOURNAL
+    journal = tmp_path / "out" / JOURNAL
     content = journal.read_bytes()
     for length in range(content.index(b"\n") + 1, len(content) + 1):
         journal.write_bytes(content[:length])
-        again = open_folder(tmp_path / "out", identity_of(path), force=False)
+        again = opened(path)
         assert again.values.items() <= folder.values.items()
         # A step recorded after the cut is found again, and the cut line is not joined to it.
         again.record("d", 2.25)
-        third = open_folder(tmp_path / "out", identity_of(path), force=False)
+        third = opened(path)
         assert third.values == again.values
     journal.write_bytes(content)
-    whole = open_folder(tmp_path / "out", identity_of(path), force=False)
+    whole = opened(path)
     assert whole.values == folder.values
 
 

@@ -11,7 +11,10 @@ from typing import Any
 
 from grammar_lang.files.source_file import decoded
 from grammar_lang.findings.diagnostics import Sink
+from solvers.verifier.claims.result_file import result_bytes
+from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
+from srgc.results.folder_layout import refuse_other
 
 _LONGEST = 60
 
@@ -98,14 +101,20 @@ def _said(kind: str, design: Mapping[str, Any]) -> str:
 
 def _design(folder: Path) -> dict[str, Any] | None:
     try:
-        content = json.loads((folder / "design.json").read_bytes())
-    except (OSError, ValueError, RecursionError):
+        content = json.loads(_plain_bytes(folder / "design.json"))
+    except (OSError, ValueError, RecursionError, UsageFault):
         return None
     return content if isinstance(content, dict) and "verdict" in content else None
 
 
 def _digest(path: Path) -> str | None:
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError:
+        return hashlib.sha256(_plain_bytes(path)).hexdigest()
+    except (OSError, UsageFault):
         return None
+
+
+def _plain_bytes(path: Path) -> bytes:
+    """A file of a result folder, which is no link."""
+    refuse_other(path, "file")
+    return result_bytes(path)

@@ -190,9 +190,9 @@ def test_any_text_stays_text(content: str) -> None:
 def test_a_covering_is_counted(tmp_path) -> None:
     path = tmp_path / "0000.boxes"
     path.write_text("boxes 1\nA|a..!aa...\n", encoding="ascii")
-    size = covering_size(path)
+    size = covering_size(path.parent, path.name)
     assert size is not None
     assert (size.parameters, size.coordinates, size.by_drives) == (2, 5, 1)
     path.write_text("no", encoding="ascii")
-    assert covering_size(path) is None
-    assert covering_size(tmp_path / "none") is None
+    assert covering_size(path.parent, path.name) is None
+    assert covering_size(tmp_path, "none") is None

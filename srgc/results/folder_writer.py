@@ -1,0 +1,104 @@
+"""Files below a result folder: each written whole or not at all, and nothing through a link."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Container
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from srgc.near_places import unwritable
+from srgc.results.folder_layout import part_name, refuse_other
+
+_APPEND = os.O_WRONLY | os.O_APPEND | os.O_CREAT
+_NO_LINK = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+
+
+@dataclass(frozen=True, slots=True)
+class FolderWriter:
+    """Writes and removes what has a name below ``folder``, with ``/`` between its parts.
+
+    A file is written beside its place and then moved there, so that a kill at any moment leaves the
+    old file, the new one or none; a hard link to an old one keeps what it had.
+
+    Every method raises UsageFault where a link, or anything else than what is due, is in the way,
+    and where the system does not let it write.
+    """
+
+    folder: Path
+    prefix: str = ""
+
+    def within(self, name: str) -> FolderWriter:
+        """The same for what is below a folder of that name."""
+        return FolderWriter(self.folder, f"{self.prefix}{name}/")
+
+    def write(self, name: str, content: str | bytes) -> None:
+        """Write a file, text as UTF-8, and the folders that it is in."""
+        target = self._place(name, "file", make=True)
+        beside = target.with_name(part_name(target.name))
+        refuse_other(beside, "file")
+        data = content.encode() if isinstance(content, str) else content
+        try:
+            beside.unlink(missing_ok=True)
+            with beside.open("xb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(target)
+        except OSError as error:
+            with suppress(OSError):
+                beside.unlink()
+            raise unwritable(target, error) from None
+
+    def append(self, name: str, text: str) -> None:
+        """Add to the end of a file, at once."""
+        target = self._place(name, "file")
+        try:
+            with os.fdopen(os.open(target, _APPEND | _NO_LINK, 0o666), "ab") as file:
+                file.write(text.encode())
+        except OSError as error:
+            raise unwritable(target, error) from None
+
+    def discard(self, name: str) -> None:
+        """Remove a file or a folder with all that is in it, if it is there."""
+        target = self._place(name, None)
+        try:
+            if target.is_dir():
+                shutil.rmtree(target)
+            else:
+                target.unlink(missing_ok=True)
+        except OSError as error:
+            raise unwritable(target, error) from None
+
+    def keep_only(self, name: str, paths: Container[str]) -> None:
+        """Remove every file below a folder whose path there is not among ``paths``."""
+        top = self._place(name, "folder")
+        for path in [*top.rglob("*")]:
+            inner = path.relative_to(top).as_posix()
+            if not path.is_dir() and inner not in paths:
+                self.discard(f"{name}/{inner}")
+
+    def _place(self, name: str, due: str | None, *, make: bool = False) -> Path:
+        """Where a name leads, through plain folders; None is due where anything but a link may be.
+
+        With ``make`` the folders on the way are made.
+        """
+        *above, last = PurePosixPath(self.prefix + name).parts
+        path = self.folder
+        for part in above:
+            path /= part
+            refuse_other(path, "folder")
+            if make:
+                _make(path)
+        path /= last
+        refuse_other(path, due or ("folder" if path.is_dir() else "file"))
+        return path
+
+
+def _make(path: Path) -> None:
+    try:
+        path.mkdir(exist_ok=True)
+    except OSError as error:
+        raise unwritable(path, error) from None
