@@ -15,7 +15,10 @@ def main(arguments: Sequence[str]) -> int:
         sys.stderr.write("usage: python -m solvers.verifier DIR\n")
         return 2
     report = verify_directory(Path(arguments[0]))
-    sys.stdout.write(f"{report.outcome.value}{': ' + report.reason if report.reason else ''}\n")
+    claimed = "" if report.task is None else f": {report.verdict}, task {report.task}"
+    digest = "" if report.spec_sha256 is None else f", spec {report.spec_sha256}"
+    reason = "" if report.reason is None else f": {report.reason}"
+    sys.stdout.write(f"{report.outcome.value}{claimed}{digest}{reason}\n")
     return {Outcome.VALID: 0, Outcome.REFUTED: 1}.get(report.outcome, 4)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from compiler.arithmetic.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
-from solvers.verifier.claims.claimed_task import claimed_task
+from solvers.verifier.claims.claimed_task import claimed_task, read_claim
 from solvers.verifier.claims.outcome import Outcome, Refused
 from solvers.verifier.found_check import claimed_robot
 from solvers.verifier.proofs.disturbed_proof import disturbed_start
@@ -108,7 +108,7 @@ def certified_tube(folder: Path) -> CertifiedTube:
         EnclosureFailure: no enclosure gets to the end of the motion.
         OSError, UnicodeDecodeError: the folder cannot be read.
     """
-    claimed = claimed_task(folder)
+    claimed = claimed_task(folder, read_claim(folder))
     if not isinstance(claimed.claim, FoundClaim):
         raise Refused("the verdict is impossible, so there is no motion", Outcome.UNDECIDED)
     robot = claimed_robot(claimed.claim, claimed.program, claimed.task)

@@ -12,13 +12,20 @@ from solvers.verifier.proofs.tube_checks import Status
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What was checked and found; ``level`` is that of the weakest evidence."""
+    """What was checked and found; ``level`` is that of the weakest evidence.
+
+    ``task``, ``spec`` (its main file) and ``spec_sha256`` (of all its files) are those that the
+    certificate names; None where it cannot be read.
+    """
 
     outcome: Outcome
     verdict: str | None
     level: str | None
     reason: str | None
     findings: tuple[Finding, ...] = ()
+    task: str | None = None
+    spec: str | None = None
+    spec_sha256: str | None = None
 
 
 def concluded(findings: Sequence[Finding]) -> Report:

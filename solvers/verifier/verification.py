@@ -5,11 +5,19 @@ It shares the compiler and the validated integration with the searchers, and not
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 from grammar_lang import ir
-from solvers.verifier.claims.certificate import CertificateError, FoundClaim, ImpossibleClaim
-from solvers.verifier.claims.claimed_task import ClaimedTask, claimed_task
+from solvers.verifier.claims.certificate import (
+    CertificateError,
+    Claim,
+    FoundClaim,
+    ImpossibleClaim,
+    verdict_of,
+)
+from solvers.verifier.claims.claimed_task import ClaimedTask, claimed_task, read_claim
 from solvers.verifier.claims.design_agreement import disagreement
 from solvers.verifier.claims.formula_agreement import misstated_formula
 from solvers.verifier.claims.outcome import Outcome, Refused
@@ -17,11 +25,35 @@ from solvers.verifier.found_check import check_found
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.report import Report
 
-__all__ = ["Outcome", "Report", "verify_directory"]
+__all__ = ["Expected", "Outcome", "Report", "verify_directory"]
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """What a certificate has to be about; None: anything."""
+
+    task: str | None = None
+    verdict: Literal["found", "impossible"] | None = None
+
+    def differs(self, claim: Claim) -> str | None:
+        """What the claim is about instead, or None."""
+        if self.task not in (None, claim.task):
+            return f"the certificate is about task `{claim.task}`, not `{self.task}`"
+        verdict = verdict_of(claim)
+        if self.verdict not in (None, verdict):
+            return f"the certificate says {verdict}, not {self.verdict}"
+        return None
+
+
+ANYTHING = Expected()
 
 
 def verify_directory(
-    folder: Path, spec: Path | None = None, trust: str | None = None, watch: Watch = UNWATCHED
+    folder: Path,
+    spec: Path | None = None,
+    trust: str | None = None,
+    watch: Watch = UNWATCHED,
+    expected: Expected = ANYTHING,
 ) -> Report:
     """Check the certificate of a result folder.
 
@@ -30,23 +62,49 @@ def verify_directory(
         spec: a spec file the result must be about, besides its own copy.
         trust: ``"z3"`` runs refutation scripts again in a z3 process and believes its ``unsat``.
         watch: told of the steps of the motion, or of the structures, that are done.
+        expected: what the certificate must be about; one about anything else is not judged.
     """
-    path = folder / "certificate.json"
-    if not path.is_file():
+    if not (folder / "certificate.json").is_file():
         return Report(
             Outcome.UNDECIDED, None, None, f"there is no certificate in {folder}: nothing to verify"
         )
+    claim: Claim | None = None
     try:
-        return _judged(folder, claimed_task(folder, spec), trust, watch)
+        claim = read_claim(folder)
+        report = _as_expected(folder, claim, spec, trust, watch, expected)
     except OSError as error:
         reason = f"the certificate cannot be read: {error.strerror}"
-        return Report(Outcome.UNDECIDED, None, None, reason)
+        report = Report(Outcome.UNDECIDED, None, None, reason)
     except UnicodeDecodeError:
-        return Report(Outcome.REFUTED, None, None, "the certificate is not UTF-8")
+        report = Report(Outcome.REFUTED, None, None, "the certificate is not UTF-8")
     except CertificateError as error:
-        return Report(Outcome.REFUTED, None, None, str(error))
+        report = Report(Outcome.REFUTED, None, None, str(error))
     except Refused as refusal:
-        return Report(refusal.outcome, None, None, str(refusal))
+        report = Report(refusal.outcome, None, None, str(refusal))
+    if claim is None:
+        return report
+    return replace(
+        report,
+        verdict=verdict_of(claim),
+        task=claim.task,
+        spec=claim.spec,
+        spec_sha256=claim.spec_sha256,
+    )
+
+
+def _as_expected(
+    folder: Path,
+    claim: Claim,
+    spec: Path | None,
+    trust: str | None,
+    watch: Watch,
+    expected: Expected,
+) -> Report:
+    """The report on a claim, if it is about what was asked."""
+    other = expected.differs(claim)
+    if other is not None:
+        return Report(Outcome.UNEXPECTED, None, None, other)
+    return _judged(folder, claimed_task(folder, claim, spec), trust, watch)
 
 
 def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch) -> Report:
@@ -81,13 +139,9 @@ def _impossible(
         return Report(Outcome.REFUTED, "impossible", None, found)
     if found.complete:
         return Report(Outcome.VALID, "impossible", "validated", None)
-    shares = (
-        f"{found.by_boxes} of {found.structures} structures are proved by boxes, "
-        "the rest rest on z3"
-        if found.by_boxes
-        else None
-    )
+    scripts = f"of {found.structures - found.by_boxes} of {found.structures} structures"
     if trust == "z3":
-        return Report(Outcome.VALID, "impossible", "z3", shares)
-    reason = f"{shares or 'only z3 decided'}; see --trust z3"
-    return Report(Outcome.ASSUMING_Z3, "impossible", "z3", reason)
+        said = f"z3 answers unsat to the scripts {scripts}, boxes prove the others"
+        return Report(Outcome.VALID, "impossible", "z3", said if found.by_boxes else None)
+    reason = f"no solver has run on the scripts {scripts}; --trust z3 runs z3 on them"
+    return Report(Outcome.UNCHECKED, "impossible", None, reason)

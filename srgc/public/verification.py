@@ -34,13 +34,23 @@ class Verification:
 
     @property
     def outcome(self) -> Outcome:
-        """Its ``value`` is "valid", "refuted", "undecided" or "valid, assuming z3"."""
+        """Its ``value``: "valid", "refuted", "undecided", "not checked" or "not as expected"."""
         return self.report.outcome
 
     @property
     def verdict(self) -> str | None:
         """What the certificate claims: "found" or "impossible"; None where that is not known."""
         return self.report.verdict
+
+    @property
+    def task(self) -> str | None:
+        """The name of the task that the certificate is about; None where that is not known."""
+        return self.report.task
+
+    @property
+    def spec_sha256(self) -> str | None:
+        """The digest of the specification that it is about; None where that is not known."""
+        return self.report.spec_sha256
 
     @property
     def level(self) -> str | None:
@@ -81,6 +91,8 @@ def verify(
     result: str | PathLike[str],
     *,
     spec: str | PathLike[str] | None = None,
+    task: str | None = None,
+    expect: Literal["found", "impossible"] | None = None,
     trust: Literal["z3"] | None = None,
 ) -> Verification:
     """Check a result independently of the search that made it.
@@ -88,12 +100,14 @@ def verify(
     Args:
         result: what ``synthesize`` or ``open_result`` gives, or the folder of ``srgc synth``.
         spec: also check that it is about this file.
+        task: it has to be about the task of this name.
+        expect: it has to have this verdict.
         trust: with "z3", run the scripts of refutations again and believe its "unsat".
 
     Raises:
         SrgcError: there is no such folder or file.
     """
-    from solvers.verifier.verification import verify_directory
+    from solvers.verifier.verification import Expected, verify_directory
 
     folder, file = Path(result), None if spec is None else Path(spec)
     if not folder.is_dir():
@@ -102,4 +116,7 @@ def verify(
         raise UsageFault(f"{file} is not a file")
     if trust not in (None, "z3"):
         raise UsageFault("`trust` is z3 or None")
-    return Verification(verify_directory(folder, file, trust))
+    if expect not in (None, "found", "impossible"):
+        raise UsageFault("`expect` is found, impossible or None")
+    expected = Expected(task, expect)
+    return Verification(verify_directory(folder, file, trust, expected=expected))

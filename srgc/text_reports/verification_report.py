@@ -19,20 +19,23 @@ ORDER = (Status.FAILS, Status.UNDECIDED, Status.HOLDS)
 
 
 def verification_text(report: Report) -> str:
-    """The verifier's answer with all margins, the smallest first."""
+    """The verifier's answer and what it is about, with all margins, the smallest first."""
     head = report.outcome.value
-    if report.verdict is not None and report.outcome in (Outcome.VALID, Outcome.ASSUMING_Z3):
+    if report.verdict is not None and report.outcome in (Outcome.VALID, Outcome.UNCHECKED):
         level = f", level {report.level}" if report.level else ""
         head = f"{head}: {report.verdict}{level}"
     if report.reason:
         head = f"{head}: {report.reason}"
+    about = []
+    if report.task is not None:
+        about = [f"task: {report.task}", f"spec: {report.spec}, sha256 {report.spec_sha256}"]
     shown = list(by_map(in_order(report.findings)))
     width = max([LEAST_WIDTH, *(len(finding.name) for finding in shown)])
     lines = [
         f"  {finding.status.value:<9} {finding.name:<{width}} {_said(finding)}".rstrip()
         for finding in shown
     ]
-    return "\n".join([head, *lines])
+    return "\n".join([head, *about, *lines])
 
 
 def verification_json(report: Report) -> str:
@@ -40,6 +43,9 @@ def verification_json(report: Report) -> str:
     content = {
         "outcome": report.outcome.value,
         "verdict": report.verdict,
+        "task": report.task,
+        "spec": report.spec,
+        "spec_sha256": report.spec_sha256,
         "level": report.level,
         "reason": report.reason,
         "findings": [

@@ -1,7 +1,11 @@
 from __future__ import annotations
 
+import shutil
+
 import pytest
 
+from solvers.verifier.refutations import impossibility_check
+from solvers.verifier.verdict import Reason, Unknown
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.result_files import alter, alter_spec, read
@@ -43,18 +47,72 @@ def without_boxes(folder):
 
 def test_boxes_need_no_solver(srgc_run, made):
     status, out = srgc_run("verify", made("beyond_reach") / "out")
-    assert (status, out) == (0, "valid: impossible, level validated\n")
+    assert (status, out.splitlines()[:2]) == (
+        0, ["valid: impossible, level validated", "task: Turn"],
+    )  # fmt: skip
 
 
-def test_valid_assuming_z3_or_with_trust(srgc_run, result):
+def test_scripts_are_not_checked_until_z3_runs_on_them(srgc_run, result):
     folder = result("beyond_reach")
     without_boxes(folder)
     status, out = srgc_run("verify", folder)
     assert status == 4
-    assert out.startswith("valid, assuming z3: impossible, level z3: only z3 decided")
+    assert out.startswith("not checked: impossible: no solver has run on the scripts of 6 of 6 ")
+    assert "valid" not in out
     status, out = srgc_run("verify", folder, "--trust", "z3")
     assert status == 0
     assert out.startswith("valid: impossible, level z3")
+
+
+def test_what_z3_does_not_decide_is_neither_valid_nor_refuted(srgc_run, result, monkeypatch):
+    folder = result("beyond_reach")
+    without_boxes(folder)
+    unanswered = Unknown(Reason.RESOURCE_LIMIT, "within 1 z3 resource units")
+    monkeypatch.setattr(impossibility_check, "run_z3_subprocess", lambda _script: unanswered)
+    status, out = srgc_run("verify", folder, "--trust", "z3")
+    assert status == 4
+    assert out.startswith("undecided: z3 does not decide the script of structure 0: within 1 z3 ")
+
+
+@pytest.mark.parametrize("field", ["evidence", "boxes"])
+@pytest.mark.parametrize("name", ["proofs/\0", "\0", "proofs/" + "a" * 5000, "proofs", "", "loop"])
+def test_evidence_of_any_name_is_refused(srgc_run, result, field, name):
+    folder = result("beyond_reach")
+    (folder / "loop").symlink_to("loop")
+
+    def renamed(content):
+        for each in content["structures"]:
+            each["evidence"], each["boxes"] = None, None
+            each[field] = name
+
+    alter(folder, renamed, sign=True)
+    status, out = srgc_run("verify", folder)
+    assert status == 1
+    assert out.startswith("refuted: the evidence ")
+    assert out.count("\n") == 3
+
+
+def test_sparse_files_are_not_read(srgc_run, result):
+    """Of 4 GiB and more, which a disk holds in one block: told by their size."""
+    for name, status, said in (
+        ("proofs/0000.boxes", 1, "more than 268,435,456"),
+        ("spec/beyond_reach.srg", 1, "more than 75,497,472"),
+        ("spec/more.srg", 1, "more than 75,497,472"),
+        ("certificate.json", 4, "more than 268,435,456"),
+        ("design.json", 4, "more than 268,435,456"),
+    ):
+        folder = result("beyond_reach")
+        with (folder / name).open("ab") as file:
+            file.truncate(5 * 2**30)
+        found, out = srgc_run("verify", folder)
+        assert (found, said in out) == (status, True), (name, out)
+        shutil.rmtree(folder)
+    folder = result("beyond_reach")
+    other = folder / "other.srg"
+    with other.open("wb") as file:
+        file.truncate(5 * 2**30)
+    status, out = srgc_run("verify", folder, "--spec", str(other))
+    assert (status, "the files differ" in out) == (1, True)
 
 
 @pytest.fixture

@@ -333,7 +333,10 @@ def test_as_a_module_it_says_how_it_is_used(arguments):
 
 
 def test_as_a_module_it_verifies(result, tmp_path):
-    for folder, status, said in ((result("turner"), 0, "valid\n"), (tmp_path, 4, "undecided: ")):
+    for folder, status, said in (
+        (result("turner"), 0, "valid: found, task Turn, spec "),
+        (tmp_path, 4, "undecided: "),
+    ):
         finished = subprocess.run(
             [sys.executable, "-m", "solvers.verifier", folder],
             capture_output=True, text=True, check=False,

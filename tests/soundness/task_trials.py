@@ -98,7 +98,7 @@ def _contradicted(
     task: RandomTask, figures: Figures, folder: Path, count: int, seed: int
 ) -> tuple[str | None, str]:
     """Why a task may be possible after all, or None; and what shows that it is not."""
-    if verify_directory(folder).outcome not in (Outcome.VALID, Outcome.ASSUMING_Z3):
+    if verify_directory(folder).outcome not in (Outcome.VALID, Outcome.UNCHECKED):
         return "not verified", ""
     lengths = counterexample(task, figures, count, seed)
     if lengths is None:

@@ -7,6 +7,8 @@ import pytest
 from tests.oracles import result_files
 from tests.oracles.small_specs import SLIDER
 
+TASKS = {"turner": "Turn", "slider": "Slide"}
+
 
 @pytest.mark.parametrize("spec", ["turner", "slider"])
 def test_a_result_is_valid_with_margins(srgc, made, spec):
@@ -14,10 +16,48 @@ def test_a_result_is_valid_with_margins(srgc, made, spec):
     assert (ran.status, ran.err) == (0, "")
     lines = ran.out.splitlines()
     assert lines[0] == "valid: found, level validated"
-    assert all(line.startswith("  holds ") and " at " in line for line in lines[1:])
-    assert [line.split("  ")[1] for line in lines[1:] if " margin " not in line] == ["holds"]
+    digest = result_files.read(made(spec) / "out", "design.json")["spec_sha256"]
+    assert lines[1:3] == [f"task: {TASKS[spec]}", f"spec: {spec}.srg, sha256 {digest}"]
+    assert all(line.startswith("  holds ") and " at " in line for line in lines[3:])
+    assert [line.split("  ")[1] for line in lines[3:] if " margin " not in line] == ["holds"]
     for name in ("effort (N", "target T", "start S", "bounds", "cell path", "range of joint 1"):
         assert any(f"  {name}" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("spec", "verdict", "task"),
+    [("turner", "found", "Turn"), ("beyond_reach", "impossible", "Turn")],
+)
+def test_what_is_expected(srgc, made, spec, verdict, task):
+    folder = made(spec) / "out"
+    other = {"found": "impossible", "impossible": "found"}[verdict]
+    asked = ("--task", task, "--expect", verdict)
+    assert srgc("verify", folder, *asked).out == srgc("verify", folder).out
+    for options, said in (
+        (("--task", "Easy"), f"the certificate is about task `{task}`, not `Easy`"),
+        (("--expect", other), f"the certificate says {verdict}, not {other}"),
+        (("--task", task, "--expect", other), f"the certificate says {verdict}, not {other}"),
+        (("--task", task.lower()), f"the certificate is about task `{task}`, not `{task.lower()}`"),
+    ):
+        ran = srgc("verify", folder, *options)
+        assert ran.status == 6
+        assert ran.out.splitlines()[:2] == [f"not as expected: {said}", f"task: {task}"]
+        assert "valid" not in ran.out
+        answer = json.loads(srgc("verify", folder, *options, "--json").out)
+        assert (answer["outcome"], answer["verdict"]) == ("not as expected", verdict)
+        assert (answer["task"], answer["findings"]) == (task, [])
+
+
+def test_a_claim_that_is_not_expected_is_not_judged(srgc, result):
+    """It may be false; but an altered certificate is refused before one reads what it is about."""
+    folder = result("turner")
+    result_files.alter(folder, lambda c: c["inputs"][4].__setitem__(0, "10.5"), sign=True)
+    assert srgc("verify", folder, "--task", "Easy").status == 6
+    assert srgc("verify", folder, "--task", "Turn").status == 1
+    result_files.alter(folder, lambda c: c.update(task="Easy"), sign=False)
+    assert srgc("verify", folder, "--task", "Easy").status == 1
+    (folder / "certificate.json").unlink()
+    assert srgc("verify", folder, "--expect", "found").status == 4
 
 
 def test_the_spec_it_is_about(srgc, result, made, spec):

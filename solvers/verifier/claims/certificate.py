@@ -15,9 +15,11 @@ from dataclasses import asdict, dataclass
 from dataclasses import fields as dataclass_fields
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from grammar_lang import ir
+from grammar_lang.files.file_set import IMAGE_LIMIT
+from grammar_lang.files.source_file import LIMIT, TooLarge, read_file
 
 FORMAT = 3
 """2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes."""
@@ -116,6 +118,11 @@ class ImpossibleClaim:
 Claim = FoundClaim | ImpossibleClaim
 
 
+def verdict_of(claim: Claim) -> Literal["found", "impossible"]:
+    """What a claim says of its task."""
+    return "found" if isinstance(claim, FoundClaim) else "impossible"
+
+
 def decimal(value: float) -> str:
     """The shortest decimal that reads back as this double, without an exponent."""
     return exact_decimal(Fraction(repr(float(value))))
@@ -183,21 +190,31 @@ def spec_files(folder: Path) -> dict[str, bytes]:
     """The files below a folder, by their relative paths.
 
     Raises:
-        CertificateError: a link, which may lead anywhere, or what is neither a file nor a folder.
+        CertificateError: a link, which may lead anywhere, what is neither a file nor a folder, or
+            more bytes than the texts and images of a spec may have.
+        OSError: a file cannot be read.
     """
     files: dict[str, bytes] = {}
+    left = LIMIT + IMAGE_LIMIT
     for path in [folder, *sorted(folder.rglob("*"))]:
         if path.is_symlink() or (path.exists() and not path.is_dir() and not path.is_file()):
             raise CertificateError(f"the spec has been altered: {path} is no plain file")
         if path.is_file():
-            files[str(PurePosixPath(path.relative_to(folder)))] = path.read_bytes()
+            try:
+                data = read_file(path, left)
+            except TooLarge as large:
+                raise CertificateError(
+                    f"the spec has been altered: with the {large.size:,} bytes of {path} its files "
+                    f"have more than {LIMIT + IMAGE_LIMIT:,}"
+                ) from None
+            left -= len(data)
+            files[str(PurePosixPath(path.relative_to(folder)))] = data
     return files
 
 
 def to_text(claim: Claim) -> str:
     """The certificate file of a claim."""
-    kind = "found" if isinstance(claim, FoundClaim) else "impossible"
-    content = {"format": FORMAT, "kind": kind, **asdict(claim)}
+    content = {"format": FORMAT, "kind": verdict_of(claim), **asdict(claim)}
     content["digest"] = _digest(content)
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 

@@ -13,6 +13,7 @@ from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import Claim, FoundClaim, exact_cuts, from_text
 from solvers.verifier.claims.outcome import Outcome, Refused
+from solvers.verifier.claims.result_file import result_text
 from solvers.verifier.claims.spec_copy import difference_from, read_copy
 
 
@@ -26,19 +27,29 @@ class ClaimedTask:
     cells: Abstraction
 
 
-def claimed_task(folder: Path, spec: Path | None = None) -> ClaimedTask:
-    """The claim of a result folder.
-
-    Args:
-        folder: a folder with a ``certificate.json``.
-        spec: a spec file the claim must be about, besides the folder's own copy.
+def read_claim(folder: Path) -> Claim:
+    """What the certificate of a result folder claims.
 
     Raises:
         CertificateError: the certificate is none.
-        Refused: it is about another spec, or cannot be judged.
         OSError, UnicodeDecodeError: it cannot be read.
     """
-    claim = from_text((folder / "certificate.json").read_text(encoding="utf-8"))
+    return from_text(result_text(folder / "certificate.json"))
+
+
+def claimed_task(folder: Path, claim: Claim, spec: Path | None = None) -> ClaimedTask:
+    """A claim with what it is about.
+
+    Args:
+        folder: the result folder that it is from.
+        claim: the claim.
+        spec: a spec file it must be about, besides the folder's own copy.
+
+    Raises:
+        CertificateError: the copy of the spec is not the one that is claimed.
+        Refused: it is about another spec, or cannot be judged.
+        OSError: the copy cannot be read.
+    """
     program = _spec_of(folder, claim, spec)
     task = program.tasks.get(claim.task)
     if task is None:

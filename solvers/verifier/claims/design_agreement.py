@@ -13,6 +13,7 @@ from compiler.robots.robot import RobotModel
 from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import Claim, FoundClaim, ImpossibleClaim, exact
+from solvers.verifier.claims.result_file import result_bytes
 
 
 def disagreement(
@@ -40,7 +41,7 @@ def disagreement(
     if not path.is_file():
         return None
     try:
-        design = json.loads(path.read_bytes())
+        design = json.loads(result_bytes(path))
     except (ValueError, RecursionError):
         return "design.json is not JSON"
     if not isinstance(design, dict):

@@ -6,12 +6,17 @@ from enum import Enum
 
 
 class Outcome(Enum):
-    """The verifier's answer; ``ASSUMING_Z3`` rests on a solver's word."""
+    """The verifier's answer.
+
+    ``UNCHECKED``: what is left are scripts that no solver was asked to run.  ``UNEXPECTED``: the
+    certificate is about another task or verdict than was asked for, and was not judged.
+    """
 
     VALID = "valid"
     REFUTED = "refuted"
     UNDECIDED = "undecided"
-    ASSUMING_Z3 = "valid, assuming z3"
+    UNCHECKED = "not checked"
+    UNEXPECTED = "not as expected"
 
 
 class Refused(Exception):

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from grammar_lang import ir
+from grammar_lang.files.source_file import LIMIT, TooLarge, read_file
 from grammar_lang.load import load
 from grammar_lang.source import Source
 from solvers.verifier.claims.certificate import CertificateError, spec_digest, spec_files
@@ -56,7 +57,10 @@ def difference_from(files: Mapping[str, bytes], spec: str, other: Path) -> str |
     Raises:
         OSError: the other file cannot be read.
     """
-    content = other.read_bytes()
+    try:
+        content = read_file(other, LIMIT)
+    except TooLarge:
+        return spec
     theirs = files_of(load(other).sources[1:])
     return difference(files, {**theirs, spec: content})
 

@@ -19,12 +19,18 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
+from grammar_lang.files.file_tree import visible
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
+from solvers.verifier.claims.outcome import Outcome, Refused
+from solvers.verifier.claims.result_file import evidence_bytes
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.refutations.z3_process import run_z3_subprocess
-from solvers.verifier.verdict import Fails
+from solvers.verifier.verdict import Fails, Holds
+
+_SHOWN = 80
+"""Characters of a name in a message: a certificate may name anything."""
 
 
 class FalseClaim(Exception):
@@ -187,11 +193,22 @@ class Evidence:
         raise FalseClaim(f"{name} is not the script of structure {number}")
 
     def _unsatisfiable(self, number: int, script: str) -> None:
-        if not isinstance(run_z3_subprocess(script), Fails):
-            raise FalseClaim(f"z3 does not refute structure {number}")
+        match run_z3_subprocess(script):
+            case Fails():
+                return
+            case Holds():
+                raise FalseClaim(f"z3 does not refute structure {number}: its script has a model")
+            case unanswered:
+                raise Refused(
+                    f"z3 does not decide the script of structure {number}: "
+                    f"{unanswered.detail or unanswered.reason.value}",
+                    Outcome.UNDECIDED,
+                )
 
     def _content(self, name: str) -> bytes:
-        path = self.folder / name
-        if not path.resolve().is_relative_to(self.folder.resolve()) or not path.is_file():
-            raise FalseClaim(f"the evidence {name} is missing")
-        return path.read_bytes()
+        try:
+            return evidence_bytes(self.folder, name)
+        except FileNotFoundError:
+            raise FalseClaim(f"the evidence {visible(name[:_SHOWN])} is missing") from None
+        except OSError as error:
+            raise FalseClaim(f"the evidence {visible(name[:_SHOWN])}: {error.strerror}") from None

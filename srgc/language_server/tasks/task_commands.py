@@ -23,7 +23,7 @@ from srgc.language_server.tasks.verdicts import Verdicts, current_files, folder_
 
 _REPLACE = "Replace Results"
 _VERDICTS = {0: "found", 3: "impossible", 4: "unknown", 130: "interrupted"}
-_OUTCOMES = {0: "verified", 1: "refuted", 4: "not decided"}
+_OUTCOMES = {0: "verified", 1: "refuted", 4: "not decided", 6: "about another task"}
 
 
 @dataclass(slots=True)
@@ -79,7 +79,7 @@ class TaskCommands:
         if not folder.is_dir():
             raise RequestRefused(f"{folder} is no result folder yet: synthesise first")
         relative = str(folder.relative_to(path.parent))
-        ended = await self._run(path, task, "verify", ["verify", relative])
+        ended = await self._run(path, task, "verify", ["verify", relative, "--task", task])
         outcome = _OUTCOMES.get(ended.status)
         if outcome is None:
             self._say(f"{task}: {_last(ended)}", lsp.MessageType.Error)

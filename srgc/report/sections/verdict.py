@@ -84,9 +84,9 @@ def _judged(evidence: Evidence) -> tuple[str, str]:
         case Outcome.VALID:
             level = "" if report.level is None else f", level {report.level}"
             return f"{verdict}, proved{level}", "good" if verdict == "found" else "settled"
-        case Outcome.ASSUMING_Z3:
-            return f"{verdict}, if z3 is right", "settled"
-        case Outcome.UNDECIDED:
+        case Outcome.UNCHECKED:
+            return f"{verdict}, scripts not run", "open"
+        case Outcome.UNDECIDED | Outcome.UNEXPECTED:
             return f"{verdict}, not confirmed", "open"
         case Outcome.REFUTED:
             return f"{verdict}: the certificate is refuted", "bad"
@@ -152,13 +152,15 @@ def _proved_impossible(evidence: Evidence) -> Iterator[str]:
     claim = evidence.claim
     bound = claim.modules if isinstance(claim, ImpossibleClaim) else None
     within = f" with at most {bound} modules" if bound is not None else ""
-    yield f"No robot of the family{within} can do the task, whatever its parameters and its inputs."
-    if report is not None and report.outcome is Outcome.ASSUMING_Z3:
-        shown = report.reason or ""
+    no_robot = f"no robot of the family{within} can do the task, whatever its parameters and inputs"
+    if report is not None and report.outcome is Outcome.UNCHECKED:
         yield (
-            f"This rests on the solver z3, which was not asked again for this page: {text(shown)}."
+            f"The certificate says that {no_robot}. That is not checked here: "
+            f"{text(report.reason or '')}."
         )
-    elif evidence.design["structures_tried"]:
+        return
+    yield f"{no_robot[0].upper()}{no_robot[1:]}."
+    if evidence.design["structures_tried"]:
         yield (
             "The verifier went through the covering of every structure again when this page was "
             "made, in ball arithmetic; no solver has to be believed."

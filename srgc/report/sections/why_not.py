@@ -13,7 +13,7 @@ from srgc.report.html_text import many, text
 from srgc.report.sections.spec_source import line_anchor
 from srgc.report.structure_groups import TriedRobot, tried_robots
 
-UNCONFIRMED = (Outcome.REFUTED, Outcome.UNDECIDED)
+UNCONFIRMED = (Outcome.REFUTED, Outcome.UNDECIDED, Outcome.UNCHECKED)
 MOST_REASONS = 30
 MOST_REGIONS = 12
 
