@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from compiler.languages.budget import WordsTooLongError
 from compiler.semantics.family import RobotFamily
 from grammar_lang import ir
 
@@ -41,16 +42,20 @@ class StructureRecord:
     boxes: str | None = None
 
 
-def module_bound(task: ir.Task) -> int:
-    """The number of modules up to which structures are tried."""
-    return DEFAULT_MODULES if task.modules is None else task.modules
+def module_bound(family: RobotFamily, task: ir.Task) -> int:
+    """The number of modules up to which structures are tried.
+
+    That of the task; all robots of a finite language; else the default.
+    """
+    if task.modules is not None:
+        return task.modules
+    return _longest(family) or DEFAULT_MODULES
 
 
 def robot_limit(family: RobotFamily, task: ir.Task) -> int | None:
     """How many different robots are tried; None where the task or the language bounds them."""
-    if task.modules is not None or _complete_within(family, DEFAULT_MODULES):
-        return None
-    return DEFAULT_ROBOTS
+    bounded = task.modules is not None or _longest(family) is not None
+    return None if bounded else DEFAULT_ROBOTS
 
 
 def conclude(
@@ -82,17 +87,28 @@ def _all_refuted(
         if not tried:
             return "impossible", f"the family has no robot {within}"
         return "impossible", f"all {tried} structures {within} are refuted"
-    if _complete_within(family, DEFAULT_MODULES):
+    if _longest(family) is not None:
+        if not tried:
+            return "impossible", "the family has no robot"
         return "impossible", f"all {tried} structures of the family are refuted"
+    within = f"of at most {DEFAULT_MODULES} modules, the default search bound"
+    if not tried:
+        return "unknown", (
+            f"the family has no robot {within}: say `modules <= n` in the task, "
+            f"with n from {family.language.fewest_modules()} on"
+        )
     return "unknown", (
-        f"all {tried} structures of at most {DEFAULT_MODULES} modules, the default search bound, "
-        "are refuted; say `modules <= n` in the task to ask about a bound"
+        f"all {tried} structures {within}, are refuted; "
+        "say `modules <= n` in the task to ask about a bound"
     )
 
 
-def _complete_within(family: RobotFamily, modules: int) -> bool:
-    """Whether the language is finite and no accepted word has more modules than that."""
-    words = family.language
-    if not words.is_finite():
-        return False
-    return sum(words.count_words()) == sum(words.count_words(max_modules=modules))
+def _longest(family: RobotFamily) -> int | None:
+    """The length of the longest word, which has no more modules; None where there is no bound.
+
+    None, too, where words are longer than those that are listed.
+    """
+    try:
+        return family.language.longest()
+    except WordsTooLongError:
+        return None

@@ -111,7 +111,7 @@ class _Run:
     def structures(self) -> None:
         """Try structures in order; the first proved design ends the search, unless all are due."""
         seen: dict[str, int] = {}
-        bound, robots = module_bound(self.task), robot_limit(self.family, self.task)
+        bound, robots = module_bound(self.family, self.task), robot_limit(self.family, self.task)
         drawn = candidates(self.family, bound, self.task.origin)
         ahead = LookAhead(drawn, self.program, self.task, self.conduct)
         for candidate in ahead:

@@ -93,8 +93,9 @@ class SuggestionSearch:
 
     def structures(self, posed: PosedTask) -> tuple[Derivation, ...]:
         """The first structures of the family."""
-        language = family_of(posed.program, posed.task).language
-        return tuple(islice(structures(language, module_bound(posed.task)), MOST_STRUCTURES))
+        family = family_of(posed.program, posed.task)
+        found = structures(family.language, module_bound(family, posed.task))
+        return tuple(islice(found, MOST_STRUCTURES))
 
     def posable_at(self, posed: PosedTask) -> bool:
         """Whether poses are found for some structure of a changed task."""
@@ -163,7 +164,8 @@ class SuggestionSearch:
 
     def longer(self) -> Derivation | None:
         """The first structure of more modules than the task allows with poses for it."""
-        allowed = module_bound(self.posed.task)
+        family = family_of(self.posed.program, self.posed.task)
+        allowed = module_bound(family, self.posed.task)
         posed = self.posed.with_task(modules=max(DEFAULT_MODULES, allowed + 1))
         every = (each for each in self.structures(posed) if self.size(each) > allowed)
         return next(iter(with_poses(posed, every, self.seed, robots=1)), None)

@@ -32,7 +32,7 @@ def covered(
     A time limit ends the search; what is refuted stays refuted.
     """
     found, failed = list(records), 0
-    for candidate in candidates(family, module_bound(task), task.origin):
+    for candidate in candidates(family, module_bound(family, task), task.origin):
         number = candidate.number
         if number >= len(found) or failed == IN_VAIN or conduct.out_of_time():
             break

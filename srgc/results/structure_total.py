@@ -19,7 +19,7 @@ def structure_total(program: ir.Program, task: ir.Task) -> int | None:
     if robot_limit(family, task) is not None:
         return None
     try:
-        found = structures(family.language, module_bound(task))
+        found = structures(family.language, module_bound(family, task))
     except InfiniteAmbiguityError:
         return None
     number = sum(1 for _ in islice(found, MOST_COUNTED + 1))

@@ -106,3 +106,34 @@ def test_too_short_a_horizon_ends_with_a_reason(tmp_path):
     result = run(tmp_path, edited(*short, ("effort <= 10 N*m", "effort <= 100000 N*m")))
     assert result.verdict == "unknown"
     assert "the task has 2 samples" in result.reason
+
+
+def effectors(count, more=""):
+    """Words of a base with so many effectors, all of them at the origin: none is in S or in T."""
+    return edited((ARM, f"accept matches B{' eps EN' * count}{more};"))
+
+
+def test_a_finite_language_needs_no_bound_on_modules(tmp_path):
+    """One word, of one module more than the search of an infinite language goes to."""
+    assert solvers.conclusion.DEFAULT_MODULES == 12
+    result = run(tmp_path, effectors(12))
+    assert (result.verdict, len(result.records)) == ("impossible", 1)
+    found = run(tmp_path, edited((ARM, f"accept matches B eps JO eps L{' eps EN' * 10};")))
+    assert found.verdict == "found"
+
+
+@pytest.mark.parametrize(
+    ("text", "verdict", "said"),
+    [
+        (effectors(12, " (eps EN)*"), "unknown", "say `modules <= n` in the task, with n from 13"),
+        (edited((ARM, "accept matches B and contains EN;")), "impossible", "has no robot"),
+        (edited((ARM, ARM), ("  horizon", "  modules <= 2;\n  horizon")), "impossible", "at most 2"),
+    ],
+)
+def test_nothing_is_said_of_no_structures(tmp_path, text, verdict, said):
+    """Nothing was refuted, as there was nothing to refute."""
+    result = run(tmp_path, text)
+    assert (result.verdict, result.records) == (verdict, ())
+    assert said in result.reason
+    assert "refuted" not in result.reason
+    assert "0 structures" not in result.reason
