@@ -7,7 +7,6 @@ cut in two and the planning goes on, with the counterexamples that say nothing o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,7 +21,7 @@ from grammar_lang import ir
 from solvers.design import Design, motion_of
 from solvers.design_follower import PathTask
 from solvers.inheritance import Inherited
-from solvers.motions.control import CONVEX_STEP, NOT_FINITE
+from solvers.motions.control import CONVEX_STEP, NOT_FINITE, shortfall
 from solvers.motions.counterexample import infeasible_prefix, infeasible_sample
 from solvers.motions.fine_check import seems_to_satisfy
 from solvers.motions.fine_motion import fine_motion
@@ -241,7 +240,12 @@ class StructureSearch:
             robustness = found.outcome.robustness
             names = [cells.cells[cell].name for cell in leader.cells]
             if robustness > self.best and sample is not None:
-                self.stuck = stuck_text(names[:prefix], sample, self.task)
+                self.stuck = f"; nearest, through {' > '.join(names[:prefix])}, "
+                if sample > self.task.steps or robustness >= 0:
+                    problem = follower.problem(found.entries)
+                    self.stuck += f"the motion found {shortfall(problem, found.outcome)}"
+                else:
+                    self.stuck += stuck_text(sample, self.task)
             place, entered = len(self.samples) - 1, tuple(names[:prefix])
             self.blocked.append(
                 BlockedPrefix(self.number, place, leader.effector, entered, sample, robustness)
@@ -327,11 +331,10 @@ class StructureSearch:
         return replace(design, configuration=configuration, findings=findings)
 
 
-def stuck_text(names: Sequence[str], sample: int, task: ir.Task) -> str:
-    """Where a motion cannot go on, in words: the cells up to there, and the time."""
+def stuck_text(sample: int, task: ir.Task) -> str:
+    """Where a motion cannot go on, in words: ``sample`` is the first that it does not get to."""
     what = "cannot go on at" if sample < task.steps else "does not get there by"
-    time = float(min(sample, task.steps) * task.step)
-    return f"; nearest, through {' > '.join(names)}, {what} {time:.4g} s"
+    return f"the motion {what} {float(sample * task.step):.4g} s"
 
 
 def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:

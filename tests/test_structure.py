@@ -152,3 +152,17 @@ def test_every_module_says_what_it_is():
     for package in PACKAGES:
         for path in (ROOT / package).rglob("*.py"):
             assert path.read_text(encoding="utf-8").lstrip().startswith(('"""', 'r"""')), path
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [
+        ("grammars/grammar.py", "structural reconfiguration grammar"),
+        ("automata/pushdown_automaton.py", "structural reconfiguration automaton"),
+        ("automata/functional_automaton.py", "functional reconfiguration automaton"),
+    ],
+)
+def test_the_objects_have_the_names_of_the_paper(file, name):
+    """Section 2 of the paper spells out SRG, SRA and FRA."""
+    text = (ROOT / "compiler" / file).read_text(encoding="utf-8")
+    assert text.startswith(f'"""The {name} ')

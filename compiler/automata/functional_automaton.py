@@ -1,4 +1,4 @@
-"""The functional robot automaton (FRA): the SRA with semantic updates on its transitions.
+"""The functional reconfiguration automaton (FRA): the SRA with semantic updates on its moves.
 
 The paper omits its definition (after Definition 6); this is the completion: a transition that
 applies a production carries the attribute rules and emissions of that production, which speak of

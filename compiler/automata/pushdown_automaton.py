@@ -1,4 +1,4 @@
-"""The state robot automaton (Definition 4 as corrected): a pushdown automaton with its stack.
+"""The structural reconfiguration automaton (SRA, Definition 4 as corrected): a pushdown automaton.
 
 The paper's SRA has Q = (N + Z)*, an infinite state set without a stack.  Here the states are those
 of the accept condition's automaton and one final state, the stack alphabet is N + Z and a bottom

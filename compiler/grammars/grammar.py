@@ -1,4 +1,4 @@
-"""The state robot grammar (Definitions 2 and 3) as a context-free grammar over integers.
+"""The structural reconfiguration grammar (SRG, Definitions 2 and 3) as a context-free grammar.
 
 The terminal alphabet is Z = Sigma + Gamma (modules and edges) in order of declaration; the order
 of productions is that of declaration too.  Every algorithm on the grammar works on ``Cfg``, where
@@ -39,7 +39,7 @@ class Cfg:
 
 @dataclass(frozen=True, slots=True)
 class Srg:
-    """A state robot grammar; ``cfg`` has one rule per production, in the same order."""
+    """A structural reconfiguration grammar; ``cfg`` has one rule per production, in the same order."""
 
     name: str
     terminals: tuple[str, ...]

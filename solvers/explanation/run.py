@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from compiler.robots.input_bounds import input_bounds
 from solvers.explanation.change import Change
 from solvers.progress import Conduct, Memory, Recorded, Silent
 from solvers.synthesis import Synthesis, synthesise
@@ -27,12 +28,16 @@ NOT_SOUGHT: dict[str, Recorded] = {"drives|": ["", ""], "boxes|": ""}
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """A change with which a robot was found and its motion proved."""
+    """A change with which a robot was found and its motion proved.
+
+    ``effort_unit`` is that of its drives; of turning and sliding ones, both.
+    """
 
     change: Change
     word: tuple[str, ...]
     effort_peak: float
     robustness: float
+    effort_unit: str
 
 
 @dataclass(slots=True)
@@ -110,7 +115,10 @@ class Runs:
             self.failed.append(change)
             return None
         outcome = design.configuration.outcome
-        found = Suggestion(change, design.derivation.word, outcome.effort_peak, outcome.robustness)
+        bounds = input_bounds(design.model, change.posed.task)
+        units = " or ".join(dict.fromkeys(bound.unit for bound in bounds if bound.effort))
+        word = design.derivation.word
+        found = Suggestion(change, word, outcome.effort_peak, outcome.robustness, units)
         self.found.append(found)
         return found
 

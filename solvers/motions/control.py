@@ -242,6 +242,25 @@ def _outcome(
     )
 
 
+def shortfall(problem: ControlProblem, outcome: ControlOutcome) -> str:
+    """What an infeasible outcome lacks where no force is missing that a drive would have to give.
+
+    In words that follow "the motion found".
+    """
+    if outcome.robustness >= 0:
+        return "does not keep to these cells"
+    at = measured(problem, outcome.trajectory)
+    if at is None:
+        return "has no finite equations of motion"
+    if at.excess > EXCESS:
+        return f"lacks {1000 * at.excess:.2g} mm of the margins to the sets around it"
+    if at.outside > LIMIT_EXCESS:
+        return f"passes a limit of a joint or a rate by {at.outside:.2g} (SI)"
+    if float(np.max(at.fictitious, initial=0.0)) >= DEFECT * problem.scale:
+        return "does not satisfy the equations of motion yet: the iteration has ended before"
+    return "is not what its inputs cause: the simulated robot leaves it, as an unstable one does"
+
+
 def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
     """The outcome of a seed about which nothing can be computed."""
     k = len(start.u)

@@ -27,7 +27,10 @@ RADIUS = 0.5
 def infeasible_sample(
     follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]
 ) -> int | None:
-    """The first sample that an infeasible outcome cannot be brought to; None: it is not known."""
+    """The first sample that an infeasible outcome cannot be brought to; None: it is not known.
+
+    One more than there are where all can be got to: something else is in the way.
+    """
     slacks = _slacks(follower, outcome, entries)
     return None if slacks is None else zero_prefix(slacks, THRESHOLD) + 1
 

@@ -94,7 +94,7 @@ def synth(
         click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)
     else:
         change = change_of(program, chosen_task, result.design)
-        click.echo(synthesis_text(result, str(folder), table, change))
+        click.echo(synthesis_text(result, chosen_task, str(folder), table, change))
         if result.design is None:
             from solvers.explanation.posed_task import PosedTask
             from solvers.progress import Conduct

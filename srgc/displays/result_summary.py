@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +12,26 @@ from srgc.displays.block import block, code, head, lines, table
 from srgc.displays.figure import image
 from srgc.displays.verification_table import conditions_table
 from srgc.report.html_text import text, with_unit
+from srgc.results.used_inputs import UsedInputs, amount
 
 _COLOURS = {"found": "good", "impossible": "bad"}
 
 
-def result_text(design: Mapping[str, Any]) -> str:
-    """The outcome in a few lines."""
-    rows = [("verdict", str(design["verdict"])), *_facts(design), ("tried", _tried(design))]
+def result_text(design: Mapping[str, Any], used: Sequence[UsedInputs]) -> str:
+    """The outcome in a few lines; ``used``: what a motion uses of its inputs."""
+    facts = _facts(design, used)
+    rows = [("verdict", str(design["verdict"])), *facts, ("tried", _tried(design))]
     return "\n".join(f"{name + ':':<12} {said}" for name, said in rows)
 
 
-def result_html(folder: Path, design: Mapping[str, Any], report: Report | None) -> str:
-    """A display of an outcome; ``report`` is what the verifier has said of it."""
+def result_html(
+    folder: Path, design: Mapping[str, Any], used: Sequence[UsedInputs], report: Report | None
+) -> str:
+    """The same as a display; ``report`` is what the verifier has said of the outcome."""
     verdict = str(design["verdict"])
     rows = [
-        (text(name), code(said) if name == "robot" else text(said)) for name, said in _facts(design)
+        (text(name), code(said) if name == "robot" else text(said))
+        for name, said in _facts(design, used)
     ]
     rows.append(("tried", text(_tried(design))))
     picture = folder / "figures" / "workspace.svg"
@@ -45,7 +50,7 @@ def _checked(report: Report) -> str:
     return lines(f"verified: {report.outcome.value}{level}") + conditions_table(report)
 
 
-def _facts(design: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _facts(design: Mapping[str, Any], used: Sequence[UsedInputs]) -> Iterator[tuple[str, str]]:
     if design["reason"] is not None:
         yield "reason", str(design["reason"])
     if design["word"] is None:
@@ -54,8 +59,10 @@ def _facts(design: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for one in design["parameters"]:
         name = f"{one['symbol']}.{one['name']}"
         yield name, with_unit(float(one["value"]), str(one["unit"]), 6)
-    yield "effort peak", f"{float(design['effort_peak']):.4g}"
-    yield "robustness", f"{float(design['robustness']):.4g}"
+    for each in used:
+        name = "effort" if each.effort else each.name.removeprefix("input ")
+        peak, left = amount(each.peak, each.unit), amount(each.margin, each.unit)
+        yield name, f"peak {peak}, robustness {left}"
 
 
 def _tried(design: Mapping[str, Any]) -> str:

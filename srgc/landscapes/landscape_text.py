@@ -23,11 +23,11 @@ def landscape_text(found: FoundDesign, content: Landscape) -> str:
     lines.append(f"grid:    {len(content.grid)} points, {feasible} feasible")
     if feasible:
         best = content.best
-        lines.append(f"best:    {_at(content.at(best))}: rho {best.robustness:.4f}")
+        lines.append(f"best:    {_at(content.at(best))}: rho {best.robustness:.4g}")
     design = content.design
-    lines.append(f"design:  {_at(content.at(design))}: rho {design.robustness:.4f}")
+    lines.append(f"design:  {_at(content.at(design))}: rho {design.robustness:.4g}")
     for mark, sample in zip(content.marks, content.marked, strict=True):
-        value = f"rho {sample.robustness:.4f}" if sample.feasible else "infeasible"
+        value = f"rho {sample.robustness:.4g}" if sample.feasible else "infeasible"
         lines.append(f"mark:    {mark.label} {_at(mark.values)}: {value}")
     lines.append(f"samples: {len(content.samples)} of the search")
     return "\n".join(lines)
@@ -43,4 +43,4 @@ def _described(axis: Axis) -> str:
 
 
 def _at(values: tuple[float, ...]) -> str:
-    return "(" + ", ".join(f"{value:.4f}" for value in values) + ")"
+    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

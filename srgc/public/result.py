@@ -10,6 +10,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from srgc.chosen_robot import ChosenRobot
+from srgc.faults import UsageFault
 from srgc.public.landscape import Landscape, landscape_of
 from srgc.public.page import Page, page_of
 from srgc.public.robot import Robot
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from srgc.report.trajectory import Trajectory
     from srgc.results.found_design import FoundDesign
+    from srgc.results.used_inputs import UsedInputs
 
 
 @dataclass(frozen=True)
@@ -190,6 +192,18 @@ class Result:
         """
         return landscape_of(self.folder, over, ranges or {}, points, marks or {}, jobs)
 
+    def _used(self) -> tuple[UsedInputs, ...]:
+        """What the motion uses of its inputs; nothing without one that can be read."""
+        from srgc.results.used_inputs import used_inputs
+
+        if self.word is None:
+            return ()
+        try:
+            found = self._found
+        except UsageFault:
+            return ()
+        return used_inputs(found.model, found.task, found.claim.inputs)
+
     def __repr__(self) -> str:
         said = self.word or self.reason
         return f"<Result {self.task}: {self.verdict}{', ' if said else ''}{said or ''}>"
@@ -197,13 +211,13 @@ class Result:
     def __str__(self) -> str:
         from srgc.displays.result_summary import result_text
 
-        return result_text(self.design)
+        return result_text(self.design, self._used())
 
     def _repr_html_(self) -> str:
         from srgc.displays.result_summary import result_html
 
         said = self.answers[-1].report if self.answers else None
-        return result_html(self.folder, self.design, said)
+        return result_html(self.folder, self.design, self._used(), said)
 
 
 @spoken

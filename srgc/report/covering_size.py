@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from solvers.verifier.claims.result_file import evidence_bytes
+from solvers.verifier.claims.bounded_file import evidence_bytes
 
 HEADER = "boxes 1\n"
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
-from solvers.verifier.claims.result_file import result_text
+from solvers.verifier.claims.bounded_file import bounded_text
 from srgc.faults import UsageFault
 
 
@@ -33,7 +33,7 @@ def evaluations(path: Path) -> tuple[Evaluation, ...]:
         UsageFault: the table is none of ours.
     """
     try:
-        content = result_text(path)
+        content = bounded_text(path)
         return tuple(map(_evaluation, csv.DictReader(io.StringIO(content))))
     except FileNotFoundError:
         return ()

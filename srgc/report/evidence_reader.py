@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 from compiler.geometry.abstraction import abstract
 from compiler.maps.map_fault import MapFault
 from compiler.maps.obstacle_pieces import expanded
+from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text
 from solvers.verifier.claims.certificate import CertificateError, Claim, from_text
 from solvers.verifier.claims.outcome import Outcome
-from solvers.verifier.claims.result_file import result_bytes, result_text
 from solvers.verifier.claims.spec_copy import files_of
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
@@ -101,7 +101,7 @@ def _coverings(folder: Path, design: Mapping[str, Any]) -> dict[str, CoveringSiz
 def _digests(folder: Path) -> dict[str, str]:
     paths = (folder / "design.json", folder / "certificate.json")
     return {
-        path.name: hashlib.sha256(result_bytes(path)).hexdigest()
+        path.name: hashlib.sha256(bounded_bytes(path)).hexdigest()
         for path in paths
         if path.is_file()
     }
@@ -112,7 +112,7 @@ def _claim(folder: Path, found: FoundDesign | None) -> Claim | None:
     if found is not None:
         return found.claim
     try:
-        return from_text(result_text(folder / "certificate.json"))
+        return from_text(bounded_text(folder / "certificate.json"))
     except (OSError, UnicodeDecodeError, CertificateError):
         return None  # the verifier says which of these it is
 

@@ -137,13 +137,13 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
 
 
 def _counterexample(blocked: BlockedPrefix, task: ir.Task) -> dict[str, Any]:
-    known = blocked.sample is not None
+    stuck = None if blocked.sample is None or blocked.sample > task.steps else blocked.sample
     return {
         "structure": blocked.structure,
         "path": blocked.path,
         "effector": blocked.effector,
         "cells": list(blocked.cells),
-        "time": float(min(blocked.sample or 0, task.steps) * task.step) if known else None,
+        "time": None if stuck is None else float(stuck * task.step),
         "robustness": blocked.robustness if isfinite(blocked.robustness) else None,
     }
 

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from solvers.parameters.sample import PathSamples, Sample
+from solvers.verifier.claims.bounded_file import bounded_text
 from solvers.verifier.claims.certificate import decimal
-from solvers.verifier.claims.result_file import result_text
 
 FIXED = ("structure", "path", "rho", "feasible")
 
@@ -52,7 +52,7 @@ def last_samples(path: Path, structure: int, names: Sequence[str]) -> tuple[Samp
         ValueError: the table is none of ours.
     """
     try:
-        rows = list(csv.DictReader(io.StringIO(result_text(path))))
+        rows = list(csv.DictReader(io.StringIO(bounded_text(path))))
     except FileNotFoundError:
         return ()
     except (OSError, UnicodeDecodeError, csv.Error):

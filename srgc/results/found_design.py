@@ -16,8 +16,8 @@ from compiler.robots.state_and_input import robot_inputs
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import family_of
 from grammar_lang import ir
+from solvers.verifier.claims.bounded_file import bounded_text
 from solvers.verifier.claims.certificate import CertificateError, FoundClaim, exact, from_text
-from solvers.verifier.claims.result_file import result_text
 from solvers.verifier.claims.spec_copy import read_copy
 from srgc.near_places import no_folder
 from srgc.results.folder_layout import refuse_links
@@ -62,7 +62,7 @@ def _found_claim(folder: Path) -> FoundClaim:
     path = folder / "certificate.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no certificate: no robot was found")
-    claim = from_text(result_text(path))
+    claim = from_text(bounded_text(path))
     if not isinstance(claim, FoundClaim):
         raise UsageFault(f"{folder}: the verdict is impossible, so there is no robot")
     return claim

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from solvers.verifier.claims.result_file import result_bytes
+from solvers.verifier.claims.bounded_file import bounded_bytes
 from srgc.faults import UsageFault
 
 
@@ -17,7 +17,7 @@ def json_object(path: Path, *, needed: bool = True) -> dict[str, Any]:
         UsageFault: it holds none, or cannot be read.
     """
     try:
-        content = json.loads(result_bytes(path))
+        content = json.loads(bounded_bytes(path))
     except OSError as error:
         if not needed and not path.exists():
             return {}

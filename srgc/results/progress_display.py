@@ -80,7 +80,7 @@ class PlainProgress(QuietProgress):
         """A line where it grew."""
         if self._best is None or value > self._best:
             self._best = value
-            self._line(f"best robustness: {value:.4f}")
+            self._line(f"best robustness: {value:.4g}")
 
     def note(self, text: str) -> None:
         """A finding worth a line."""
@@ -175,7 +175,7 @@ class LiveProgress(QuietProgress):
         running = 0.0 if self._begun is None else now - self._begun
         parts += [duration_text(now - self._start), estimate_text(self._durations, running, left)]
         if self._best is not None:
-            parts.append(f"robustness {self._best:.4f}")
+            parts.append(f"robustness {self._best:.4g}")
         if self._detail:
             parts.append(self._detail)
         return " · ".join(parts)

@@ -18,8 +18,8 @@ from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried
 from solvers.explanation.posed_task import PosedTask
+from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text
 from solvers.verifier.claims.certificate import CertificateError
-from solvers.verifier.claims.result_file import result_bytes, result_text
 from solvers.verifier.claims.spec_copy import read_copy
 from srgc.named_search import named_search
 from srgc.named_solver import named_solver
@@ -55,7 +55,7 @@ def tried_folder(folder: Path) -> TriedFolder:
         how = "; the `srgc synth` that began it goes on from there" if begun else ""
         raise UsageFault(f"{folder} has no design.json: it holds no finished results{how}")
     try:
-        content = json.loads(result_bytes(path))
+        content = json.loads(bounded_bytes(path))
         program, _ = read_copy(folder / "spec", content["spec"], content["spec_sha256"])
         return _read(folder, content, program)
     except OSError as error:
@@ -130,7 +130,7 @@ def _robustness(path: Path) -> dict[int, float]:
     if not path.exists():
         return {}
     best: dict[int, float] = {}
-    for row in csv.DictReader(io.StringIO(result_text(path))):
+    for row in csv.DictReader(io.StringIO(bounded_text(path))):
         number, value = int(row["structure"]), float(row["rho"])
         best[number] = max(value, best.get(number, value))
     return best

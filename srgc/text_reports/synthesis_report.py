@@ -2,35 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 
 from compiler.candidates.reconfiguration import Reconfiguration
-from compiler.robots.state_and_input import robot_inputs
+from grammar_lang import ir
 from solvers.design import Design
 from solvers.synthesis import Synthesis
+from srgc.results.used_inputs import amount, used_inputs
 from srgc.text_reports.reconfiguration_report import change_lines
 
 
-def _declared_inputs(design: Design) -> list[str]:
-    """The range that each declared input uses."""
-    lines = []
-    for place, item in enumerate(robot_inputs(design.model)):
-        if item.domain is not None:
-            values = [float(Fraction(row[place])) for row in design.inputs]
-            used = f"{min(values):.4f} to {max(values):.4f} {_shown(item.unit)}".rstrip()
-            lines.append(f"input:   {item.module}.{item.name} {used} (symbol {item.symbol})")
-    return lines
-
-
-def _shown(unit: str) -> str:
-    """A unit as it is written behind a number: nothing where there is none."""
-    return "" if unit == "1" else unit
+def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
+    """What the motion uses of each bound on its inputs, and what it leaves."""
+    used = used_inputs(design.model, task, design.inputs)
+    for each in used:
+        left = f"robustness {amount(each.margin, each.unit)}"
+        if each.effort:
+            yield f"effort:  peak {amount(each.peak, each.unit)}, {left}"
+        else:
+            name = each.name.removeprefix("input ")
+            yield f"input:   {name} {each.low:.4g} to {amount(each.high, each.unit)}, {left}"
+    if not used:
+        yield "effort:  none, no joint is driven"
 
 
 def synthesis_text(
-    result: Synthesis, folder: str, table: str = "", change: Reconfiguration | None = None
+    result: Synthesis,
+    task: ir.Task,
+    folder: str,
+    table: str = "",
+    change: Reconfiguration | None = None,
 ) -> str:
-    """The outcome of a synthesis in a few lines.
+    """The outcome of the synthesis of a task in a few lines.
 
     ``table`` is about all designs, ``change`` about what becomes of the existing robot.
     """
@@ -39,15 +43,11 @@ def synthesis_text(
     if design is not None:
         lines.append(f"robot:   {' '.join(design.derivation.word)}")
         for p, claim in zip(design.model.parameters, design.parameters, strict=True):
-            value = f"{float(Fraction(claim.value)):.4f} {_shown(p.unit)}".rstrip()
+            value = amount(float(Fraction(claim.value)), p.unit)
             lines.append(f"         {p.module}.{p.name} = {value} (symbol {p.symbol})")
         if change is not None:
             lines += change_lines(change)
-        outcome = design.configuration.outcome
-        lines.append(
-            f"effort:  peak {outcome.effort_peak:.4f}, robustness {outcome.robustness:.4f}"
-        )
-        lines += _declared_inputs(design)
+        lines += _inputs(design, task)
         lines += [
             f"formula: {finding.name}, robustness {finding.margin:.4g} m"
             for finding in design.findings

@@ -109,7 +109,10 @@ def _suggested(found: Explanation) -> str:
 
 
 def _suggestion(one: Suggestion) -> str:
-    return f"{one.change.says}: {_robot(one.word)}, effort peak {one.effort_peak:.4g}"
+    robot = f"{one.change.says}: {_robot(one.word)}"
+    if not one.effort_unit:
+        return robot
+    return f"{robot}, effort peak {one.effort_peak:.4g} {one.effort_unit}"
 
 
 def ending(result: Synthesis, posed: PosedTask, conduct: Conduct, folder: str) -> str:

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.motions.control import synthesise_control
+from solvers.motions.control import shortfall, synthesise_control
 from solvers.motions.control_problem import (
     ControlOutcome,
     ControlProblem,
@@ -209,3 +209,30 @@ def test_margins_and_peaks_by_group() -> None:
     assert effort_peak(groups, u) == pytest.approx(5.0)
     assert input_margin((InputGroup((0, 1), -6.0, 6.0, norm2=False),), u) == pytest.approx(2.0)
     assert input_margin((), u) == 0.0
+
+
+def test_what_an_outcome_without_missing_forces_lacks() -> None:
+    """Each condition of a motion is broken in turn, by itself or before those that follow."""
+    problem, seed = one_link(8, 10.0, 0.0)
+    outcome = synthesise_control(problem, seed)
+    assert outcome.feasible
+    lacks = replace(outcome, feasible=False)
+    assert shortfall(problem, lacks) == "does not keep to these cells"
+    lacks = replace(lacks, robustness=-1.0)
+    # Nothing is broken before it is simulated.
+    assert "is not what its inputs cause" in shortfall(problem, lacks)
+    motion = outcome.trajectory
+
+    def bent(sample: int, by: float) -> ControlOutcome:
+        x = motion.x.copy()
+        x[sample, 0] += by
+        return replace(lacks, trajectory=replace(motion, x=x))
+
+    assert "does not satisfy the equations of motion" in shortfall(problem, bent(4, -0.05))
+    short = motion.x[-1, 0] - ANGLE + 0.001  # a row is in metres: the link is LENGTH long
+    assert "mm of the margins" in shortfall(problem, bent(8, -short))
+    low = replace(problem.limits, upper=np.array([motion.x[:, 0].max() - 0.01]))
+    said = shortfall(replace(problem, limits=low), lacks)
+    assert said == "passes a limit of a joint or a rate by 0.01 (SI)"
+    broken = replace(motion, x=np.full_like(motion.x, np.nan))
+    assert "no finite" in shortfall(problem, replace(lacks, trajectory=broken))

@@ -127,7 +127,11 @@ def test_a_finite_language_needs_no_bound_on_modules(tmp_path):
     [
         (effectors(12, " (eps EN)*"), "unknown", "say `modules <= n` in the task, with n from 13"),
         (edited((ARM, "accept matches B and contains EN;")), "impossible", "has no robot"),
-        (edited((ARM, ARM), ("  horizon", "  modules <= 2;\n  horizon")), "impossible", "at most 2"),
+        (
+            edited((ARM, ARM), ("  horizon", "  modules <= 2;\n  horizon")),
+            "impossible",
+            "at most 2",
+        ),
     ],
 )
 def test_nothing_is_said_of_no_structures(tmp_path, text, verdict, said):

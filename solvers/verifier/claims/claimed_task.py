@@ -11,9 +11,9 @@ from compiler.geometry.refinement import Cut
 from compiler.maps.map_fault import MapFault
 from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
+from solvers.verifier.claims.bounded_file import bounded_text
 from solvers.verifier.claims.certificate import Claim, FoundClaim, exact_cuts, from_text
 from solvers.verifier.claims.outcome import Outcome, Refused
-from solvers.verifier.claims.result_file import result_text
 from solvers.verifier.claims.spec_copy import difference_from, read_copy
 
 
@@ -34,7 +34,7 @@ def read_claim(folder: Path) -> Claim:
         CertificateError: the certificate is none.
         OSError, UnicodeDecodeError: it cannot be read.
     """
-    return from_text(result_text(folder / "certificate.json"))
+    return from_text(bounded_text(folder / "certificate.json"))
 
 
 def claimed_task(folder: Path, claim: Claim, spec: Path | None = None) -> ClaimedTask:

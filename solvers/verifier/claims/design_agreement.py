@@ -12,8 +12,8 @@ from compiler.geometry.abstraction import Abstraction
 from compiler.robots.robot import RobotModel
 from compiler.semantics.family import family_of
 from grammar_lang import ir
+from solvers.verifier.claims.bounded_file import bounded_bytes
 from solvers.verifier.claims.certificate import Claim, FoundClaim, ImpossibleClaim, exact
-from solvers.verifier.claims.result_file import result_bytes
 
 
 def disagreement(
@@ -41,7 +41,7 @@ def disagreement(
     if not path.is_file():
         return None
     try:
-        design = json.loads(result_bytes(path))
+        design = json.loads(bounded_bytes(path))
     except (ValueError, RecursionError):
         return "design.json is not JSON"
     if not isinstance(design, dict):

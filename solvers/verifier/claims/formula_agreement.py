@@ -10,7 +10,7 @@ from typing import Any
 
 from compiler.specifications.formula_text import formula_text
 from grammar_lang import ir
-from solvers.verifier.claims.result_file import result_bytes
+from solvers.verifier.claims.bounded_file import bounded_bytes
 from solvers.verifier.proofs.finding import Finding
 
 CLOSELY = 1e-9
@@ -43,7 +43,7 @@ def misstated_formula(folder: Path, task: ir.Task, findings: Sequence[Finding]) 
     path = folder / "design.json"
     if not path.is_file():
         return None
-    stated = json.loads(result_bytes(path)).get("satisfy", [])
+    stated = json.loads(bounded_bytes(path)).get("satisfy", [])
     proved = satisfied_formulas(task, findings)
     if not isinstance(stated, list) or len(stated) != len(proved):
         return "design.json states other formulas than the task in `satisfy`"

@@ -20,9 +20,9 @@ from compiler.robots.robot_key import robot_key
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
+from solvers.verifier.claims.bounded_file import evidence_bytes
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
 from solvers.verifier.claims.outcome import Outcome, Refused
-from solvers.verifier.claims.result_file import evidence_bytes
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.refutations.separation_check import misstated_separation

@@ -11,7 +11,7 @@ from typing import Any
 
 from grammar_lang.files.source_file import decoded
 from grammar_lang.findings.diagnostics import Sink
-from solvers.verifier.claims.result_file import result_bytes
+from solvers.verifier.claims.bounded_file import bounded_bytes
 from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
 from srgc.results.folder_layout import refuse_other
@@ -117,4 +117,4 @@ def _digest(path: Path) -> str | None:
 def _plain_bytes(path: Path) -> bytes:
     """A file of a result folder, which is no link."""
     refuse_other(path, "file")
-    return result_bytes(path)
+    return bounded_bytes(path)

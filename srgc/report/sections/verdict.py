@@ -12,8 +12,8 @@ from srgc.report.evidence import Evidence
 from srgc.report.html_text import many, number, text, with_unit
 from srgc.report.structure_groups import tried_robots
 from srgc.report.task_words import task_sentences
-from srgc.report.used_inputs import used_inputs
 from srgc.results.found_design import FoundDesign
+from srgc.results.used_inputs import used_inputs
 from srgc.text_reports.verification_report import by_map
 
 MODEL = (
@@ -190,11 +190,15 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
         name = f"{parameter.module}.{parameter.name}, symbol {parameter.symbol}"
         yield name, with_unit(float(value), parameter.unit, 5)
     yield "motion", f"{number(float(found.task.step * found.task.steps), 6)} s"
-    used = used_inputs(found)
+    used = used_inputs(found.model, found.task, found.claim.inputs)
     peaks = [with_unit(each.peak, each.unit) for each in used if each.effort]
-    yield "peak effort", " and ".join(peaks) or number(design["effort_peak"])
+    yield "peak effort", " and ".join(peaks) or "no joint has a free input"
+    for each in used:
+        if not each.effort:
+            yield each.name, f"{number(each.low)} to {with_unit(each.high, each.unit)}"
     least = min(used, key=lambda each: each.margin, default=None)
-    yield "robustness", with_unit(design["robustness"], "" if least is None else least.unit)
+    if least is not None:
+        yield "robustness", with_unit(design["robustness"], least.unit)
     for place, each in enumerate(design["satisfy"], start=1):
         value = each["robustness"]
         yield f"satisfy {place}, robustness", "always" if value is None else f"{number(value)} m"

@@ -11,7 +11,7 @@ MOST_BYTES = 2**28
 """Far more than any result has; what is larger would only fill the memory."""
 
 
-def result_bytes(path: Path) -> bytes:
+def bounded_bytes(path: Path) -> bytes:
     """The bytes of a file.
 
     Raises:
@@ -23,14 +23,14 @@ def result_bytes(path: Path) -> bytes:
         raise NoRegularFile(0, f"it has {large.size:,} bytes, more than {MOST_BYTES:,}") from None
 
 
-def result_text(path: Path) -> str:
+def bounded_text(path: Path) -> str:
     """The same as text.
 
     Raises:
-        OSError: as of :func:`result_bytes`.
+        OSError: as of :func:`bounded_bytes`.
         UnicodeDecodeError: it is not UTF-8.
     """
-    return result_bytes(path).decode("utf-8")
+    return bounded_bytes(path).decode("utf-8")
 
 
 def evidence_bytes(folder: Path, name: str) -> bytes:
@@ -45,4 +45,4 @@ def evidence_bytes(folder: Path, name: str) -> bytes:
         inside = False
     if not inside:
         raise FileNotFoundError(ENOENT, "it is no file of the folder")
-    return result_bytes(folder / name)
+    return bounded_bytes(folder / name)
