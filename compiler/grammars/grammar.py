@@ -39,7 +39,7 @@ class Cfg:
 
 @dataclass(frozen=True, slots=True)
 class Srg:
-    """A structural reconfiguration grammar; ``cfg`` has one rule per production, in the same order."""
+    """A structural reconfiguration grammar; rule n of ``cfg`` is its n-th production."""
 
     name: str
     terminals: tuple[str, ...]

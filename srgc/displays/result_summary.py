@@ -12,7 +12,7 @@ from srgc.displays.block import block, code, head, lines, table
 from srgc.displays.figure import image
 from srgc.displays.verification_table import conditions_table
 from srgc.report.html_text import text, with_unit
-from srgc.results.used_inputs import UsedInputs, amount
+from srgc.text_reports.used_inputs import UsedInputs, amount
 
 _COLOURS = {"found": "good", "impossible": "bad"}
 

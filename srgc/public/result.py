@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from srgc.report.trajectory import Trajectory
     from srgc.results.found_design import FoundDesign
-    from srgc.results.used_inputs import UsedInputs
+    from srgc.text_reports.used_inputs import UsedInputs
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class Result:
 
     def _used(self) -> tuple[UsedInputs, ...]:
         """What the motion uses of its inputs; nothing without one that can be read."""
-        from srgc.results.used_inputs import used_inputs
+        from srgc.text_reports.used_inputs import used_inputs
 
         if self.word is None:
             return ()

@@ -9,8 +9,8 @@ from compiler.candidates.reconfiguration import Reconfiguration
 from grammar_lang import ir
 from solvers.design import Design
 from solvers.synthesis import Synthesis
-from srgc.results.used_inputs import amount, used_inputs
 from srgc.text_reports.reconfiguration_report import change_lines
+from srgc.text_reports.used_inputs import amount, used_inputs
 
 
 def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
@@ -43,7 +43,7 @@ def synthesis_text(
     if design is not None:
         lines.append(f"robot:   {' '.join(design.derivation.word)}")
         for p, claim in zip(design.model.parameters, design.parameters, strict=True):
-            value = amount(float(Fraction(claim.value)), p.unit)
+            value = amount(float(Fraction(claim.value)), p.unit, 5)
             lines.append(f"         {p.module}.{p.name} = {value} (symbol {p.symbol})")
         if change is not None:
             lines += change_lines(change)

@@ -17,7 +17,7 @@ from tests.conftest import ROOT
 COMMANDS = [*TABLE]
 CONTRACT = {
     "check": {0, 1}, "fmt": {0, 1}, "words": {0, 4}, "accepts": {0, 1}, "graph": {0},
-    "plan": {0, 3, 4}, "synth": {0, 3, 4}, "verify": {0, 1, 4},
+    "plan": {0, 3, 4}, "synth": {0, 3, 4}, "verify": {0, 1, 4, 6},
 }  # fmt: skip
 """The statuses of the commands themselves, beside those that all have."""
 MADE = {

@@ -85,7 +85,7 @@ def test_the_line_of_a_synthesis(clock):
     live.robustness(0.25)
     # Six took two seconds each and the seventh has: six are left.
     assert live.text() == (
-        "synth Turn · 6 of 12 structures · 14 s · 12 s left for all · robustness 0.5000 · B eps EN"
+        "synth Turn · 6 of 12 structures · 14 s · 12 s left for all · robustness 0.5 · B eps EN"
     )
     assert live.text().index(" · B eps EN") < 80  # seen on a usual terminal
     clock.now += 100

@@ -13,7 +13,7 @@ from srgc.report.html_text import many, number, text, with_unit
 from srgc.report.structure_groups import tried_robots
 from srgc.report.task_words import task_sentences
 from srgc.results.found_design import FoundDesign
-from srgc.results.used_inputs import used_inputs
+from srgc.text_reports.used_inputs import used_inputs
 from srgc.text_reports.verification_report import by_map
 
 MODEL = (

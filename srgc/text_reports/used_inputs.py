@@ -62,6 +62,6 @@ def used_inputs(
     return tuple(used)
 
 
-def amount(value: float, unit: str) -> str:
-    """A number of four significant digits with its unit; none is written for a plain number."""
-    return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"
+def amount(value: float, unit: str, digits: int = 4) -> str:
+    """A number of so many significant digits with its unit; a plain number has none."""
+    return f"{value:.{digits}g}{'' if unit == '1' else ' ' + unit}"
