@@ -62,9 +62,9 @@ def test_clauses(task: Callable[..., ir.Task]) -> None:
     assert rates == ir.StartIn("S", None, Fraction(1, 2))
     sixth = ir.Binary("*", ir.Num(Fraction(1, 6)), ir.Pi())
     assert task(start="start at (30, 0.5 rad) deg;").start == ir.StartAt(
-        (sixth, ir.Num(Fraction(1, 2)))
+        (sixth, ir.Num(Fraction(1, 2))), kinds=("revolute", "revolute")
     )
-    assert task(start="start at (0);").start == ir.StartAt((ir.Num(Fraction(0)),))
+    assert task(start="start at (0);").start == ir.StartAt((ir.Num(Fraction(0)),), kinds=(None,))
     assert task(reach="reach T by effector 3 at rest;").reach == ir.Reach("T", 3, at_rest=True)
     avoid = task(more="avoid S, T with body, margin 2 cm; avoid S with effector margin 0;").avoid
     assert avoid == (
