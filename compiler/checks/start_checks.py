@@ -141,7 +141,7 @@ class _Starting:
         if smallest <= self.task.modules < fewest:
             sink.warning(
                 Code.START_OF_NO_ROBOT,
-                f"no robot of `{self.task.grammar}` with {self.degrees} has at most "
+                f"no robot of `{self.task.grammar}` that can start so has at most "
                 f"{self.task.modules} modules",
                 self.start.span,
                 f"write `modules <= {fewest}` or more; as it is, `synth` says impossible",

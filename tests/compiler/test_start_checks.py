@@ -113,7 +113,7 @@ def test_robots_that_fit_and_are_too_large() -> None:
     word = "B (eps J)+ (eps L)+ eps E"
     assert findings(turn_and_slide(word, "0, 0, 0", modules=6)) == []
     (found,) = findings(turn_and_slide(word, "0, 0, 0", modules=5))
-    message = "no robot of `G` with 3 degrees of freedom has at most 5 modules"
+    message = "no robot of `G` that can start so has at most 5 modules"
     assert (found.code, found.message) == (Code.START_OF_NO_ROBOT, message)
     assert "write `modules <= 6`" in (found.hint or "")
     # That no robot whatever has so few is said of the bound (SRG0706).
