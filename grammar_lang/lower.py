@@ -33,10 +33,12 @@ def _family(
 ) -> Family:
     symbols = [s.name for p in grammar.grammar.productions for s in p.right]
     used = [modules[name].module for name in symbols if name in modules]
-    dofs = [dof for module in used for dof in module.free_dofs]
+    joints = {dof.kind for module in used for dof in module.dofs}
+    driven = {dof.kind for module in used for dof in module.free_dofs}
     kinds: tuple[ir.DofKind, ...] = ("revolute", "prismatic")
     return Family(
-        kinds=tuple(kind for kind in kinds if any(dof.kind == kind for dof in dofs)),
+        kinds=tuple(kind for kind in kinds if kind in joints),
+        driven=tuple(kind for kind in kinds if kind in driven),
         has_semantics=semantics is not None,
         uses=() if semantics is None else semantics.uses,
     )

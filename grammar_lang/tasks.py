@@ -29,6 +29,8 @@ from grammar_lang.units import (
 )
 
 DEFAULT_SLACK = Fraction(1, 10**6)
+COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
+"""What a coordinate of a degree of freedom is; a bare number is of either kind."""
 
 Clause = TypeVar("Clause", bound=t.TaskItem)
 Named = TypeVar("Named")
@@ -36,9 +38,13 @@ Named = TypeVar("Named")
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A robot family as a task sees it: ``kinds`` of joints with a free input, in fixed order."""
+    """A robot family as a task sees it.
+
+    ``kinds`` are those of its joints, ``driven`` those of joints with a free input, in fixed order.
+    """
 
     kinds: tuple[ir.DofKind, ...]
+    driven: tuple[ir.DofKind, ...]
     has_semantics: bool
     uses: tuple[DimensionUse, ...]
 
@@ -147,7 +153,7 @@ class _Reader:
                 number = self.effector(effector)
                 return ir.StartIn(name, number, self._rates(rates), span)
             case t.StartAt(point=point, span=span):
-                return ir.StartAt(self._values(point), span)
+                return self._given(point, span)
 
     def _of_kinds(self, value: Typed, dimensions: Mapping[ir.DofKind, Dimension], at: Span) -> bool:
         """Whether a value has the dimension that some kind of dof of the family requires."""
@@ -174,16 +180,19 @@ class _Reader:
             )
         return exact or Fraction(0)
 
-    def _values(self, point: t.Point) -> tuple[ir.Expr, ...]:
+    def _given(self, point: t.Point, span: Span) -> ir.StartAt:
+        """The start with these coordinates, without those that are reported."""
         unit = list_unit(point.unit, None, self.sink)
-        values: list[ir.Expr] = []
+        found: list[tuple[ir.Expr, ir.DofKind | None, Span]] = []
         for item in point.items:
             value = self.constants.typed(item, unit)
             if self.family is not None and self.family.kinds == ("revolute",):
                 warn_turn(value, item.span, self.sink)
-            if self._of_kinds(value, {"revolute": ONE, "prismatic": LENGTH}, item.span):
-                values.append(value.expr)
-        return tuple(values)
+            if self._of_kinds(value, COORDINATES, item.span):
+                kinds = (kind for kind, due in COORDINATES.items() if due == value.dimension)
+                found.append((value.expr, next(kinds, None), item.span))
+        values, kinds_due, places = zip(*found, strict=True) if found else ((), (), ())
+        return ir.StartAt(values, span, kinds_due, places)
 
     def reach(self) -> ir.Reach | None:
         wanted = not any(isinstance(i, t.Satisfy) for i in self.task.items)
@@ -346,7 +355,7 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         _check_family(reader, robot)
     start, reach, satisfy = reader.start(), reader.reach(), reader.satisfy()
     avoid = reader.avoid()
-    effort = lower_efforts(task, () if reader.family is None else reader.family.kinds, sink)
+    effort = lower_efforts(task, () if reader.family is None else reader.family.driven, sink)
     steps, step = reader.horizon()
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None

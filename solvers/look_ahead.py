@@ -13,7 +13,7 @@ from compiler.candidates.candidate import Candidate
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from compiler.robots.robot_key import robot_key
+from compiler.robots.robot_key import robot_key_in_task
 from grammar_lang import ir
 from solvers.examination import Examination, examination_of, examine
 from solvers.execution.in_process import InProcess
@@ -167,7 +167,7 @@ class LookAhead:
         """Whether a structure has a robot that is not seen before and has to be examined."""
         if candidate.model is None:
             return False
-        key = robot_key(candidate.model)
+        key = robot_key_in_task(candidate.model, self._question.task)
         if key in self._seen:
             return False
         self._seen.add(key)

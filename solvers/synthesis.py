@@ -19,7 +19,7 @@ from compiler.geometry.bisection import bisections
 from compiler.grammars.derivation import Derivation
 from compiler.maps.obstacle_pieces import expanded
 from compiler.robots.robot import RobotModel
-from compiler.robots.robot_key import robot_key
+from compiler.robots.robot_key import robot_key_in_task
 from compiler.semantics.family import RobotFamily, family_of
 from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.task_formula import recorded_effector
@@ -124,7 +124,7 @@ class _Run:
             if candidate.model is None:
                 self.record(derivation, "inadmissible", candidate.fault)
                 continue
-            key = robot_key(candidate.model)
+            key = robot_key_in_task(candidate.model, self.task)
             if key in seen:
                 first = self.records[seen[key]]
                 self.record(derivation, "same", first.reason, same=seen[key])

@@ -66,6 +66,10 @@ def check_loaded(loaded: Loaded) -> Checked:
         from compiler.checks.task_checks import task_diagnostics
 
         task_diagnostics(loaded.sound, sink)
+    if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
+        from compiler.checks.start_checks import start_diagnostics
+
+        start_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
         from compiler.maps.obstacle_pieces import task_by_task

@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices, pose_questions
 from compiler.geometry.polytope import polytope_of
+from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, RodBody
 from compiler.specifications.necessary import task_avoidance
 from grammar_lang import ir
@@ -131,7 +132,7 @@ def _passages(model: RobotModel, task: ir.Task, question: PoseQuestion) -> tuple
     for starting, reaching in effector_choices(model, question):
         start: PointIn | GivenPose
         if isinstance(task.start, ir.StartAt):
-            start = GivenPose(task.start.values)
+            start = GivenPose(given_start(model, task.start).values)
         else:
             start = PointIn(starting, question.start or ())
         goal = PointIn(reaching, question.target)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from compiler.geometry.polytope import polytope_of
+from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel
 from compiler.specifications.necessary import task_visits
 from compiler.specifications.task_formula import missing_effector
@@ -20,9 +21,9 @@ class PoseQuestion:
 
     ``start`` is None where the task gives the start pose by its coordinates.  A None
     ``start_effector`` is the effector that reaches, or any one with ``any_start``; a None
-    ``reach_effector`` is any effector.  ``start_values`` counts the coordinates of a given start
-    pose: a robot with another number of degrees of freedom is no candidate; nor is one with less
-    than ``effectors`` effectors.  ``goal`` says in words what the target is.
+    ``reach_effector`` is any effector.  ``start_at`` is a given start pose: a robot that cannot
+    take it is no candidate; nor is one with less than ``effectors`` effectors.  ``goal`` says in
+    words what the target is.
     """
 
     start: tuple[ir.HalfSpace, ...] | None
@@ -30,7 +31,7 @@ class PoseQuestion:
     bounds: tuple[ir.HalfSpace, ...]
     start_effector: int | None = None
     reach_effector: int | None = None
-    start_values: int | None = None
+    start_at: ir.StartAt | None = None
     any_start: bool = False
     effectors: int = 0
     goal: str = "the target"
@@ -60,7 +61,7 @@ def pose_questions(workspace: ir.Workspace, task: ir.Task) -> tuple[PoseQuestion
             _rows(workspace.bounds, workspace),
             None if start is None or named is None else named - 1,
             None if effector is None else effector - 1,
-            len(task.start.values) if isinstance(task.start, ir.StartAt) else None,
+            task.start if isinstance(task.start, ir.StartAt) else None,
             start is not None and named is None and effector is not None,
             missing_effector(task, 0) or 0,
             goal,
@@ -80,13 +81,22 @@ def _rows(region: ir.Region, workspace: ir.Workspace) -> tuple[ir.HalfSpace, ...
     return polytope_of(region.shape, workspace.dimension).rows
 
 
+def start_fault(model: RobotModel, question: PoseQuestion) -> str:
+    """Why a robot cannot take the given start pose, in words; empty where there is no such fault.
+
+    That a single joint is out of its range is not said here but by a covering, which also allows
+    for how near a motion has to start.
+    """
+    return "" if question.start_at is None else given_start(model, question.start_at).fault
+
+
 def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[int, int]]:
     """The pairs (starting, reaching) of effectors that the task admits, from 0.
 
     Where only the start names its effector, any effector may reach.
     """
     count, start, reach = len(model.effectors), question.start_effector, question.reach_effector
-    if question.start_values not in (None, len(model.dofs)) or count < question.effectors:
+    if count < question.effectors or start_fault(model, question):
         return []
     reaching = range(count) if reach is None else [reach]
     if question.any_start:

@@ -29,7 +29,7 @@ from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from compiler.arithmetic.balls import working_precision
-from compiler.encodings.pose_questions import PoseQuestion, effector_choices
+from compiler.encodings.pose_questions import PoseQuestion, effector_choices, start_fault
 from compiler.encodings.real_terms import (
     FALSE,
     Formula,
@@ -50,6 +50,7 @@ from compiler.encodings.region_terms import inside
 from compiler.encodings.scalar_terms import ScalarTerms, absolute
 from compiler.encodings.segments import Chain, Segment, segments
 from compiler.encodings.slide_terms import slide_term
+from compiler.robots.given_start import OTHER_NUMBER
 from compiler.robots.robot import Joint, Offset, RobotModel, Turn
 from grammar_lang import ir
 
@@ -71,6 +72,8 @@ bounds?  unsat: there is none, so no robot of this structure does the task.  The
 of revolute joints, the dynamics and the obstacles are left out, and irrational numbers lie in
 rational intervals: all this can only add solutions.  SI units."""
 
+NO_CANDIDATE = "No effector of the structure is a candidate, or the start pose is of another robot."
+
 
 def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
     """The script of a robot and a task: SMT-LIB 2, QF_NRA, the same bytes for the same input."""
@@ -87,9 +90,11 @@ def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
         with working_precision(PRECISION):
             _Encoding(model, question, script).write(pairs)
     else:
-        script.comment(
-            "No effector of the structure is a candidate, or the start pose is of another robot."
-        )
+        fault = start_fault(model, question)
+        if fault in ("", OTHER_NUMBER):
+            script.comment(NO_CANDIDATE)
+        else:
+            script.comment(f"The start pose is of another robot: {fault}.")
         script.assertion(FALSE)
     script.lines.append("(check-sat)")
     return "\n".join(script.lines) + "\n"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -18,6 +18,7 @@ from compiler.robots.robot import (
     RobotModel,
     Step,
     Turn,
+    WordDof,
 )
 from grammar_lang import ir
 
@@ -32,10 +33,13 @@ def with_coaxial_joints_merged(model: RobotModel) -> RobotModel:
     heads = sorted(followers.keys() - followers.values())
     dofs, frames = list(model.dofs), list(model.frames)
     gone: set[int] = set()
+    parts = {dof: (dof, 1) for dof in range(len(dofs))}
     for head in heads:
         run = _run(head, followers)
         members = [_joint(model, frame) for frame in run]
         dofs[members[0].dof] = _merged(model, members)
+        for member, sign in zip(members, _signs(members), strict=True):
+            parts[member.dof] = members[0].dof, sign
         gone.update(member.dof for member in members[1:])
         for frame in run[1:]:
             frames[frame] = FrameNode(frames[frame].parent, None)
@@ -48,7 +52,18 @@ def with_coaxial_joints_merged(model: RobotModel) -> RobotModel:
         dofs=tuple(dofs[dof] for dof in kept),
         frames=renumbered(frames, places),
         own=tuple(own.renumbered(places) for own in model.own),
+        joints=tuple(_summand(joint, parts, places) for joint in model.word_dofs),
     )
+
+
+def _summand(
+    joint: WordDof, parts: Mapping[int, tuple[int, int]], places: Mapping[int, int]
+) -> WordDof:
+    """A degree of freedom of the word, after the merging; ``parts`` has wholes with signs."""
+    if joint.dof is None:
+        return joint
+    whole, sign = parts[joint.dof]
+    return replace(joint, dof=places[whole], sign=sign * joint.sign)
 
 
 def _joint(model: RobotModel, frame: int) -> Joint:
@@ -145,7 +160,7 @@ def _alone(model: RobotModel, used: Sequence[int]) -> dict[int, Joint]:
 def _merged(model: RobotModel, members: Sequence[Joint]) -> RobotDof:
     """The degree of freedom that coaxial joints are together, in the first one's direction."""
     dofs = [model.dofs[member.dof] for member in members]
-    signs = [members[0].sign * member.sign for member in members]
+    signs = _signs(members)
     return RobotDof(
         tuple(sorted(symbol for dof in dofs for symbol in dof.symbols)),
         dofs[0].kind,
@@ -153,6 +168,11 @@ def _merged(model: RobotModel, members: Sequence[Joint]) -> RobotDof:
         _sum([dof.range for dof in dofs], signs),
         _sum([dof.rate for dof in dofs], signs),
     )
+
+
+def _signs(members: Sequence[Joint]) -> list[int]:
+    """Whether coaxial joints turn or slide as the first one does (1), or against it (-1)."""
+    return [members[0].sign * member.sign for member in members]
 
 
 def _sum(intervals: Sequence[ir.Interval | None], signs: Sequence[int]) -> ir.Interval | None:

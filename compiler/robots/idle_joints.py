@@ -43,6 +43,10 @@ def without(model: RobotModel, gone: Sequence[int]) -> RobotModel:
         frames=renumbered(model.frames, places),
         removed=tuple(sorted((*model.removed, *symbols))),
         own=tuple(own.renumbered(places) for own in model.own),
+        joints=tuple(
+            replace(joint, dof=None if joint.dof is None else places.get(joint.dof))
+            for joint in model.word_dofs
+        ),
     )
 
 

@@ -23,6 +23,7 @@ def normalise(model: RobotModel) -> RobotModel:
     them become one, whose range is the interval sum of theirs.  What acts on no degree of freedom
     any more is left out.
     """
+    model = replace(model, joints=model.word_dofs)
     model = with_rigid_steps_merged(without_idle_joints(model))
     model = with_coaxial_joints_merged(model)
     acting = (own.acting() for own in model.own)

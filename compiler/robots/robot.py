@@ -60,6 +60,20 @@ class RobotDof:
 
 
 @dataclass(frozen=True, slots=True)
+class WordDof:
+    """A degree of freedom of the word, and where it is in the model.
+
+    It is the coordinate ``dof`` of the model, or with others a summand of it, with ``sign`` (1 or
+    -1).  A ``dof`` of None says that it moves nothing and was removed.
+    """
+
+    kind: ir.DofKind
+    range: ir.Interval | None
+    dof: int | None
+    sign: int = 1
+
+
+@dataclass(frozen=True, slots=True)
 class RobotParameter:
     """A design parameter of the module at word index ``symbol``."""
 
@@ -138,7 +152,8 @@ class RobotModel:
 
     ``frames`` are in topological order, frame 0 is the world.  ``effectors`` holds frames, in
     word order.  ``removed`` holds the word indices of joints that move nothing, ``own`` the
-    dynamics of their own that modules have, in word order.
+    dynamics of their own that modules have, in word order.  ``joints`` holds the degrees of freedom
+    of the word, in word order, once they may be others than ``dofs``.
     """
 
     dimension: Literal[2, 3]
@@ -150,6 +165,14 @@ class RobotModel:
     effectors: tuple[int, ...]
     removed: tuple[int, ...] = ()
     own: tuple[OwnDynamics, ...] = ()
+    joints: tuple[WordDof, ...] | None = None
+
+    @property
+    def word_dofs(self) -> tuple[WordDof, ...]:
+        """The degrees of freedom of the word, in word order and then as their module has them."""
+        if self.joints is not None:
+            return self.joints
+        return tuple(WordDof(dof.kind, dof.range, i) for i, dof in enumerate(self.dofs))
 
     def chain(self, frame: int) -> list[int]:
         """The frames from the world (excluded) to ``frame`` (included)."""

@@ -11,6 +11,7 @@ from compiler.arithmetic.scalars import (
     PiConstant,
     read_scalars,
 )
+from compiler.robots.given_start import given_start
 from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import (
     Body,
@@ -25,6 +26,7 @@ from compiler.robots.robot import (
     scalars_of_body,
     scalars_of_step,
 )
+from grammar_lang import ir
 
 
 def robot_key(model: RobotModel) -> str:
@@ -58,6 +60,17 @@ def robot_key(model: RobotModel) -> str:
     parts += [_own_text(own, names) for own in model.own]
     parts += [f"{name}: {model.parameters[index].domain}" for index, name in names.items()]
     return "\n".join(parts)
+
+
+def robot_key_in_task(model: RobotModel, task: ir.Task) -> str:
+    """The key of a robot together with the start that a task gives it.
+
+    Words of one normal form may start at different coordinates: they are different robots then.
+    """
+    key = robot_key(model)
+    if not isinstance(task.start, ir.StartAt):
+        return key
+    return f"{key}\n{given_start(model, task.start).key}"
 
 
 def _own_text(own: OwnDynamics, names: Mapping[int, str]) -> str:

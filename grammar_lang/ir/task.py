@@ -108,10 +108,20 @@ class StartIn:
 
 @node
 class StartAt:
-    """Start at rest with one given value per degree of freedom, in word order."""
+    """Start at rest with one given value per degree of freedom of the word, in word order.
+
+    ``kinds`` says for each value of which kind its degree of freedom has to be, None where its unit
+    leaves that open; empty: it is open for all.  ``places`` is where the values are written.
+    """
 
     values: tuple[Expr, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    kinds: tuple[DofKind | None, ...] = ()
+    places: tuple[Span, ...] = field(default=(), compare=False, repr=False)
+
+    def kind(self, number: int) -> DofKind | None:
+        """Of which kind the degree of freedom of a value, from 0, has to be; None: of any."""
+        return self.kinds[number] if self.kinds else None
 
 
 @node

@@ -15,7 +15,7 @@ from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import body_scripts
 from compiler.encodings.pose_questions import pose_questions
 from compiler.grammars.derivation import Derivation
-from compiler.robots.robot_key import robot_key
+from compiler.robots.robot_key import robot_key_in_task
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import family_of
 from solvers.explanation.conflict import is_cut_off
@@ -46,7 +46,7 @@ def _posable(
             model = robot_in_task(family, posed.task.origin, derivation)
         except SemanticsError:
             continue
-        key = robot_key(model)
+        key = robot_key_in_task(model, posed.task)
         if key in seen:
             continue
         seen.add(key)

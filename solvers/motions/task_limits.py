@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from compiler.discretisation.float_reading import Array
+from compiler.robots.given_start import given_start
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
@@ -58,7 +59,7 @@ def motion_limits(model: RobotModel, task: ir.Task, slack: Array | float = 0.0) 
     start = task.start
     values = None
     if isinstance(start, ir.StartAt):
-        values = np.array([to_float(value) for value in start.values])
+        values = np.array([to_float(value) for value in given_start(model, start).values])
     start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
     rests = task.reach is not None and task.reach.at_rest
     final = RATE_MARGIN * 1e-3 if rests else np.inf

@@ -14,6 +14,7 @@ from compiler.coverings.sides import coordinate_sides
 from compiler.discretisation.float_reading import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions
+from compiler.robots.given_start import GivenStart, given_start
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.refutation.box_demands import NEAR
@@ -116,15 +117,16 @@ def start_is_excluded(
 
 def _reason(demands: MotionDemands, task: ir.Task, question: PoseQuestion) -> str:
     if isinstance(task.start, ir.StartAt):
-        if question.start_values not in (None, len(demands.model.dofs)):
-            return "the start gives another number of coordinates"
-        if _out_of_range(demands.model, task.start):
+        start = given_start(demands.model, task.start)
+        if start.fault:
+            return start.fault
+        if _out_of_range(demands.model, start):
             return "the given start is out of the range of a joint"
         return f"no way from the given start to {question.goal} for any parameters"
     return f"no way between the start region and {question.goal} for any parameters"
 
 
-def _out_of_range(model: RobotModel, start: ir.StartAt) -> bool:
+def _out_of_range(model: RobotModel, start: GivenStart) -> bool:
     values = np.array([float(closed_ball(value).mid()) for value in start.values])
     for value, dof in zip(values, model.dofs, strict=True):
         if dof.range is None:

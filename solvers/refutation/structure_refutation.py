@@ -16,8 +16,9 @@ import numpy as np
 from compiler.discretisation.float_reading import FloatReading
 from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
-from compiler.encodings.pose_questions import PoseQuestion, pose_questions
+from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
 from compiler.encodings.reachability_smt import refutation_script
+from compiler.robots.given_start import OTHER_NUMBER
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.backends.smt import RESOURCES, solve_script
@@ -104,7 +105,7 @@ class _Asked:
         self.calls += 1
         if not _refuted(script, self.conduct, RESOURCES):
             return None
-        return Refutation(_reason(question), script, None, self.calls)
+        return Refutation(_reason(self.model, question), script, None, self.calls)
 
     def bodies(self, question: PoseQuestion) -> Refutation | None:
         """Poses of the whole body: found, refuted, or neither."""
@@ -153,7 +154,10 @@ def _refuted(script: str, conduct: Conduct, resources: int) -> bool:
     return known == REFUTED
 
 
-def _reason(question: PoseQuestion) -> str:
+def _reason(model: RobotModel, question: PoseQuestion) -> str:
+    fault = start_fault(model, question)
+    if fault not in ("", OTHER_NUMBER):
+        return fault
     if question.start is None:
         return f"no pose in {question.goal} for any parameters"
     return f"no poses in the start region and in {question.goal} for any parameters"

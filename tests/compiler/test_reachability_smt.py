@@ -395,7 +395,7 @@ def test_a_task_asks_about_its_regions():
     assert pose_questions(bench(), task) == (question(start_effector=1, effectors=2),)
     pose = ir.StartAt((ir.Num(Fraction(1)), ir.Pi()))
     fixed = replace(task, start=pose, reach=ir.Reach("T", 1, at_rest=False))
-    wanted = question(start=None, reach_effector=0, start_values=2, effectors=1)
+    wanted = question(start=None, reach_effector=0, start_at=pose, effectors=1)
     assert pose_questions(bench(), fixed) == (wanted,)
 
 
@@ -409,4 +409,5 @@ def test_a_start_pose_of_another_number_of_joints_is_no_candidate():
     """`start at (...)` names one value per degree of freedom; others are no candidates."""
     asked = question(start=None)
     for values, answer in ((2, SAT), (3, UNSAT)):
-        assert decide(planar_arm(2), replace(asked, start_values=values)) == answer
+        pose = ir.StartAt((ir.Num(Fraction(0)),) * values)
+        assert decide(planar_arm(2), replace(asked, start_at=pose)) == answer

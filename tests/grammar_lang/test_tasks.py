@@ -62,9 +62,9 @@ def test_clauses(task: Callable[..., ir.Task]) -> None:
     assert rates == ir.StartIn("S", None, Fraction(1, 2))
     sixth = ir.Binary("*", ir.Num(Fraction(1, 6)), ir.Pi())
     assert task(start="start at (30, 0.5 rad) deg;").start == ir.StartAt(
-        (sixth, ir.Num(Fraction(1, 2)))
+        (sixth, ir.Num(Fraction(1, 2))), kinds=("revolute", "revolute")
     )
-    assert task(start="start at (0);").start == ir.StartAt((ir.Num(Fraction(0)),))
+    assert task(start="start at (0);").start == ir.StartAt((ir.Num(Fraction(0)),), kinds=(None,))
     assert task(reach="reach T by effector 3 at rest;").reach == ir.Reach("T", 3, at_rest=True)
     avoid = task(more="avoid S, T with body, margin 2 cm; avoid S with effector margin 0;").avoid
     assert avoid == (
@@ -265,3 +265,57 @@ semantics G {
 
 def test_a_grammar_without_semantics_is_no_robot(check: Check, build: Build) -> None:
     assert check(build(semantics="")) == [("MISSING_BLOCK", "G")]
+
+
+MOTOR_SLIDE = """
+module B  { role base; }
+module JO { role joint; dof q: revolute z in [-180, 180] deg; }
+module P  { role joint; dof d: prismatic x in [0, 1] m; input pull in [-1, 1] N; torque(d) = pull; }
+module EN { role effector; }
+edge eps;
+"""
+
+
+def test_the_unit_of_a_start_is_that_of_its_joint_however_it_is_driven(build: Build) -> None:
+    """The slide has an input of its own: no effort bounds it, and all the same it has a length."""
+    grammar = """
+grammar G { start N; base: N -> B; joint: N -> N eps JO; slide: N -> N eps P; tool: N -> N eps EN; }
+"""
+    semantics = """
+semantics G {
+  base { this.frame = world; }
+  joint { this.frame = N.frame * rot(z, JO.q); }
+  slide { this.frame = N.frame * move(x, P.d); }
+  tool { this.frame = N.frame; effector(frame: N.frame); }
+}
+"""
+    text = build(
+        modules=MOTOR_SLIDE,
+        grammar=grammar,
+        semantics=semantics,
+        task=clauses(start="start at (10 deg, 0.5 m, 50 cm / 1 m, 0.25);"),
+    )
+    loaded = load_text(text, "t")
+    assert loaded.program is not None, loaded.diagnostics
+    start = loaded.program.tasks["P"].start
+    assert isinstance(start, ir.StartAt)
+    assert start.kinds == ("revolute", "prismatic", "revolute", None)
+    marked = [text[place.start : place.end] for place in start.places]
+    assert marked == ["10 deg", "0.5 m", "50 cm / 1 m", "0.25"]
+
+
+def test_the_unit_of_a_start_has_to_be_that_of_some_joint(build: Build) -> None:
+    turning = MOTOR_SLIDE.replace("prismatic x in [0, 1] m", "revolute z").replace(" N;", " N*m;")
+    for joints in ("JO", "P"):
+        grammar = f"grammar G {{ start N; base: N -> B; more: N -> N eps {joints}; }}"
+        dof = {"JO": "JO.q", "P": "P.d"}[joints]
+        semantics = (
+            "semantics G { base { this.frame = world; } "
+            f"more {{ this.frame = N.frame * rot(z, {dof}); effector(frame: this.frame); }} }}"
+        )
+        effort = "effort <= 10 N*m;" if joints == "JO" else ""
+        task = clauses(start="start at (0.5 m);", effort=effort)
+        text = build(modules=turning, grammar=grammar, semantics=semantics, task=task)
+        loaded = load_text(text, "t")
+        errors = [d for d in loaded.diagnostics if d.severity is Severity.ERROR]
+        assert [d.code for d in errors] == [Code.UNIT_MISMATCH]

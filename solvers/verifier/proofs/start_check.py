@@ -10,6 +10,7 @@ from flint import arb
 from compiler.arithmetic.balls import BallArithmetic, ball, closed_ball, scalar_balls
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.dynamics.tape import tape
+from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
 from compiler.specifications.rest import REST_RATE
 from grammar_lang import ir
@@ -73,13 +74,22 @@ def start_findings(
 
 
 def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> Finding:
-    """The coordinates are those of the task, but for what no decimal is."""
-    exact = [closed_ball(value) for value in start.values]
+    """The coordinates are those of the task, but for what no decimal is.
+
+    They say nothing of the joints that are merged, or left out: the value of each of these has to
+    be in its own range.
+    """
+    given = given_start(scene.model, start)
+    if given.fault:
+        return Finding("start pose", Status.FAILS, -1.0, "SI", 0.0, why=given.fault)
+    exact = [closed_ball(value) for value in given.values]
     own = [_weighed(row, state) for row in scene.graph.coordinates.rows]
-    near = [ball(Fraction(1, 10**9)) - abs(s - e) for s, e in zip(own, exact, strict=False)]
-    if len(exact) != len(own):
-        near = [arb(-1)]
+    near = [ball(Fraction(1, 10**9)) - abs(s - e) for s, e in zip(own, exact, strict=True)]
     found = least("start pose", near, "SI", 0.0)
+    if given.undecided and found.status is Status.HOLDS:
+        number = given.undecided[0].number + 1
+        why = f"value {number} of the start may be out of the range of its joint"
+        return Finding("start pose", Status.UNDECIDED, 0.0, "SI", 0.0, why=why)
     margin = NO_MARGIN if found.status is Status.HOLDS else found.margin
     return Finding(found.name, found.status, margin, "SI", 0.0)
 

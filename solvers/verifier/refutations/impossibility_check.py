@@ -16,7 +16,7 @@ from compiler.encodings.refutation_scripts import refutation_scripts
 from compiler.geometry.abstraction import abstract
 from compiler.languages.structures import InfiniteAmbiguityError
 from compiler.robots.robot import RobotModel
-from compiler.robots.robot_key import robot_key
+from compiler.robots.robot_key import robot_key_in_task
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
@@ -122,7 +122,7 @@ def _structures(
         model = candidate.model
         if model is None:
             raise FalseClaim(f"structure {number} is no robot: {candidate.fault}")
-        keys.append(robot_key(model))
+        keys.append(robot_key_in_task(model, evidence.task))
         if claimed.same_robot_as is not None:
             proved.append(proved[_same(number, claim, keys)])
         else:
