@@ -29,7 +29,7 @@ from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from compiler.arithmetic.balls import working_precision
-from compiler.encodings.pose_questions import PoseQuestion, effector_choices, start_fault
+from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.real_terms import (
     FALSE,
     Formula,
@@ -50,7 +50,6 @@ from compiler.encodings.region_terms import inside
 from compiler.encodings.scalar_terms import ScalarTerms, absolute
 from compiler.encodings.segments import Chain, Segment, segments
 from compiler.encodings.slide_terms import slide_term
-from compiler.robots.given_start import OTHER_NUMBER
 from compiler.robots.robot import Joint, Offset, RobotModel, Turn
 from grammar_lang import ir
 
@@ -90,11 +89,7 @@ def refutation_script(model: RobotModel, question: PoseQuestion) -> str:
         with working_precision(PRECISION):
             _Encoding(model, question, script).write(pairs)
     else:
-        fault = start_fault(model, question)
-        if fault in ("", OTHER_NUMBER):
-            script.comment(NO_CANDIDATE)
-        else:
-            script.comment(f"The start pose is of another robot: {fault}.")
+        script.comment(NO_CANDIDATE)
         script.assertion(FALSE)
     script.lines.append("(check-sat)")
     return "\n".join(script.lines) + "\n"

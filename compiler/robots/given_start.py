@@ -14,11 +14,10 @@ from compiler.arithmetic.balls import closed_ball, working_precision
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.constants import MagnitudeError, binary, evident, unary
+from grammar_lang.findings.counted import counted
 
 PRECISION = 256
 """Bits for values and ends of ranges that are not compared exactly."""
-OTHER_NUMBER = "the start gives another number of coordinates"
-"""The fault of a robot whose word has another number of degrees of freedom."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +75,8 @@ def _unfit(model: RobotModel, start: ir.StartAt) -> str:
     """Why the values are none of the degrees of freedom of the word; empty where they are."""
     joints = model.word_dofs
     if len(joints) != len(start.values):
-        return OTHER_NUMBER
+        given, due = counted(len(start.values), "coordinate"), counted(len(joints), "degree")
+        return f"the start gives {given}, and the word has {due} of freedom"
     for number, joint in enumerate(joints):
         if start.kind(number) not in (None, joint.kind):
             what = "an angle" if start.kind(number) == "revolute" else "a length"

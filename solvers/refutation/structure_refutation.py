@@ -18,7 +18,6 @@ from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.given_start import OTHER_NUMBER
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.backends.smt import RESOURCES, solve_script
@@ -156,7 +155,7 @@ def _refuted(script: str, conduct: Conduct, resources: int) -> bool:
 
 def _reason(model: RobotModel, question: PoseQuestion) -> str:
     fault = start_fault(model, question)
-    if fault not in ("", OTHER_NUMBER):
+    if fault:
         return fault
     if question.start is None:
         return f"no pose in {question.goal} for any parameters"

@@ -12,7 +12,7 @@ from compiler.arithmetic.balls import working_precision
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.languages.structures import structures
-from compiler.robots.given_start import OTHER_NUMBER, GivenStart, given_start
+from compiler.robots.given_start import given_start
 from compiler.robots.normalise import normalise
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key, robot_key_in_task
@@ -155,7 +155,10 @@ def test_one_value_for_each_degree_of_freedom_of_the_word() -> None:
     model = model_of([*turning("z", "z"), ROD, TOOL, *turning("z")])
     assert len(normalise(model).dofs) == 1
     for values in ((), (0,), (0, 0), (0,) * 4):
-        assert start_of(model, *values) == GivenStart((), OTHER_NUMBER)
+        start = start_of(model, *values)
+        assert start.values == ()
+        assert f"the start gives {len(values)} coordinate" in start.fault
+        assert start.fault.endswith("the word has 3 degrees of freedom")
     assert exact(start_of(model, 0, 0, 0)) == [F(0)]
 
 
@@ -291,10 +294,10 @@ IDLE = chain_spec({"J": f"revolute z {WIDE}"}, "B eps J (eps J)? eps L eps E (ep
 def test_words_of_one_normal_form_start_differently() -> None:
     """Without the start both are one robot: with it, one joint turns by 0.8 rad, one by 0.5."""
     assert starts(IDLE) == {
-        "B J L E": OTHER_NUMBER,
+        "B J L E": "the start gives 2 coordinates, and the word has 1 degree of freedom",
         "B J J L E": [F(4, 5)],
         "B J L E J": [F(1, 2)],
-        "B J J L E J": OTHER_NUMBER,
+        "B J J L E J": "the start gives 2 coordinates, and the word has 3 degrees of freedom",
     }
     _, task, models = robots(IDLE)
     keys = {word: robot_key(model) for word, model in models.items()}

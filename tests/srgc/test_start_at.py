@@ -173,7 +173,8 @@ CLAIMS = {
     "by less than any float": ({"J": "revolute z in [-1, 1]"}, "J eps J",
                                "1.00000000000000000001, -1.00000000000000000001",
                                "value 1 of the start is out of the range of its joint"),
-    "too few": ({"J": J}, "J eps J", "0", "the start gives another number of coordinates"),
+    "too few": ({"J": J}, "J eps J", "0",
+                "the start gives 1 coordinate, and the word has 2 degrees of freedom"),
 }  # fmt: skip
 
 
