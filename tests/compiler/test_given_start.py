@@ -12,7 +12,7 @@ from compiler.arithmetic.balls import working_precision
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.languages.structures import structures
-from compiler.robots.given_start import given_start
+from compiler.robots.given_start import GivenStart, given_start
 from compiler.robots.normalise import normalise
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key, robot_key_in_task
