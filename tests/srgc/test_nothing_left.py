@@ -29,7 +29,7 @@ RUNS = [
     "words turner.srg --limit 3",
     f"accepts turner.srg -- {WORD}",
     "language turner.srg",
-    "compare turner.srg far.srg",
+    "compare turner.srg Turner Turner",
     "graph turner.srg --of sra",
     "graph turner.srg --of workspace -o written/cells.dot",
     f"model turner.srg --word '{WORD}'",
