@@ -97,8 +97,8 @@ def test_the_spec_it_is_about_is_all_its_files(srgc, out, tree):
         path.write_bytes(before + b" ")
         ran = srgc("verify", out, "--spec", renamed)
         assert ran.status == 1
-        said = f"refuted: the certificate is not about {renamed}: the files differ in `{name}`\n"
-        assert ran.out == said
+        said = f"refuted: the certificate is not about {renamed}: the files differ in `{name}`"
+        assert ran.out.splitlines()[0] == said
         path.unlink()
         assert srgc("verify", out, "--spec", renamed).status == 1
         path.write_bytes(before)

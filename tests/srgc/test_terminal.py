@@ -287,7 +287,7 @@ def test_a_file_that_may_not_grow(tmp_path):
         env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"},
     )  # fmt: skip
     assert (finished.returncode, finished.stdout) == (2, "")
-    assert finished.stderr == "error: the output cannot be written: File too large\n"
+    assert finished.stderr == "error: out/Turn/journal.jsonl: File too large\n"
 
 
 def test_as_a_module(folder):
