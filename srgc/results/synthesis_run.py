@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
+from solvers.design import Design
 from solvers.execution.workers import Workers
 from solvers.progress import Conduct
 from solvers.synthesis import Proved, Synthesis, synthesise
@@ -29,6 +29,7 @@ from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.results.structure_total import structure_total
 from srgc.session import UsageFault
 from srgc.text_reports.reconfiguration_report import change_of
+from srgc.time_limit import TimeLimit
 from srgc.version import VERSION
 from srgc.workers import workers_for
 
@@ -40,7 +41,7 @@ class SynthesisOptions:
     output: Path
     seed: int
     jobs: int
-    time_limit: float | None
+    time_limit: TimeLimit | None
     force: bool
     quiet: bool
     cells: int | None = None
@@ -66,7 +67,7 @@ def run_synthesis(
 def _run(
     path: Path, program: ir.Program, task: ir.Task, options: SynthesisOptions, workers: Workers
 ) -> Synthesis:
-    started = time.monotonic()
+    limit, clock = options.time_limit or TimeLimit(), TimeLimit()
     files = _spec_files(program)
     digest = spec_digest(files)
     identity = Identity(
@@ -79,15 +80,15 @@ def _run(
             folder.write(f"spec/{name}", content)
         folder.keep_only("spec", files)
         program, task = expanded(program, task)
-        result = _searched(folder, program, task, options, workers, started)
-        searched = time.monotonic() - started
+        result = _searched(folder, program, task, options, workers, limit)
+        searched = clock.passed
         for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv", "report.html"):
             folder.discard(name)
         if result.designs and options.every:
             _write_all(folder, result, program, task, path.name, files)
         _write(folder, result, program, task, path.name, identity)
-        total = time.monotonic() - started
-        timings = {"search_s": round(searched, 3), "total_s": round(total, 3), **result.counts}
+        total = round(clock.passed, 3)
+        timings = {"search_s": round(searched, 3), "total_s": total, **result.counts}
         folder.write("log.json", json.dumps(timings, indent=1) + "\n")
         if not result.unfinished:
             folder.finish()
@@ -100,14 +101,9 @@ def _searched(
     task: ir.Task,
     options: SynthesisOptions,
     workers: Workers,
-    started: float,
+    limit: TimeLimit,
 ) -> Synthesis:
     """The search itself, with its progress."""
-
-    def out_of_time() -> bool:
-        limit = options.time_limit
-        return limit is not None and time.monotonic() - started > limit
-
     with progress(
         f"synth {task.name}",
         quiet=options.quiet,
@@ -121,9 +117,20 @@ def _searched(
             search=options.search,
             reporter=display,
             journal=folder,
-            out_of_time=out_of_time,
+            out_of_time=limit.reached,
         )
-        return synthesise(program, task, conduct, options.cells, every=options.every)
+        with limit.holds():
+            result = synthesise(program, task, conduct, options.cells, every=options.every)
+    return _told(result, limit)
+
+
+def _told(result: Synthesis, limit: TimeLimit) -> Synthesis:
+    """The result, which says so if the search has passed its limit by far."""
+    overrun = limit.overrun(result.last_step) if result.unfinished else ""
+    if not overrun:
+        return result
+    reason, ended = (text and text + overrun for text in (result.reason, result.ended))
+    return replace(result, reason=reason, ended=ended)
 
 
 def _spec_files(program: ir.Program) -> dict[str, bytes]:
@@ -190,7 +197,10 @@ def _write(
     spec: str,
     identity: Identity,
 ) -> None:
-    """All files of a result; the certificate and ``design.json`` last."""
+    """All files of a result; the certificate and ``design.json`` last.
+
+    Pictures take a second, and are left to the run that goes on after a limit of time.
+    """
     for index, record in enumerate(result.records):
         if record.script is not None:
             folder.write(proof_name(index), record.script)
@@ -203,12 +213,11 @@ def _write(
         for name in ("trajectory.csv", "figures", "certificate.json"):
             folder.discard(name)
     else:
-        from srgc.pictures.figures import input_figure, workspace_figure
-
         folder.write("trajectory.csv", trajectory_csv(design, task))
-        workspace = program.workspaces[task.workspace]
-        folder.write("figures/workspace.svg", workspace_figure(result, design, workspace, task))
-        folder.write("figures/inputs.svg", input_figure(design, task))
+        if result.unfinished:
+            folder.discard("figures")
+        else:
+            _draw(folder, result, design, program.workspaces[task.workspace], task)
     certificate = certificate_text(
         result, task, spec, identity.spec_sha256, task.modules, result.separation
     )
@@ -218,3 +227,12 @@ def _write(
         "design.json",
         design_text(result, task, spec, identity, change_of(program, task, design)),
     )
+
+
+def _draw(
+    folder: ResultFolder, result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task
+) -> None:
+    from srgc.pictures.figures import input_figure, workspace_figure
+
+    folder.write("figures/workspace.svg", workspace_figure(result, design, workspace, task))
+    folder.write("figures/inputs.svg", input_figure(design, task))
