@@ -24,7 +24,7 @@ from compiler.semantics.family import RobotFamily, family_of
 from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.task_formula import recorded_effector
 from compiler.specifications.word_formula import SampledFormula, every
-from compiler.time_limits.time_limit import OutOfTimeError
+from compiler.time_limits.time_limit import OutOfTimeError, check_time
 from grammar_lang import ir
 from solvers.conclusion import (
     DEFAULT_DESIGNS,
@@ -49,6 +49,7 @@ from solvers.verifier.claims.certificate import SeparationClaim
 
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
 OUT_OF_TIME = "the time limit was reached"
+BEGUN = "srgc was started and the spec was read"
 NOT_COVERED = f"{OUT_OF_TIME} before every refutation had a second proof"
 NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
 
@@ -283,6 +284,7 @@ def synthesise(
     program, task = expanded(program, task)
     cells = Abstraction(program.workspaces[task.workspace].dimension, (), {})
     try:
+        check_time(BEGUN)
         cells = abstract(program.workspaces[task.workspace])
         separation = disconnected(program, task, cells)
         if separation is not None:
@@ -301,6 +303,7 @@ def synthesise(
     try:
         run.structures()
         if run.designs:
+            check_time()
             return _result(run, "found", None, cells)
         verdict, reason = conclude(run.records, family, task, run.stopped)
     except OutOfTimeError as late:

@@ -45,6 +45,12 @@ def current_limit() -> Reached | None:
     return _REACHED.get()
 
 
+def is_late() -> bool:
+    """Whether the limit that holds here is reached."""
+    reached = _REACHED.get()
+    return reached is not None and reached()
+
+
 def check_time(step: str = "") -> None:
     """End what is being computed if its limit is reached.
 
@@ -55,6 +61,5 @@ def check_time(step: str = "") -> None:
     Raises:
         OutOfTimeError: the limit is reached.
     """
-    reached = _REACHED.get()
-    if reached is not None and reached():
+    if is_late():
         raise OutOfTimeError(step)

@@ -33,6 +33,8 @@ from srgc.time_limit import TimeLimit
 from srgc.version import VERSION
 from srgc.workers import workers_for
 
+PICTURES = ("figures/workspace.svg", "figures/inputs.svg")
+
 
 @dataclass(frozen=True, slots=True)
 class SynthesisOptions:
@@ -84,9 +86,11 @@ def _run(
         searched = clock.passed
         for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv", "report.html"):
             folder.discard(name)
+        drawn = True
         if result.designs and options.every:
-            _write_all(folder, result, program, task, path.name, files)
-        _write(folder, result, program, task, path.name, identity)
+            drawn = _write_all(folder, result, program, task, path.name, files, limit)
+        drawn &= _write(folder, result, program, task, path.name, identity, limit)
+        result = replace(result, unfinished=result.unfinished or not drawn)
         total = round(clock.passed, 3)
         timings = {"search_s": round(searched, 3), "total_s": total, **result.counts}
         folder.write("log.json", json.dumps(timings, indent=1) + "\n")
@@ -159,18 +163,26 @@ def _write_all(
     task: ir.Task,
     spec: str,
     files: Mapping[str, bytes],
-) -> None:
-    """All designs, each in a folder of results of its own, and the tables about them."""
+    limit: TimeLimit,
+) -> bool:
+    """All designs, each in a folder of results of its own, and the tables about them.
+
+    Returns:
+        whether all were drawn.
+    """
     from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_rows
 
+    drawn = True
     for proved in result.designs:
         own = ResultFolder(folder.path / "designs" / str(proved.number), folder.identity)
         for name, content in files.items():
             own.write(f"spec/{name}", content)
-        _write(own, alone(result, proved), program, task, spec, folder.identity)
+        one = alone(result, proved)
+        drawn &= _write(own, one, program, task, spec, folder.identity, limit)
     rows = pareto_rows(result, program, task)
     folder.write("pareto.csv", pareto_csv(rows))
     folder.write("pareto.json", pareto_json(rows, result.ended))
+    return drawn
 
 
 def alone(result: Synthesis, proved: Proved) -> Synthesis:
@@ -196,10 +208,14 @@ def _write(
     task: ir.Task,
     spec: str,
     identity: Identity,
-) -> None:
+    limit: TimeLimit,
+) -> bool:
     """All files of a result; the certificate and ``design.json`` last.
 
-    Pictures take a second, and are left to the run that goes on after a limit of time.
+    Pictures take a second; out of time, they are left to another run.
+
+    Returns:
+        whether they were drawn, or there is nothing to draw.
     """
     for index, record in enumerate(result.records):
         if record.script is not None:
@@ -208,16 +224,18 @@ def _write(
             folder.write(boxes_name(index), record.boxes)
     if result.samples:
         folder.write("evaluations.csv", evaluations_csv(result.samples))
-    design = result.design
+    design, drawn = result.design, True
     if design is None:
         for name in ("trajectory.csv", "figures", "certificate.json"):
             folder.discard(name)
     else:
         folder.write("trajectory.csv", trajectory_csv(design, task))
-        if result.unfinished:
-            folder.discard("figures")
-        else:
+        drawn = not (result.unfinished or limit.reached())
+        if drawn:
             _draw(folder, result, design, program.workspaces[task.workspace], task)
+        else:
+            for name in PICTURES:
+                folder.discard(name)
     certificate = certificate_text(
         result, task, spec, identity.spec_sha256, task.modules, result.separation
     )
@@ -227,6 +245,7 @@ def _write(
         "design.json",
         design_text(result, task, spec, identity, change_of(program, task, design)),
     )
+    return drawn
 
 
 def _draw(
@@ -234,5 +253,5 @@ def _draw(
 ) -> None:
     from srgc.pictures.figures import input_figure, workspace_figure
 
-    folder.write("figures/workspace.svg", workspace_figure(result, design, workspace, task))
-    folder.write("figures/inputs.svg", input_figure(design, task))
+    folder.write(PICTURES[0], workspace_figure(result, design, workspace, task))
+    folder.write(PICTURES[1], input_figure(design, task))
