@@ -165,9 +165,12 @@ def _conflicts(found: Explanation, asked: Asked) -> None:
     asked.tell(f"conflicts of {len(tried.refuted)} robots")
     search = ConflictSearch(posed, asked.conduct, asked.conduct.check_time)
     grammar = posed.program.grammars[posed.task.grammar]
-    conflicts = search.conflicts(replay(grammar, labels) for labels in tried.refuted)
-    ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
-    found.conflicts = Conflicts(tuple(ranked), conflicts.left)
+    try:
+        search.conflicts(replay(grammar, labels) for labels in tried.refuted)
+    finally:
+        conflicts = search.found(len(tried.refuted))
+        ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
+        found.conflicts = Conflicts(tuple(ranked), conflicts.left)
     if tried.verdict == "impossible":
         _bound(found, asked)
 
