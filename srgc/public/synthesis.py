@@ -39,7 +39,7 @@ def synthesize(
             the result; ``Result.save`` keeps it.
         seed: of everything that is drawn; the same seed gives the same result.
         jobs: how many processes search; the result is the same.
-        time_limit: seconds, after which the verdict is unknown.
+        time_limit: seconds, after which the verdict is unknown unless a robot was proved by then.
         cells: begin with at least so many cells.
         every: go on after the first robot, and compare all of them.
         solver: of convex programs; our own by default, or one of cvxpy's.
