@@ -13,10 +13,12 @@ from typing import TypeAlias
 
 from compiler.planning.plan_encoding import plan_encoding
 from compiler.planning.specification import PlanningProblem
+from compiler.time_limits.time_limit import check_time
 from solvers.backends.sat import SatSolver
 from solvers.verifier.verdict import Fails, Holds, Unknown
 
 CONFLICTS = 200_000
+SOLVED = "a SAT problem was solved"
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +135,10 @@ class Planner:
             self._encoding.extend(self._bound)
             assumed = self._encoding.assumptions(self._bound, distinct=self._distinct)
             self._hand_over()
-            match self._solver.solve(assumed, conflicts=self._conflicts):
+            check_time()
+            answer = self._solver.solve(assumed, conflicts=self._conflicts)
+            check_time(SOLVED)
+            match answer:
                 case Holds(witness=model):
                     words = self._encoding.decode(model.true)
                     self._encoding.exclude(words)

@@ -6,15 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
+from compiler.time_limits.time_limit import OutOfTimeError
 from solvers.execution.in_process import InProcess
 from solvers.execution.workers import Workers
 
 Recorded: TypeAlias = "bool | int | float | str | list[Recorded] | dict[str, Recorded] | None"
 """A value of JSON."""
-
-
-class OutOfTimeError(Exception):
-    """The time limit was reached; the verdict is unknown."""
 
 
 class Reporter(Protocol):
@@ -85,7 +82,8 @@ class Conduct:
     """How a synthesis is run.
 
     Nothing here may change its result but the seed, the parameter ``search``, the limit of time
-    and the ``solver`` of convex programs, by its name in cvxpy (None: our own).
+    and the ``solver`` of convex programs, by its name in cvxpy (None: our own).  ``out_of_time`` is
+    asked between steps, as often each time; loops within them ask ``compiler.time_limits``.
     """
 
     seed: int = 0

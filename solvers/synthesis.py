@@ -24,6 +24,7 @@ from compiler.semantics.family import RobotFamily, family_of
 from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.task_formula import recorded_effector
 from compiler.specifications.word_formula import SampledFormula, every
+from compiler.time_limits.time_limit import OutOfTimeError, check_time
 from grammar_lang import ir
 from solvers.conclusion import (
     DEFAULT_DESIGNS,
@@ -39,7 +40,7 @@ from solvers.handing_on import handed_on
 from solvers.inheritance import Inheritance, Searched
 from solvers.look_ahead import LookAhead
 from solvers.parameters.sample import BlockedPrefix, PathSamples
-from solvers.progress import Conduct, OutOfTimeError
+from solvers.progress import Conduct
 from solvers.refutation.box_evidence import covered, out_of_reach_of_drives
 from solvers.refutation.disconnection import disconnected, separation_text
 from solvers.refutation.structure_refutation import Refutation
@@ -48,6 +49,8 @@ from solvers.verifier.claims.certificate import SeparationClaim
 
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
 OUT_OF_TIME = "the time limit was reached"
+BEGUN = "srgc was started and the spec was read"
+NOT_COVERED = f"{OUT_OF_TIME} before every refutation had a second proof"
 NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
 
 
@@ -67,7 +70,8 @@ class Synthesis:
     ``abstraction`` has the cells of the design, else those without cuts.  A ``separation`` proves
     the task impossible before anything is tried.  ``design`` is the first of ``designs``, which
     are more than one only where all were asked for; ``ended`` says what kept the search from
-    trying all structures then.  ``unfinished``: it was the time limit, and the search can go on.
+    trying all structures then.  ``unfinished``: the time limit was reached, and another run can go
+    on; ``last_step`` is what then took so long, if that could not be interrupted.
     """
 
     verdict: Verdict
@@ -82,6 +86,7 @@ class Synthesis:
     blocked: tuple[BlockedPrefix, ...] = ()
     ended: str | None = None
     unfinished: bool = False
+    last_step: str = ""
 
 
 @dataclass(slots=True)
@@ -98,6 +103,8 @@ class _Run:
     every: bool
     records: list[StructureRecord] = field(default_factory=list[StructureRecord])
     counts: dict[str, int] = field(default_factory=lambda: dict(NO_COUNTS))
+    before: dict[str, int] = field(default_factory=dict[str, int])
+    """What they were when the last structure was begun."""
     designs: list[Proved] = field(default_factory=list[Proved])
     samples: list[PathSamples] = field(default_factory=list[PathSamples])
     blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
@@ -130,13 +137,17 @@ class _Run:
                 self.record(derivation, "same", first.reason, same=seen[key])
                 continue
             seen[key] = number
-            before = dict(self.counts)
+            self.before = dict(self.counts)
             design = self.structure(ahead, candidate, candidate.model, key)
             if design is not None:
-                taken = {name: self.counts[name] - before[name] for name in before}
-                self.designs.append(Proved(number, design, {**taken, "structures": 1}))
+                self.keep(number, design)
                 if not self.every:
                     return
+
+    def keep(self, number: int, design: Design) -> None:
+        """Keep the design of a structure, with what its search took."""
+        taken = {name: self.counts[name] - self.before[name] for name in self.before}
+        self.designs.append(Proved(number, design, {**taken, "structures": 1}))
 
     def at_limit(self, tried: int, robots: int | None) -> bool:
         """Whether a limit ends the search; both are counts, so that verdicts repeat."""
@@ -193,7 +204,7 @@ class _Run:
         finally:
             self.samples += search.samples
             self.blocked += search.blocked
-        design, lack = handed_on(search, design)
+        design, lack = self.handed_on(search, design)
         self.remember(search, model, design)
         self.search = None
         if design is None:
@@ -206,6 +217,18 @@ class _Run:
             return None
         self.record(derivation, "found", "proved" + lack)
         return design
+
+    def handed_on(
+        self, search: StructureSearch, design: Design | None
+    ) -> tuple[Design | None, str]:
+        """The same with what shorter robots lead to; out of time a proved design is kept as is."""
+        try:
+            return handed_on(search, design)
+        except OutOfTimeError:
+            if design is not None:
+                self.record(search.derivation, "found", "proved")
+                self.keep(search.number, design)
+            raise
 
     def motion(
         self, search: StructureSearch, effectors: Sequence[int]
@@ -259,27 +282,38 @@ def synthesise(
         MapFault: a map of obstacles cannot be used.
     """
     program, task = expanded(program, task)
-    cells = abstract(program.workspaces[task.workspace])
-    separation = disconnected(program, task, cells)
-    if separation is not None:
-        reason = separation_text(program, task, separation)
-        return Synthesis("impossible", reason, None, (), cells, dict(NO_COUNTS), separation)
-    finer = cells if least_cells is None else cells.cut(bisections(cells, least_cells))
-    family = family_of(program, task)
+    cells = Abstraction(program.workspaces[task.workspace].dimension, (), {})
+    try:
+        check_time(BEGUN)
+        cells = abstract(program.workspaces[task.workspace])
+        separation = disconnected(program, task, cells)
+        if separation is not None:
+            reason = separation_text(program, task, separation)
+            return Synthesis("impossible", reason, None, (), cells, dict(NO_COUNTS), separation)
+        finer = cells if least_cells is None else cells.cut(bisections(cells, least_cells))
+        family = family_of(program, task)
+    except OutOfTimeError as late:
+        return Synthesis(
+            "unknown", OUT_OF_TIME, None, (), cells, dict(NO_COUNTS),
+            unfinished=True, last_step=late.step,
+        )  # fmt: skip
     run = _Run(
         program, task, conduct, family, finer, task_on_samples(task), Inheritance(family), every
     )
     try:
         run.structures()
-    except OutOfTimeError:
-        reason = OUT_OF_TIME + _under_way(run.search)
-        return _result(run, "unknown", reason, cells, unfinished=True)
-    if run.designs:
-        return _result(run, "found", None, cells)
-    verdict, reason = conclude(run.records, family, task, run.stopped)
+        if run.designs:
+            check_time()
+            return _result(run, "found", None, cells)
+        verdict, reason = conclude(run.records, family, task, run.stopped)
+    except OutOfTimeError as late:
+        return _result(run, "unknown", OUT_OF_TIME + _under_way(run.search), cells, late)
+    uncovered = None
     if verdict == "impossible":
-        run.records = covered(run.records, family, task, conduct)
-    return _result(run, verdict, reason, cells)
+        run.records, uncovered = covered(run.records, family, task, conduct)
+    if uncovered is not None:
+        reason = f"{reason}; {NOT_COVERED}"
+    return _result(run, verdict, reason, cells, uncovered)
 
 
 def _under_way(search: StructureSearch | None) -> str:
@@ -297,16 +331,16 @@ def _result(
     verdict: Verdict,
     reason: str | None,
     cells: Abstraction,
-    *,
-    unfinished: bool = False,
+    late: OutOfTimeError | None = None,
 ) -> Synthesis:
     """The result; whatever ended the search, with a design the verdict is found."""
-    ended = OUT_OF_TIME if unfinished else run.stopped
+    ended = run.stopped if late is None else OUT_OF_TIME
     design = run.designs[0].design if run.designs else None
     if design is not None:
         verdict, reason, cells = "found", None, design.abstraction
     return Synthesis(
         verdict, reason, design, tuple(run.records), cells, run.counts,
         designs=tuple(run.designs), samples=tuple(run.samples), blocked=tuple(run.blocked),
-        ended=ended if run.every else None, unfinished=unfinished,
+        ended=ended if run.every else None, unfinished=late is not None,
+        last_step="" if late is None else late.step,
     )  # fmt: skip

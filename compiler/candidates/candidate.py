@@ -12,6 +12,7 @@ from compiler.languages.structures import structures, structures_of
 from compiler.robots.robot import RobotModel
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily
+from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 
 
@@ -45,6 +46,7 @@ def _robots(
     family: RobotFamily, derivations: Iterator[Derivation], origin: ir.Origin | None
 ) -> Iterator[Candidate]:
     for number, derivation in enumerate(derivations):
+        check_time()
         try:
             yield Candidate(number, derivation, robot_in_task(family, origin, derivation))
         except SemanticsError as error:

@@ -11,6 +11,7 @@ from collections.abc import Container, Sequence
 from typing import TypeAlias
 
 from compiler.automata.finite_automaton import STATE_LIMIT, AutomatonTooLargeError, Dfa, minimal
+from compiler.time_limits.time_limit import check_time
 
 Row: TypeAlias = tuple[int, ...]
 
@@ -33,6 +34,7 @@ def at_distance(
     rows, number = [first], {first: 0}
     table: list[int] = []
     for row in rows:
+        check_time()
         for symbol in alphabet:
             following = _next(row, symbol, aim, over) if symbol in modules else row
             if following not in number:

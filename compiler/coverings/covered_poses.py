@@ -22,6 +22,7 @@ from compiler.coverings.sides import RangeSide, coordinate_sides, enclosures, pa
 from compiler.coverings.touching import Flags, TouchingBoxes
 from compiler.coverings.violations import Violation, at_any_instant, elsewhere
 from compiler.definiteness.interval_reading import Ends
+from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 
 NEAR = Fraction(1, 10**9)
@@ -150,6 +151,7 @@ class Cover:
         depths = np.array([violation.depth(places) for violation in violations])
         found: list[int] = []
         for column, number in enumerate(numbers):
+            check_time()
             # The deepest first; nan sorts last and is no candidate.
             order = np.argsort(-depths[:, column], kind="stable")
             candidates = (i for i in order if depths[i, column] > -NEARLY)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.coverings.box_tree import MOST_HALVINGS, Parts
+from compiler.time_limits.time_limit import check_time
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -39,6 +40,7 @@ class TouchingBoxes:
             touched = np.zeros(len(waiting), dtype=bool)
             size = max(1, LARGEST_BLOCK // len(waiting))
             for start in range(0, len(frontier), size):
+                check_time()
                 touched |= self._touch(frontier[start : start + size], waiting).any(axis=0)
             frontier, waiting = waiting[touched], waiting[~touched]
             reached[frontier] = True

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
 from compiler.definiteness.boxes import Box
+from compiler.time_limits.time_limit import check_time
 
 Counterexample = TypeVar("Counterexample")
 
@@ -58,6 +59,7 @@ def search(
                 reason, left = f"{budget} boxes did not suffice", len(waiting) + len(fresh) - number
                 return Searched("undecided", boxes, box, None, reason, proved, left)
             boxes += 1
+            check_time()
             examined = examine(box)
             if examined.proved:
                 proved += 1

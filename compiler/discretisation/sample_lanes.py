@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.dynamics.tape import CONSTANT, INPUT, OUTPUT
+from compiler.time_limits.time_limit import check_time
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -59,6 +60,7 @@ class SampleLanes:
         lanes = len(result)
         if not result.size:
             return
+        check_time()
         if lanes not in self._programs:
             self._programs[lanes] = self._program(lanes).buffer()
         buffer, run = self._programs[lanes]
@@ -89,6 +91,7 @@ def on_lanes(function: ca.Function, lanes: int) -> ca.Function:
     register: dict[int, ca.MX] = {}
     output = [ca.MX(0)] * function.nnz_out(0)
     for i in range(function.n_instructions()):
+        check_time()
         code = function.instruction_id(i)
         arguments, results = function.instruction_input(i), function.instruction_output(i)
         if code == INPUT:

@@ -23,11 +23,12 @@ from numpy.typing import NDArray
 from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.coordinate_change import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
-from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.dynamics.equations_of_motion import MADE, RobotGraph
 from compiler.dynamics.inverse_dynamics import inverse_dynamics
 from compiler.dynamics.kinematics import ConstantInputs, kinematics
 from compiler.dynamics.ldl import ldl_solve
 from compiler.robots.state_and_input import robot_inputs, robot_states
+from compiler.time_limits.time_limit import check_time
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,16 +78,21 @@ def controlled_system(graph: RobotGraph) -> ControlledSystem:
         generalised_forces(coordinates, driven.forces) - inertial, driven.derivatives
     )
     k = constants.vector()
+    check_time(MADE)
     mass = ca.densify(ca.jacobian(inertial, a))
     forces = ca.densify(ca.substitute(residual, a, ca.SX.zeros(n)))
-    differential = ca.jacobian(residual, ca.vertcat(q, w, u, theta))
+    check_time(MADE)
+    differential = ca.cse([ca.jacobian(residual, ca.vertcat(q, w, u, theta))])
+    check_time(MADE)
+    both = ca.cse([mass, forces])
+    check_time(MADE)
     return ControlledSystem(
         n,
         r,
         m,
         p,
         np.array([float(c.value) if isinstance(c, Constant) else np.pi for c in constants.symbols]),
-        ca.Function("forces", [q, w, u, theta, k], ca.cse([mass, forces])),
-        ca.Function("differential", [q, w, a, u, theta, k], ca.cse([differential])),
+        ca.Function("forces", [q, w, u, theta, k], both),
+        ca.Function("differential", [q, w, a, u, theta, k], differential),
         ca.Function("inertial", [q, v, a, theta, k], [inertial]),
     )

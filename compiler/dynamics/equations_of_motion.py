@@ -25,6 +25,9 @@ from compiler.dynamics.ldl import ldl_solve
 from compiler.dynamics.rigid_bodies import centrifugal_forces, gravitational_forces, mass_matrix
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
+from compiler.time_limits.time_limit import check_time
+
+MADE = "equations of motion were made"
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +91,10 @@ class RobotGraph:
 
     def _function(self, name: str, inputs: Sequence[ca.SX], output: ca.SX) -> ca.Function:
         columns = [*inputs, self.parts.theta, self.parts.k]
-        return ca.Function(name, columns, [ca.cse(ca.densify(output))])
+        check_time(MADE)
+        shared = ca.cse(ca.densify(output))
+        check_time(MADE)
+        return ca.Function(name, columns, [shared])
 
     @property
     def _rates(self) -> ca.SX:
@@ -196,7 +202,9 @@ def robot_graph(
     constants = ConstantInputs()
     half = constants.read(Constant(Fraction(1, 2)))
     body = kinematics(model, q, theta, constants, coordinates)
+    check_time(MADE)
     mass = mass_matrix(model, body, q, constants, coordinates)
+    check_time(MADE)
     pull = gravitational_forces(model, body, q, gravity, constants)
     own = own_motion(coordinates, q), own_motion(coordinates, w[:n])
     driven = drive(model, Motion(*own, w[n:], u, theta), constants)

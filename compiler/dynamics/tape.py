@@ -11,6 +11,7 @@ from typing import Any, Protocol, TypeVar
 import casadi as ca
 
 from compiler.dynamics.tape_plan import Plan, plan_of
+from compiler.time_limits.time_limit import check_time
 
 Number = TypeVar("Number")
 
@@ -83,10 +84,12 @@ class Tape:
 
         Besides, ``integer`` makes a constant, and ``sin_cos`` gives both of one argument.
         """
+        check_time()
         return self.plan.run(inputs, operations)
 
     def run(self, inputs: Sequence[Number], arithmetic: Arithmetic[Number]) -> list[Number]:
         """The outputs for the given inputs, in the given arithmetic."""
+        check_time()
         zero = arithmetic.integer(0)
         register: list[Number] = [zero] * self.registers
         output: list[Number] = [zero] * self.outputs
@@ -118,6 +121,7 @@ def tape(function: ca.Function) -> Tape:
         starts.append(starts[-1] + function.nnz_in(i))
     instructions: list[tuple[str, int, tuple[int, ...]]] = []
     for i in range(function.n_instructions()):
+        check_time()
         code = function.instruction_id(i)
         arguments, results = function.instruction_input(i), function.instruction_output(i)
         if code == INPUT:

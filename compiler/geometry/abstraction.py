@@ -23,6 +23,7 @@ from compiler.geometry.double_description import Point
 from compiler.geometry.partition import divide
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.geometry.refinement import Cut, split_cells
+from compiler.time_limits.time_limit import check_time
 from grammar_lang.ir import Region, Workspace
 
 Array: TypeAlias = NDArray[np.float64]
@@ -218,6 +219,7 @@ def _refine(
     near = (boxes[:, 0] <= upper).all(axis=1) & (boxes[:, 1] >= lower).all(axis=1)
     refined: list[tuple[Polytope, frozenset[str]]] = []
     for (piece, propositions), may_meet in zip(pieces, near, strict=True):
+        check_time()
         if not may_meet:
             refined.append((piece, propositions))
             continue

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from compiler.geometry.double_description import IntRow, Point, Vertex, clip, value
 from compiler.geometry.polytope import Polytope
+from compiler.time_limits.time_limit import check_time
 
 Pair: TypeAlias = tuple[int, int]
 Boxes: TypeAlias = NDArray[np.float64]
@@ -33,6 +34,7 @@ def shared_facets(cells: Sequence[Polytope]) -> dict[Pair, tuple[Point, ...]]:
     found: dict[Pair, tuple[Point, ...]] = {}
     for left, right in walls.values():
         for (i, row), (j, _) in _near(cells, left, right):
+            check_time()
             corners: Sequence[Vertex] = cells[i].face(row)
             for bit, other in enumerate(cells[j].integer_rows, start=len(cells[i].rows)):
                 corners = clip(corners, other, bit)

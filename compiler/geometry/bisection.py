@@ -15,6 +15,7 @@ from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.double_description import Point, primitive
 from compiler.geometry.polytope import Polytope
 from compiler.geometry.refinement import Cut
+from compiler.time_limits.time_limit import check_time
 from grammar_lang.ir import HalfSpace
 
 STEPS = 16
@@ -32,6 +33,7 @@ def bisections(abstraction: Abstraction, count: int) -> tuple[Cut, ...]:
     heapq.heapify(waiting)
     cuts: list[Cut] = []
     while len(cells) < count:
+        check_time()
         _, number = waiting[0]
         row = _across(cells[number], _longest(cells[number]))
         inside, outside = cells[number].halves(row)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from compiler.grammars.grammar import Srg, nullable, trimmed, useful_rules
+from compiler.time_limits.time_limit import check_time
 
 
 class Chart:
@@ -61,6 +62,7 @@ class Chart:
         kept = (1 << common) - 1
         self.masks = [mask & kept for mask in self.masks]
         for symbol in word[common:]:
+            check_time()
             self.masks[symbol] |= 1 << len(self.word)
             self.word.append(symbol)
             self._column()

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from compiler.languages.budget import LENGTH_LIMIT, WordsTooLongError
 from compiler.reading.reading import Reading, State
+from compiler.time_limits.time_limit import check_time
 
 FIRST_HORIZON = 32
 
@@ -34,6 +35,7 @@ def words_in_order(
     dead: set[tuple[State, int]] = set()
     length = first
     while longest is None or length <= longest:
+        check_time()
         if length > LENGTH_LIMIT:
             raise WordsTooLongError
         if reading is None or length > reading.horizon:
@@ -74,6 +76,7 @@ def _search(
     fruitful = 0
     rest = length - 1
     while choices:
+        check_time()
         for symbol, following in choices[-1]:
             if not lengths(following) >> rest & 1:
                 continue

@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from compiler.automata.finite_automaton import Dfa
 from compiler.grammars.binary_normal_form import BinaryGrammar, RightSide
+from compiler.time_limits.time_limit import check_time
 
 Triple: TypeAlias = tuple[int, int, int]
 Call: TypeAlias = tuple[int, int]
@@ -46,6 +47,7 @@ class _Summaries:
         self._call((start, 0), todo)
         steps = 0
         while todo or done:
+            check_time()
             steps += 1
             if self.limit is not None and steps > self.limit:
                 raise IntersectionTooLargeError

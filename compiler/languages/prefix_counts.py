@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from compiler.languages.budget import MOVE_BUDGET, BudgetExceededError
 from compiler.reading.reading import Reading, State
+from compiler.time_limits.time_limit import check_time
 
 QUESTION = "counting the words"
 REASON = (
@@ -35,6 +36,7 @@ def count_by_length(
         mask = (1 << rest) - 1
         following: dict[State, int] = {}
         for state, number in level.items():
+            check_time()
             for _, target in reading.moves(state):
                 moves += 1
                 if budget is not None and moves > budget:

@@ -11,6 +11,8 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from compiler.time_limits.time_limit import check_time
+
 Flags = NDArray[np.bool_]
 BEYOND = 1e-9
 """By so much each side is longer than the box, relative to its place where that is above one."""
@@ -34,6 +36,7 @@ class Neighbourhood:
         waiting = [int(i) for i in np.flatnonzero(reached)]
         rest = np.flatnonzero(among & ~reached)
         while waiting and len(rest):
+            check_time()
             touching = self._touches(waiting.pop(), rest)
             found = rest[touching]
             reached[found] = True

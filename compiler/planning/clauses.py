@@ -8,6 +8,8 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from compiler.time_limits.time_limit import check_time
+
 Ints: TypeAlias = NDArray[np.int64]
 TRUE: Final = 1
 """The variable that is true; as a literal, -1 is false."""
@@ -35,11 +37,13 @@ class Clauses:
 
     def add(self, clauses: Ints) -> None:
         """Clauses of equal length, shape (clauses, literals)."""
+        check_time()
         if clauses.shape[0]:
             self._arrays.append(clauses)
 
     def clause(self, literals: Iterable[int]) -> None:
         """One clause; constants in it are resolved."""
+        check_time()
         found = [literal for literal in literals if literal not in (-TRUE, 0)]
         if TRUE not in found:
             self._arrays.append(np.array([found or [-TRUE]], dtype=np.int64))

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from compiler.time_limits.time_limit import check_time
 from solvers.backends.clarabel_solver import Clarabel
 from solvers.backends.conic import (
     ConvexProgram,
@@ -21,6 +22,7 @@ from solvers.backends.conic import (
 )
 from solvers.backends.proximal_interior_point import ProximalInteriorPoint
 
+SOLVED = "a convex program was solved"
 WIDER = 100.0
 """By how much the tolerance is widened in the last attempt."""
 FINAL = frozenset({Status.INFEASIBLE, Status.UNBOUNDED})
@@ -43,7 +45,9 @@ class Fallback:
         attempts = [(solver, tolerance) for solver in solvers]
         attempts += [(solver, WIDER * tolerance) for solver in solvers[:1]]
         for solver, wanted in attempts:
+            check_time()
             answer = _guarded(solver, program, wanted)
+            check_time(SOLVED)
             if isinstance(answer, Optimum) or answer.status in FINAL:
                 return answer
         return answer

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import z3
 
+from solvers.backends.smt_interrupt import interrupted_late
 from solvers.verifier.verdict import Fails, Holds, Reason, Unknown, Verdict
 
 LOGIC = "QF_NRA"
@@ -21,21 +22,24 @@ def solve_script(script: str, *, resources: int = RESOURCES) -> Verdict[None, No
     """Decide a QF_NRA script: ``Holds`` is sat, ``Fails`` is unsat, all else is ``Unknown``.
 
     Raises:
+        OutOfTimeError: the limit of time that holds here was reached; there is no answer.
         ValueError: the script does not parse, or the budget is not positive.
         KeyboardInterrupt: the user interrupted z3, which takes the signal for itself meanwhile.
     """
     if resources < 1:
         raise ValueError("a budget is at least one unit")
-    solver = z3.SolverFor(LOGIC, ctx=z3.Context())
+    context = z3.Context()
+    solver = z3.SolverFor(LOGIC, ctx=context)
     solver.set("rlimit", resources)
     try:
         solver.from_string(script)
     except z3.Z3Exception as error:
         raise ValueError(f"not an SMT-LIB 2 script: {error}") from error
-    try:
-        answer = solver.check()
-    except Exception as error:
-        return Unknown(Reason.FAILED, f"{type(error).__name__}: {error}")
+    with interrupted_late(context):
+        try:
+            answer = solver.check()
+        except Exception as error:
+            return Unknown(Reason.FAILED, f"{type(error).__name__}: {error}")
     if answer == z3.unsat:
         return Fails(None)
     if answer == z3.sat:

@@ -8,6 +8,7 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass
 from typing import Generic, Protocol
 
+from compiler.time_limits.time_limit import check_time
 from solvers.execution.workers import DISCONNECTED, ENDED, Job, Result, WorkersLostError
 
 ATTEMPTS = 3
@@ -15,8 +16,8 @@ ATTEMPTS = 3
 AHEAD = 4
 """In units of the width: how many jobs may be drawn beyond the one whose result is due."""
 
-PULSE = 2.0
-"""After so many seconds without a result it is asked whether there can be one."""
+PULSE = 0.1
+"""After so many seconds without a result it is asked whether there can be one, and is time."""
 
 
 class Source(Protocol):
@@ -55,6 +56,7 @@ def in_order(
     """The results in the order of the jobs; see :meth:`Workers.map`.
 
     Raises:
+        OutOfTimeError: the limit of time that holds here was reached.
         WorkersLostError: see there.
     """
     remaining, width = iter(jobs), source.width
@@ -69,6 +71,7 @@ def in_order(
                 _begin_again(source, function, one)
             unfinished = [one.future for one in begun if not one.future.done()]
             if begun[0].future in unfinished:
+                check_time()
                 finished = wait(unfinished, PULSE, FIRST_COMPLETED).done
                 if not finished and not source.is_alive():
                     raise WorkersLostError(DISCONNECTED)

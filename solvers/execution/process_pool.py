@@ -101,12 +101,18 @@ class ProcessPool:
         return self._executor
 
     def _end(self) -> None:
-        """End the processes: they do so when their end of the pipe says that ours is closed."""
+        """End the processes, whatever they do.
+
+        They end themselves when their end of the pipe says that ours is closed, but not before a
+        call of a library lets another thread run.
+        """
         executor, lifeline = self._executor, self._lifeline
         self._executor = self._lifeline = None
         if lifeline is not None:
             lifeline.close()
         if executor is not None:
+            for process in tuple((executor._processes or {}).values()):  # noqa: SLF001
+                process.kill()
             executor.shutdown(wait=True, cancel_futures=True)
 
 

@@ -99,16 +99,19 @@ class ConflictSearch:
 
     def conflicts(self, derivations: Iterable[Derivation]) -> Conflicts:
         """The conflicts of refuted structures, in the order of how many robots they rule out."""
-        left = 0
+        total = 0
         for derivation in derivations:
+            total += 1
             if self.questions >= MOST_QUESTIONS:
-                left += 1
                 continue
             lines = self.conflict(derivation)
-            if lines is None:
-                left += 1
-            else:
+            if lines is not None:
                 self._found.setdefault(lines, []).append(derivation.word)
+        return self.found(total)
+
+    def found(self, total: int) -> Conflicts:
+        """What is found so far of so many structures."""
+        left = total - sum(map(len, self._found.values()))
         ranked = sorted(self._found.items(), key=lambda item: -len(item[1]))
         return Conflicts(tuple(Conflict(lines, tuple(words)) for lines, words in ranked), left)
 

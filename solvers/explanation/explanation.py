@@ -9,6 +9,7 @@ from typing import Literal
 from compiler.candidates.kept_parameters import robot_in_task
 from compiler.grammars.derivation import Derivation, replay
 from compiler.semantics.family import family_of
+from compiler.time_limits.time_limit import OutOfTimeError
 from solvers.explanation.change import Change
 from solvers.explanation.conflict import (
     Conflict,
@@ -20,7 +21,7 @@ from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import MOST_RUNS, Runs, Suggestion
 from solvers.explanation.suggestions import SuggestionSearch, smallest
 from solvers.explanation.task_line import TaskLine, modules_line, task_lines
-from solvers.progress import Conduct, OutOfTimeError
+from solvers.progress import Conduct
 
 TELLING = ("parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "fixed")
 """Kinds of lines that a person would change; conflicts with such lines are told first."""
@@ -164,9 +165,12 @@ def _conflicts(found: Explanation, asked: Asked) -> None:
     asked.tell(f"conflicts of {len(tried.refuted)} robots")
     search = ConflictSearch(posed, asked.conduct, asked.conduct.check_time)
     grammar = posed.program.grammars[posed.task.grammar]
-    conflicts = search.conflicts(replay(grammar, labels) for labels in tried.refuted)
-    ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
-    found.conflicts = Conflicts(tuple(ranked), conflicts.left)
+    try:
+        search.conflicts(replay(grammar, labels) for labels in tried.refuted)
+    finally:
+        conflicts = search.found(len(tried.refuted))
+        ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
+        found.conflicts = Conflicts(tuple(ranked), conflicts.left)
     if tried.verdict == "impossible":
         _bound(found, asked)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.discretisation.float_reading import Array
+from compiler.time_limits.time_limit import check_time
 from solvers.motions.avoidances import Avoidances
 from solvers.motions.position_rows import Dwell, Separation, separating_planes
 
@@ -31,6 +32,7 @@ class BodyClearance:
             values = positions[:, dwell.point] @ dwell.region.normals.T
             found = np.minimum(found, np.min(dwell.region.offsets - values, axis=1))
         for separation in self.separations:
+            check_time()
             moving = positions[:, list(separation.points)]
             near = np.flatnonzero(_box_gap(moving, separation) < found)
             near = near[_facet_gap(moving[near], separation) < found[near]]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from compiler.geometry.abstraction import Abstraction
 from compiler.specifications.word_formula import Word
+from compiler.time_limits.time_limit import check_time
 
 Array: TypeAlias = NDArray[np.float64]
 Entries: TypeAlias = tuple[int, ...]
@@ -106,6 +107,7 @@ def gentle_entries(
     while moved:
         moved = False
         for trial in _moves(best, steps):
+            check_time()
             haste = _haste(line, trial, steps)
             if haste < least and allowed(trial):
                 best, least, moved = trial, haste, True

@@ -14,6 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from compiler.discretisation.float_reading import Array
+from compiler.time_limits.time_limit import check_time
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.step_layout import Indices
 
@@ -191,6 +192,7 @@ class PositionPlan:
     def _separate(
         self, wanted: Separation, positions: Array, first: Indices, last: Indices
     ) -> tuple[Indices, Indices, Array, Array]:
+        check_time()
         group = np.array(wanted.points)
         moving = positions[:, group]
         swept = np.concatenate([moving[first], moving[last]], axis=1)

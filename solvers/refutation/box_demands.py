@@ -15,6 +15,7 @@ from compiler.coverings.motion_demands import GivenPose, MotionDemands, Obstacle
 from compiler.coverings.violations import FRACTIONS
 from compiler.discretisation.float_reading import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 from solvers.refutation.box_points import BoxPoints, Placed
 from solvers.refutation.coordinate_cover import Flags, Numbers
@@ -155,6 +156,7 @@ class BoxDemands:
         )
 
     def _block(self, low: Array, high: Array) -> Judged:
+        check_time()
         placed = self._points.over(low, high)
         violated, free = self._violations(placed)
         start = np.zeros((len(low), len(self._passages)), dtype=bool)

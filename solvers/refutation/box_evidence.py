@@ -12,6 +12,7 @@ from dataclasses import replace
 from compiler.candidates.candidate import Candidate, candidates
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.semantics.family import RobotFamily
+from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord, module_bound
 from solvers.progress import Conduct
@@ -26,22 +27,26 @@ NONE_FOUND = ""
 
 def covered(
     records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, conduct: Conduct
-) -> list[StructureRecord]:
+) -> tuple[list[StructureRecord], OutOfTimeError | None]:
     """The records of all structures, with coverings where they were found.
 
-    A time limit ends the search; what is refuted stays refuted.
+    A time limit ends the search, and is told; what is refuted stays refuted.
     """
     found, failed = list(records), 0
-    for candidate in candidates(family, module_bound(family, task), task.origin):
-        number = candidate.number
-        if number >= len(found) or failed == IN_VAIN or conduct.out_of_time():
-            break
-        if found[number].verdict != "refuted" or found[number].boxes is not None:
-            continue
-        boxes = _boxes(candidate, family.program, task, conduct)
-        failed += boxes is None
-        found[number] = replace(found[number], boxes=boxes)
-    return found
+    try:
+        for candidate in candidates(family, module_bound(family, task), task.origin):
+            number = candidate.number
+            if number >= len(found) or failed == IN_VAIN:
+                break
+            if found[number].verdict != "refuted" or found[number].boxes is not None:
+                continue
+            conduct.check_time()
+            boxes = _boxes(candidate, family.program, task, conduct)
+            failed += boxes is None
+            found[number] = replace(found[number], boxes=boxes)
+    except OutOfTimeError as late:
+        return found, late
+    return found, None
 
 
 def out_of_reach_of_drives(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from compiler.coverings.box_tree import LEAF, CoordinateTree
 from compiler.discretisation.float_reading import Array
+from compiler.time_limits.time_limit import check_time
 
 Flags: TypeAlias = NDArray[np.bool_]
 Numbers: TypeAlias = NDArray[np.int64]
@@ -114,6 +115,7 @@ class CoordinateCover:
         left = np.flatnonzero(within & (found == UNREACHED))
         while len(front) and len(left):
             steps += 1
+            check_time()
             near = self._touched(left, front)
             front, left = left[near], left[~near]
             found[front] = steps

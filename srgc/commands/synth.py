@@ -11,6 +11,7 @@ from srgc.commands.arguments import FILE, QUIET, TASK, limit_of_time
 from srgc.exit_status import VERDICT_STATUS
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
+from srgc.time_limit import TimeLimit
 
 
 @click.command(
@@ -63,6 +64,7 @@ def synth(
     file and seed give the same bytes, whatever --jobs.  An interrupted run, or one that the time
     limit ended, is resumed by the same command.
     """
+    limit = TimeLimit(time_limit)
     if jobs is not None and cluster is not None:
         raise UsageFault("--jobs does not go with --cluster, which has its own workers")
     from solvers.execution.one_thread import ONE_THREAD
@@ -81,7 +83,7 @@ def synth(
 
     folder = output or Path("out") / chosen_task.name
     options = SynthesisOptions(
-        folder, seed, jobs or 1, time_limit, force, as_json or quiet, cells, cluster, every,
+        folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster, every,
         named_solver(solver), named_search(search),
     )  # fmt: skip
     result = run_synthesis(file, program, chosen_task, options)
@@ -101,5 +103,7 @@ def synth(
             from srgc.text_reports.why_report import ending
 
             posed = PosedTask(program, chosen_task)
-            click.echo(ending(result, posed, Conduct(seed), str(folder)))
+            with limit.holds():
+                last = ending(result, posed, Conduct(seed), str(folder))
+            click.echo(last)
     return VERDICT_STATUS[result.verdict]

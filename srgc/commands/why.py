@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import time
 from pathlib import Path
 
 import click
 
 from srgc.commands.arguments import FOLDER, QUIET, limit_of_time
 from srgc.taught_command import TaughtCommand
+from srgc.time_limit import TimeLimit
 
 
 @click.command(
@@ -38,6 +38,7 @@ def why(
     FOLDER is one that `srgc synth` has written with the verdict impossible or unknown.  Every
     suggestion was found and proved by a run of its own.
     """
+    limit = TimeLimit(time_limit)
     from solvers.execution.one_thread import ONE_THREAD
 
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
@@ -53,14 +54,9 @@ def why(
     if tried.tried is None:
         click.echo("verdict: found\nThere is nothing to explain: `srgc verify` checks the design.")
         return 0
-    started = time.monotonic()
-
-    def out_of_time() -> bool:
-        return time_limit is not None and time.monotonic() - started > time_limit
-
-    with progress("why", quiet=quiet or as_json) as display:
+    with limit.holds(), progress("why", quiet=quiet or as_json) as display:
         conduct = Conduct(
-            seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=out_of_time
+            seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
         )
         asked = Asked(conduct, 0 if no_runs else MOST_RUNS, display.note)
         found = explain(tried.posed, tried.tried, asked)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from srgc.faults import UsageFault
 from srgc.public.spoken_faults import spoken
+from srgc.time_limit import TimeLimit
 
 if TYPE_CHECKING:
     from solvers.explanation.explanation import Explanation as Found
@@ -69,19 +69,17 @@ def why(
     from solvers.progress import Conduct
     from srgc.results.why_folder import tried_folder
 
+    limit = TimeLimit(time_limit)
     tried = tried_folder(Path(result))
     if tried.tried is None:
         raise UsageFault("a robot was found: there is nothing to explain, `verify` checks it")
-    started = time.monotonic()
-
-    def out_of_time() -> bool:
-        return time_limit is not None and time.monotonic() - started > time_limit
-
     conduct = Conduct(
-        seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=out_of_time
+        seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
     )
     # Places are told as in the specification itself, not in the copy, which may be anywhere.
     program = tried.posed.program
     sources = tuple(replace(source, name=source.path) for source in program.sources)
     posed = replace(tried.posed, program=replace(program, sources=sources))
-    return Explanation(explain(posed, tried.tried, Asked(conduct, MOST_RUNS if runs else 0)))
+    with limit.holds():
+        found = explain(posed, tried.tried, Asked(conduct, MOST_RUNS if runs else 0))
+    return Explanation(found)

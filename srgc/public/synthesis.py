@@ -11,6 +11,7 @@ from srgc.public.result import Result, opened
 from srgc.public.spoken_faults import spoken
 from srgc.public.temporary_folder import TemporaryFolder
 from srgc.session import chosen, refuse_cycles, refuse_unsupported
+from srgc.time_limit import TimeLimit
 
 
 @spoken
@@ -38,7 +39,7 @@ def synthesize(
             the result; ``Result.save`` keeps it.
         seed: of everything that is drawn; the same seed gives the same result.
         jobs: how many processes search; the result is the same.
-        time_limit: seconds, after which the verdict is unknown.
+        time_limit: seconds, after which the verdict is unknown unless a robot was proved by then.
         cells: begin with at least so many cells.
         every: go on after the first robot, and compare all of them.
         solver: of convex programs; our own by default, or one of cvxpy's.
@@ -52,6 +53,7 @@ def synthesize(
         SrgcError: there is no such task, it has a clause that is not supported, or the folder
             holds something else.
     """
+    limit = TimeLimit(time_limit)
     chosen_task = chosen(program.ir.tasks, task, "task")
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
     refuse_unsupported(program.ir, chosen_task)
@@ -63,7 +65,7 @@ def synthesize(
     keeper = TemporaryFolder.made() if folder is None else None
     place = Path(folder) if folder is not None else keeper.path if keeper is not None else Path()
     options = SynthesisOptions(
-        place, seed, jobs, time_limit, force, quiet=True, cells=cells, every=every,
+        place, seed, jobs, limit, force, quiet=True, cells=cells, every=every,
         solver=named_solver(solver), search=named_search(search),
     )  # fmt: skip
     run_synthesis(Path(program.name), program.ir, chosen_task, options)

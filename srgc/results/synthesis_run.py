@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from compiler.maps.obstacle_pieces import expanded
 from grammar_lang import ir
+from solvers.design import Design
 from solvers.execution.workers import Workers
 from solvers.progress import Conduct
 from solvers.synthesis import Proved, Synthesis, synthesise
@@ -30,8 +30,11 @@ from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.results.structure_total import structure_total
 from srgc.session import UsageFault
 from srgc.text_reports.reconfiguration_report import change_of
+from srgc.time_limit import TimeLimit
 from srgc.version import VERSION
 from srgc.workers import workers_for
+
+PICTURES = ("figures/workspace.svg", "figures/inputs.svg")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +44,7 @@ class SynthesisOptions:
     output: Path
     seed: int
     jobs: int
-    time_limit: float | None
+    time_limit: TimeLimit | None
     force: bool
     quiet: bool
     cells: int | None = None
@@ -67,7 +70,7 @@ def run_synthesis(
 def _run(
     path: Path, program: ir.Program, task: ir.Task, options: SynthesisOptions, workers: Workers
 ) -> Synthesis:
-    started = time.monotonic()
+    limit, clock = options.time_limit or TimeLimit(), TimeLimit()
     files = _spec_files(program)
     digest = spec_digest(files)
     identity = Identity(
@@ -82,15 +85,17 @@ def _run(
             folder.files.write(f"spec/{name}", content)
         folder.files.keep_only("spec", files)
         program, task = expanded(program, task)
-        result = _searched(folder, program, task, options, workers, started)
-        searched = time.monotonic() - started
+        result = _searched(folder, program, task, options, workers, limit)
+        searched = clock.passed
         for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv", "report.html"):
             folder.files.discard(name)
+        drawn = True
         if result.designs and options.every:
-            _write_all(folder, result, program, task, path.name, files)
-        _write(folder.files, result, program, task, path.name, identity)
-        total = time.monotonic() - started
-        timings = {"search_s": round(searched, 3), "total_s": round(total, 3), **result.counts}
+            drawn = _write_all(folder, result, program, task, path.name, files, limit)
+        drawn &= _write(folder.files, result, program, task, path.name, identity, limit)
+        result = replace(result, unfinished=result.unfinished or not drawn)
+        total = round(clock.passed, 3)
+        timings = {"search_s": round(searched, 3), "total_s": total, **result.counts}
         folder.files.write("log.json", json.dumps(timings, indent=1) + "\n")
         if not result.unfinished:
             folder.finish()
@@ -103,14 +108,9 @@ def _searched(
     task: ir.Task,
     options: SynthesisOptions,
     workers: Workers,
-    started: float,
+    limit: TimeLimit,
 ) -> Synthesis:
     """The search itself, with its progress."""
-
-    def out_of_time() -> bool:
-        limit = options.time_limit
-        return limit is not None and time.monotonic() - started > limit
-
     with progress(
         f"synth {task.name}",
         quiet=options.quiet,
@@ -124,9 +124,20 @@ def _searched(
             search=options.search,
             reporter=display,
             journal=folder,
-            out_of_time=out_of_time,
+            out_of_time=limit.reached,
         )
-        return synthesise(program, task, conduct, options.cells, every=options.every)
+        with limit.holds():
+            result = synthesise(program, task, conduct, options.cells, every=options.every)
+    return _told(result, limit)
+
+
+def _told(result: Synthesis, limit: TimeLimit) -> Synthesis:
+    """The result, which says so if the search has passed its limit by far."""
+    overrun = limit.overrun(result.last_step) if result.unfinished else ""
+    if not overrun:
+        return result
+    reason, ended = (text and text + overrun for text in (result.reason, result.ended))
+    return replace(result, reason=reason, ended=ended)
 
 
 def _spec_files(program: ir.Program) -> dict[str, bytes]:
@@ -155,18 +166,26 @@ def _write_all(
     task: ir.Task,
     spec: str,
     files: Mapping[str, bytes],
-) -> None:
-    """All designs, each in a folder of results of its own, and the tables about them."""
+    limit: TimeLimit,
+) -> bool:
+    """All designs, each in a folder of results of its own, and the tables about them.
+
+    Returns:
+        whether all were drawn.
+    """
     from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_rows
 
+    drawn = True
     for proved in result.designs:
         own = folder.files.within(f"designs/{proved.number}")
         for name, content in files.items():
             own.write(f"spec/{name}", content)
-        _write(own, alone(result, proved), program, task, spec, folder.identity)
+        one = alone(result, proved)
+        drawn &= _write(own, one, program, task, spec, folder.identity, limit)
     rows = pareto_rows(result, program, task)
     folder.files.write("pareto.csv", pareto_csv(rows))
     folder.files.write("pareto.json", pareto_json(rows, result.ended))
+    return drawn
 
 
 def alone(result: Synthesis, proved: Proved) -> Synthesis:
@@ -192,8 +211,15 @@ def _write(
     task: ir.Task,
     spec: str,
     identity: Identity,
-) -> None:
-    """All files of a result; the certificate and ``design.json`` last."""
+    limit: TimeLimit,
+) -> bool:
+    """All files of a result; the certificate and ``design.json`` last.
+
+    Pictures take a second; out of time, they are left to another run.
+
+    Returns:
+        whether they were drawn, or there is nothing to draw.
+    """
     for index, record in enumerate(result.records):
         if record.script is not None:
             files.write(proof_name(index), record.script)
@@ -201,17 +227,18 @@ def _write(
             files.write(boxes_name(index), record.boxes)
     if result.samples:
         files.write("evaluations.csv", evaluations_csv(result.samples))
-    design = result.design
+    design, drawn = result.design, True
     if design is None:
         for name in ("trajectory.csv", "figures", "certificate.json"):
             files.discard(name)
     else:
-        from srgc.pictures.figures import input_figure, workspace_figure
-
         files.write("trajectory.csv", trajectory_csv(design, task))
-        workspace = program.workspaces[task.workspace]
-        files.write("figures/workspace.svg", workspace_figure(result, design, workspace, task))
-        files.write("figures/inputs.svg", input_figure(design, task))
+        drawn = not (result.unfinished or limit.reached())
+        if drawn:
+            _draw(files, result, design, program.workspaces[task.workspace], task)
+        else:
+            for name in PICTURES:
+                files.discard(name)
     certificate = certificate_text(
         result, task, spec, identity.spec_sha256, task.modules, result.separation
     )
@@ -221,3 +248,13 @@ def _write(
         "design.json",
         design_text(result, task, spec, identity, change_of(program, task, design)),
     )
+    return drawn
+
+
+def _draw(
+    files: FolderWriter, result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task
+) -> None:
+    from srgc.pictures.figures import input_figure, workspace_figure
+
+    files.write(PICTURES[0], workspace_figure(result, design, workspace, task))
+    files.write(PICTURES[1], input_figure(design, task))

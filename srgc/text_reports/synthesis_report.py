@@ -8,7 +8,7 @@ from fractions import Fraction
 from compiler.candidates.reconfiguration import Reconfiguration
 from grammar_lang import ir
 from solvers.design import Design
-from solvers.synthesis import Synthesis
+from solvers.synthesis import OUT_OF_TIME, Synthesis
 from srgc.text_reports.reconfiguration_report import change_lines
 from srgc.text_reports.used_inputs import amount, used_inputs
 
@@ -65,4 +65,6 @@ def synthesis_text(
     if table:
         lines.append(f"designs: {len(result.designs)}\n{table}")
     lines.append(f"results: {folder}")
+    if design is not None and result.unfinished and result.ended is None:
+        lines.append(f"         {OUT_OF_TIME} before it was drawn: the same command does that")
     return "\n".join(lines)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
+from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.findings.render import marked_line
 from grammar_lang.source import Source
@@ -116,17 +118,28 @@ def _suggestion(one: Suggestion) -> str:
 
 
 def ending(result: Synthesis, posed: PosedTask, conduct: Conduct, folder: str) -> str:
-    """What ends the report of a synthesis without a design: a conflict, and where to ask more."""
+    """What ends the report of a synthesis without a design: a conflict, and where to ask more.
+
+    A limit of time that holds here ends the search for a conflict.
+    """
     lines = []
     if result.verdict == "impossible":
-        reasons = {r.derivation: r.reason for r in result.records if r.same_robot_as is None}
-        first = foremost(posed, tuple(reasons)) if reasons else None
-        if first is None or not _about_bodies(posed.task):
-            lines += conflict_blocks(quick_conflict(posed, first, conduct))
-        if first is not None and not lines:
-            lines.append(f"{_robot(first.word)}: {reasons[first.labels]}")
+        with suppress(OutOfTimeError):
+            lines += _quickly(result, posed, conduct)
     lines.append(f"`srgc why {folder}` says what would make it possible")
     return "\n".join(lines)
+
+
+def _quickly(result: Synthesis, posed: PosedTask, conduct: Conduct) -> list[str]:
+    """Why a task is impossible, where a few questions say so."""
+    reasons = {r.derivation: r.reason for r in result.records if r.same_robot_as is None}
+    first = foremost(posed, tuple(reasons)) if reasons else None
+    lines: list[str] = []
+    if first is None or not _about_bodies(posed.task):
+        lines += conflict_blocks(quick_conflict(posed, first, conduct))
+    if first is not None and not lines:
+        lines.append(f"{_robot(first.word)}: {reasons[first.labels]}")
+    return lines
 
 
 def _about_bodies(task: ir.Task) -> bool:

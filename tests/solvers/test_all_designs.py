@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 import solvers.synthesis
+from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.load import load
-from solvers.progress import Conduct, OutOfTimeError
+from solvers.progress import Conduct
 from solvers.synthesis import Synthesis, synthesise
 from tests.oracles.extended_arm import extended_arm
 from tests.oracles.small_specs import replaced

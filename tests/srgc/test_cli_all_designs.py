@@ -95,8 +95,8 @@ def test_a_time_limit_leaves_the_first_design_and_the_next_run_goes_on(
     srgc: Srgc, designs_made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The limit is reached when the second structure begins; in the end all bytes are the same."""
+    from compiler.time_limits.time_limit import OutOfTimeError
     from solvers.inheritance import Inheritance
-    from solvers.progress import OutOfTimeError
 
     path, folder = designs_made / "arm.srg", tmp_path / "out"
     given = Inheritance.of

@@ -1,0 +1,1 @@
+"""A limit of time that long computations ask about."""
