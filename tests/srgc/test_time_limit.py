@@ -11,7 +11,7 @@ import pytest
 
 import srgc.time_limit as module
 from compiler.time_limits.time_limit import OutOfTimeError, check_time, time_limit
-from grammar_lang.load import load
+from grammar_lang.load import load, load_text
 from solvers.explanation.conflict import ConflictSearch
 from solvers.explanation.explanation import Asked, explain
 from solvers.progress import Conduct
@@ -80,6 +80,13 @@ def run(folder: Path, limit: TimeLimit | None) -> Synthesis:
     return run_synthesis(path, program, program.tasks["Turn"], options)
 
 
+def result_lines(result: Synthesis) -> str:
+    """What is printed of a synthesis."""
+    program = load_text(TURNER, "turner.srg").program
+    assert program is not None
+    return synthesis_text(result, program.tasks["Turn"], "out")
+
+
 def content(folder: Path) -> dict[str, bytes]:
     files = (path for path in folder.rglob("*") if path.is_file() and path.name != "log.json")
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
@@ -90,14 +97,14 @@ def test_a_design_without_time_for_pictures_is_written(tmp_path: Path, made: Mad
     out, whole = tmp_path / "out", content(made("turner") / "out")
     result = run(tmp_path, OnceSearched(1.0, file=out / "trajectory.csv"))
     assert (result.verdict, result.unfinished) == ("found", True)
-    assert f"{OUT_OF_TIME} before it was drawn" in synthesis_text(result, "out")
+    assert f"{OUT_OF_TIME} before it was drawn" in result_lines(result)
     written = content(out)
     assert written.pop("journal.jsonl")
     assert written == {name: data for name, data in whole.items() if name not in PICTURES}
     assert verify_directory(out).outcome is Outcome.VALID
     again = run(tmp_path, None)
     assert not again.unfinished
-    assert "drawn" not in synthesis_text(again, "out")
+    assert "drawn" not in result_lines(again)
     assert content(out) == whole
 
 
