@@ -43,6 +43,16 @@ class Protocol(LanguageServerProtocol):
             {"jsonrpc": "2.0", "id": request, "error": {"code": code, "message": message}}
         )
 
+    def receive(self, body: bytes) -> None:
+        """Handle the body of a message; one that nobody can read is answered."""
+        try:
+            message = json.loads(body)
+            # Of an object within the parameters it does not matter what it looks like.
+            found = self.structure_message(message) if isinstance(message, dict) else message
+            self.handle_message(found)
+        except Exception as error:
+            self._refuse_unreadable(error)
+
     def structure_message(self, data: dict[str, Any]) -> Any:
         """An object of a message; a request that is none is refused."""
         try:
@@ -52,7 +62,7 @@ class Protocol(LanguageServerProtocol):
                 self.refuse(data["id"], _INVALID_PARAMS, f"wrong parameters: {data['method']}")
             raise Answered from error
 
-    def refuse_unreadable(self, error: Exception) -> None:
+    def _refuse_unreadable(self, error: Exception) -> None:
         """Answer a message that could not be handled, if it has no answer yet."""
         if isinstance(error, Answered):
             return

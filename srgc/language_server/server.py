@@ -47,10 +47,9 @@ class Server(LanguageServer):
         _connect_tasks(self)
 
     def report_server_error(self, error: Exception, source: Any) -> None:
-        """A fault goes to the log; a message that nobody could read is answered."""
-        if source is JsonRpcException:
-            self.protocol.refuse_unreadable(error)
-        elif isinstance(error, JsonRpcInternalError):
+        """A fault goes to the log; what a client has done wrong is no fault."""
+        del source
+        if isinstance(error, JsonRpcInternalError):
             told = error.data.get("traceback", []) if isinstance(error.data, dict) else []
             logging.getLogger(__name__).error("%s\n%s", error, "".join(told))
         elif not isinstance(error, JsonRpcException):
