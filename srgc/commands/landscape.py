@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from os.path import realpath
 from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FOLDER, QUIET
+from srgc.commands.arguments import FOLDER, QUIET, PathOf
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
 
@@ -47,13 +48,13 @@ from srgc.taught_command import TaughtCommand
 @click.option(
     "-o",
     "output",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=PathOf(path_type=Path, dir_okay=False),
     help="Draw here, as SVG.  Default: DIR/figures/landscape.svg.",
 )
 @click.option(
     "--csv",
     "table",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=PathOf(path_type=Path, dir_okay=False),
     help="Write the grid here.  Default: DIR/landscape.csv.",
 )
 @QUIET
@@ -82,7 +83,7 @@ def landscape(
     picture = output or folder / "figures" / "landscape.svg"
     if picture.suffix.lower() != ".svg":
         raise UsageFault(f"{picture}: a landscape is drawn as SVG; let the name end in .svg")
-    if table is not None and table.resolve() == picture.resolve():
+    if table is not None and realpath(table) == realpath(picture):
         raise UsageFault(f"{picture} cannot be the picture and the table")
     found = found_design(folder)
     record = found_record(folder, found)

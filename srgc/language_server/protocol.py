@@ -14,6 +14,8 @@ from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
+from srgc.language_server.documents.uris import is_malformed
+
 _PARSE_ERROR = lsp.ErrorCodes.ParseError.value
 _INVALID_REQUEST = lsp.ErrorCodes.InvalidRequest.value
 _INVALID_PARAMS = lsp.ErrorCodes.InvalidParams.value
@@ -99,6 +101,17 @@ class Protocol(LanguageServerProtocol):
             self.initialized = True
             self.stopped = method == lsp.SHUTDOWN
             super().handle_message(message)
+
+    @lsp_method(lsp.INITIALIZE)
+    def lsp_initialize(self, params: lsp.InitializeParams) -> Any:
+        """As pygls does it, which takes all folders apart, those that are no URIs as well."""
+        params.root_path = None
+        if params.root_uri and is_malformed(params.root_uri):
+            params.root_uri = None
+        params.workspace_folders = [
+            folder for folder in params.workspace_folders or [] if not is_malformed(folder.uri)
+        ]
+        return (yield from super().lsp_initialize(params))
 
     @lsp_method(lsp.SHUTDOWN)
     def lsp_shutdown(self, *args: Any) -> Any:

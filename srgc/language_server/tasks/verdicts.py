@@ -12,6 +12,7 @@ from typing import Any
 from grammar_lang.files.source_file import decoded
 from grammar_lang.findings.diagnostics import Sink
 from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.disk import bytes_of
 
 _LONGEST = 60
 
@@ -40,11 +41,8 @@ def current_files(analysis: Analysis) -> dict[str, bytes]:
     for number, source in enumerate(analysis.sources):
         data = source.data
         path = analysis.path(number)
-        try:
-            on_disk = data if path is None else path.read_bytes()
-        except (OSError, ValueError):
-            on_disk = data
-        if on_disk != data and decoded(on_disk, 0, Sink())[0] == source.text:
+        on_disk = None if path is None else bytes_of(path)
+        if on_disk not in (None, data) and decoded(on_disk, 0, Sink())[0] == source.text:
             data = on_disk
         found[source.path] = data
     return found
@@ -98,14 +96,12 @@ def _said(kind: str, design: Mapping[str, Any]) -> str:
 
 def _design(folder: Path) -> dict[str, Any] | None:
     try:
-        content = json.loads((folder / "design.json").read_bytes())
-    except (OSError, ValueError, RecursionError):
+        content = json.loads(bytes_of(folder / "design.json") or b"")
+    except (ValueError, RecursionError):
         return None
     return content if isinstance(content, dict) and "verdict" in content else None
 
 
 def _digest(path: Path) -> str | None:
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError:
-        return None
+    data = bytes_of(path)
+    return None if data is None else hashlib.sha256(data).hexdigest()
