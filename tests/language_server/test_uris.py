@@ -112,13 +112,9 @@ def test_folders(started: Start) -> None:
     odd = [uri for uri in URIS if path_of(uri) is None]
     folders = [{"uri": uri, "name": "x"} for uri in odd]
     client = started()
-    for uri in odd[:-1]:
-        params = {"processId": None, "rootUri": uri, "rootPath": uri, "capabilities": {}}
-        assert "result" in client.response(
-            client.begin("initialize", {**params, "workspaceFolders": folders})
-        )
-        client.notify("initialized", {})
-        break
+    params = {"processId": None, "rootUri": None, "capabilities": {}, "workspaceFolders": folders}
+    assert client.ask("initialize", params)["serverInfo"]["name"] == "srgc"
+    client.notify("initialized", {})
     event = {"added": folders, "removed": []}
     client.notify("workspace/didChangeWorkspaceFolders", {"event": event})
     assert client.ask("workspace/symbol", {"query": ""}) == []
@@ -150,11 +146,7 @@ def test_what_is_no_file_is_not_read(folder: Path) -> None:
 
 
 def test_comments_without_end_are_passed_once() -> None:
-    assert included(
-        'include "a.srg"; /* include "b.srg"; */ include \'c.srg\'; // include "d";'
-    ) == [
-        "a.srg",
-        "c.srg",
-    ]
+    text = 'include "a.srg"; /* include "b.srg"; */ include "c.srg"; // include "d.srg";'
+    assert included(text) == ["a.srg", "c.srg"]
     assert included("/*" * 10**6 + 'include "a.srg";') == []
     assert included("/*" + "*" * 10**6 + '/include "a.srg";') == ["a.srg"]

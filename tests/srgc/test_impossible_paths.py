@@ -194,8 +194,8 @@ def test_a_folder_that_nobody_may_look_into(
         return real(path, *rest, **more)  # type: ignore[call-overload, no-any-return]
 
     monkeypatch.setattr(os, "stat", stat)
-    for command in FOLDERS:
-        found = ran(*command.split(), "secret/x", *FOLDERS[command])
+    for command, rest in FOLDERS.items():
+        found = ran(*command.split(), "secret/x", *rest)
         assert (found.status, found.err) == (2, "error: `secret/x`: Permission denied\n")
     (place / "secrets").mkdir()
     assert "is not a folder" in str(no_folder(place / "secretx"))
