@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,12 +18,14 @@ MOST = 2000
 
 def holds_results(folder: Path) -> bool:
     """Whether a folder is one that ``srgc synth`` writes."""
-    return any((folder / name).is_file() for name in RESULTS)
+    # ``os.path`` tells no folder that must not be looked into from one without such a file.
+    return any(os.path.isfile(folder / name) for name in RESULTS)  # noqa: PTH113
 
 
 def near_spec(path: Path) -> Path | None:
     """A spec whose name is like that of a path: beside it, or in a folder there."""
-    return _near(path, [each for each in _around(path) if each.suffix == ".srg"])
+    found = [e for e in _around(path) if e.suffix == ".srg" and os.path.isfile(e)]  # noqa: PTH113
+    return _near(path, found)
 
 
 def no_folder(path: Path) -> UsageFault:
@@ -34,7 +37,7 @@ def no_folder(path: Path) -> UsageFault:
 def unwritable(path: Path, error: OSError) -> UsageFault:
     """What is said of a file or folder that cannot be written."""
     advice = ""
-    if error.errno == errno.ENOENT and not path.parent.is_dir():
+    if error.errno == errno.ENOENT and not os.path.isdir(path.parent):  # noqa: PTH112
         advice = f"; is there a folder {path.parent}?"
     elif error.errno in REFUSED:
         advice = "; choose another place with -o"

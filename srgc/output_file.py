@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from srgc.near_places import unwritable
+from srgc.possible_path import refuse_impossible
 
 
 def write_output(path: Path, content: str | bytes) -> None:
@@ -13,6 +14,7 @@ def write_output(path: Path, content: str | bytes) -> None:
     Raises:
         UsageFault: it cannot be written.
     """
+    refuse_impossible(path)
     try:
         path.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError as error:

@@ -8,15 +8,18 @@ from fractions import Fraction
 MAX_DIGITS = 300
 """So many characters may a number have, and so large may its power of ten be either way."""
 
+_LARGEST = 10**MAX_DIGITS
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE]([+-]?[0-9]{1,9}))?")
 
 
 def decimal(text: str) -> Fraction | None:
     """The value of a decimal such as ``-0.05``, ``.5`` or ``5e-2``; None for anything else.
 
-    That includes the infinities, NaN, and numbers beyond ``MAX_DIGITS``.
+    That includes the infinities, NaN, and numbers beyond ``MAX_DIGITS``: a float is finite that is
+    near any other one.
     """
     found = _DECIMAL.fullmatch(text)
     if found is None or len(text) > MAX_DIGITS or abs(int(found[1] or 0)) > MAX_DIGITS:
         return None
-    return Fraction(text)
+    value = Fraction(text)
+    return value if abs(value) <= _LARGEST else None

@@ -17,7 +17,7 @@ from compiler.maps.json_places import place_of
 from compiler.maps.map_fault import MapFault
 from compiler.maps.pieces import Corner, Pieces, Polygon
 from compiler.maps.polygon_pieces import polygon_pieces
-from compiler.maps.rings import BadRing
+from compiler.maps.rings import BadRing, TooTangled
 from grammar_lang.findings.codes import Code
 
 Path: TypeAlias = tuple[str | int, ...]
@@ -37,11 +37,10 @@ _RINGS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Number:
-    """A number by its text."""
+class _Number(str):
+    """A number by its text; of millions, one object each is enough."""
 
-    text: str
+    __slots__ = ()
 
 
 def geojson_pieces(text: str) -> Pieces:
@@ -152,6 +151,9 @@ class _Reader:
             return polygon_pieces(found)
         except BadRing as bad:
             raise self.fault((*path, bad.ring), bad.message, _RINGS) from None
+        except TooTangled:
+            message = "this polygon has too many edges side by side"
+            raise self.fault(path, message, "simplify it, or cut it", Code.TOO_LARGE) from None
 
     def _ring(self, path: Path, ring: object) -> list[Corner]:
         if not isinstance(ring, list):
@@ -165,7 +167,7 @@ class _Reader:
         return x, y
 
     def _number(self, path: Path, number: object) -> Fraction:
-        value = decimal(number.text) if isinstance(number, _Number) else None
+        value = decimal(number) if isinstance(number, _Number) else None
         if value is None:
             hint = "coordinates are decimal numbers of metres, of at most 300 digits"
             raise self.fault(path, "this coordinate is no number that can be used", hint)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from compiler.maps.map_fault import MapFault
-from grammar_lang.findings.codes import Code
+from compiler.maps.image_fault import check_size, image_fault
+from compiler.maps.png_chunks import PALETTE, SIGNATURE, PngChunks, png_chunks
 
 if TYPE_CHECKING:
     import numpy as np
@@ -19,12 +19,10 @@ if TYPE_CHECKING:
 
     Values: TypeAlias = NDArray[np.unsignedinteger[Any]]
 
-PIXEL_LIMIT = 2**26
-"""So many pixels may an image have."""
+HEADER_LIMIT = 2**16
+"""The header of a PGM image ends within so many bytes, comments included."""
 
-_HINT = "save it as PGM, or as PNG of 8 bits in shades of grey"
 _PGM = re.compile(rb"P([25])" + rb"(?:\s|#[^\n]*\n)+([0-9]{1,9})" * 3)
-_PNG = b"\x89PNG\r\n\x1a\n"
 _COMMENT = re.compile(rb"#[^\n]*")
 
 
@@ -46,24 +44,11 @@ def grey_image(data: bytes) -> GreyImage:
     Raises:
         MapFault: it is none, damaged or too large.
     """
-    if data.startswith(_PNG):
+    if data.startswith(SIGNATURE):
         return _png(data)
     if data[:2] in {b"P2", b"P5"}:
         return _pgm(data)
-    raise _fault("the image is neither PGM (P2, P5) nor PNG")
-
-
-def _fault(message: str, hint: str = _HINT) -> MapFault:
-    return MapFault(message, hint, None)
-
-
-def _check_size(width: int, height: int) -> None:
-    if not width or not height:
-        raise _fault("the image has no pixels")
-    if width * height > PIXEL_LIMIT:
-        message = f"the image has {width * height:,} pixels, more than {PIXEL_LIMIT:,}"
-        hint = "cut it to the bounds of the workspace, or use a coarser map"
-        raise MapFault(message, hint, None, Code.TOO_LARGE)
+    raise image_fault("the image is neither PGM (P2, P5) nor PNG")
 
 
 # --- PGM ---------------------------------------------------------------------------------------
@@ -72,13 +57,13 @@ def _check_size(width: int, height: int) -> None:
 def _pgm(data: bytes) -> GreyImage:
     import numpy as np
 
-    found = _PGM.match(data)
+    found = _PGM.match(data, 0, HEADER_LIMIT)
     if found is None or not data[found.end() : found.end() + 1].isspace():
-        raise _fault("the header of the PGM image is damaged")
+        raise image_fault("the header of the PGM image is damaged")
     width, height, white = (int(found[group]) for group in (2, 3, 4))
-    _check_size(width, height)
+    check_size(width, height)
     if not 0 < white < 2**16:
-        raise _fault("the greatest value of the PGM image is not between 1 and 65,535")
+        raise image_fault("the greatest value of the PGM image is not between 1 and 65,535")
     start = found.end() + 1
     count = width * height
     if found[1] == b"2":
@@ -86,10 +71,10 @@ def _pgm(data: bytes) -> GreyImage:
     else:
         kind = np.dtype(np.uint8 if white < 2**8 else ">u2")
         if len(data) - start < count * kind.itemsize:
-            raise _fault("the image ends before its last pixel")
+            raise image_fault("the image ends before its last pixel")
         values = np.frombuffer(data, kind, count, start)
     if int(values.max()) > white:
-        raise _fault("a pixel of the PGM image is brighter than its greatest value")
+        raise image_fault("a pixel of the PGM image is brighter than its greatest value")
     return GreyImage(values.reshape(height, width), white)
 
 
@@ -99,57 +84,63 @@ def _plain(body: bytes, count: int) -> Values:
 
     text = _COMMENT.sub(b"", body)
     if not re.fullmatch(rb"[0-9\s]*", text):
-        raise _fault("a pixel of the PGM image is no number")
+        raise image_fault("a pixel of the PGM image is no number")
     if re.search(rb"[0-9]{6}", text):
-        raise _fault("a pixel of the PGM image is brighter than its greatest value")
+        raise image_fault("a pixel of the PGM image is brighter than its greatest value")
     values = np.fromstring(text.decode("ascii"), dtype=np.uint32, sep=" ")
     if len(values) < count:
-        raise _fault("the image ends before its last pixel")
+        raise image_fault("the image ends before its last pixel")
     return values[:count]
 
+
+# --- PNG ---------------------------------------------------------------------------------------
 
 SCALED = {2: 85, 4: 17}
 """Bits of a sample of a PNG, and by what Pillow multiplies samples of so many bits."""
 
-# --- PNG ---------------------------------------------------------------------------------------
-
 
 def _png(data: bytes) -> GreyImage:
+    import struct
     import zlib
 
-    if len(data) < 33 or data[12:16] != b"IHDR":
-        raise _fault("the header of the PNG image is damaged")
-    _check_size(int.from_bytes(data[16:20]), int.from_bytes(data[20:24]))
-    if data[24] == 16 and data[25] != 0:
-        raise _fault("the PNG image has colours or transparency of 16 bits")
-    import struct
+    from PIL.Image import DecompressionBombError
 
+    chunks = png_chunks(data)
     try:
-        return _opened(data)
+        return _opened(chunks)
     except (OSError, SyntaxError, ValueError, EOFError, struct.error, zlib.error) as error:
-        raise _fault(f"the PNG image is damaged: {type(error).__name__}") from None
+        raise image_fault(f"the PNG image is damaged: {type(error).__name__}") from None
+    except DecompressionBombError:
+        # Whoever has srgc as a library may have set a lower limit.
+        raise image_fault("the PNG image has more pixels than Pillow is allowed to read") from None
 
 
-def _opened(data: bytes) -> GreyImage:
+def _opened(chunks: PngChunks) -> GreyImage:
     import warnings
 
     import numpy as np
     from PIL import Image
 
+    header = chunks.header
     with warnings.catch_warnings():
         # The size is looked at already.
         warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-        with Image.open(BytesIO(data), formats=["PNG"]) as image:
+        with Image.open(BytesIO(chunks.file), formats=["PNG"]) as image:
+            if image.size != (header.width, header.height):
+                raise image_fault("the PNG image is damaged: it has two sizes")
             image.load()
             if image.mode.startswith("I"):
                 wide = np.asarray(image, dtype=np.uint32)
                 return GreyImage(wide, 2**16 - 1, _keyed(image, wide))
+            if header.colours == PALETTE and int(np.asarray(image).max()) >= chunks.entries:
+                raise image_fault("a pixel of the PNG image has no colour in its palette")
             clear = "transparency" in image.info or image.mode in {"LA", "RGBA", "PA"}
             grey = image.mode in {"1", "L", "LA"}
-            if grey and clear and data[25] == 0 and data[24] in SCALED:
-                return _scaled(np.asarray(image.convert("L")), image.info["transparency"], data[24])
+            if grey and clear and not header.colours and header.depth in SCALED:
+                key = image.info["transparency"]
+                return _scaled(np.asarray(image.convert("L")), key, header.depth)
             kind = ("LA" if clear else "L") if grey else ("RGBA" if clear else "RGB")
-            pixels = np.asarray(image.convert(kind))
+            pixels = np.asarray(image if image.mode == kind else image.convert(kind))
     opaque = pixels[..., -1] == 255 if clear else None
     if kind == "L":
         return GreyImage(pixels, 255)
@@ -160,8 +151,7 @@ def _opened(data: bytes) -> GreyImage:
 
 def _scaled(values: Values, key: int, bits: int) -> GreyImage:
     """An image of few bits: Pillow scales its samples to 255, but not the transparent value."""
-    sample = key % 2**bits
-    return GreyImage(values, 255, values != sample * SCALED[bits])
+    return GreyImage(values, 255, values != key * SCALED[bits])
 
 
 def _keyed(image: Any, values: Values) -> NDArray[np.bool_] | None:

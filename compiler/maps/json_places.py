@@ -6,7 +6,8 @@ import json
 import re
 from collections.abc import Sequence
 
-_TOKEN = re.compile(r'[ \t\r\n]*("(?:[^"\\]|\\.)*"|[][{},:]|[^][{},:" \t\r\n]+)')
+# Possessive, so that nothing is kept to come back to: a string may have millions of characters.
+_TOKEN = re.compile(r'[ \t\r\n]*+("[^"\\]*+(?:\\.[^"\\]*+)*+"|[][{},:]|[^][{},:" \t\r\n]++)')
 
 
 def place_of(text: str, path: Sequence[str | int]) -> tuple[int, int]:
@@ -20,32 +21,34 @@ def place_of(text: str, path: Sequence[str | int]) -> tuple[int, int]:
     Returns:
         Those of the value's first token; of the whole text's first where the path leads nowhere.
     """
-    tokens = [(found[1], found.start(1)) for found in _TOKEN.finditer(text)]
-    position = 0
+    place = 0
     for step in path:
-        found = _child(tokens, position, step)
-        if found is None:
-            position = 0
+        child = _child(text, place, step)
+        if child is None:
+            place = 0
             break
-        position = found
-    word, start = tokens[position]
-    return start, start + len(word)
+        place = child
+    found = _TOKEN.match(text, place)
+    return found.span(1) if found else (0, 1)
 
 
-def _child(tokens: list[tuple[str, int]], opening: int, step: str | int) -> int | None:
-    """The position of an element or member of the array or object that opens at a position."""
+def _child(text: str, opening: int, step: str | int) -> int | None:
+    """Where an element or member begins of the array or object that begins at an offset."""
     depth, number, named, found = 0, 0, isinstance(step, int), None
-    for position in range(opening, len(tokens)):
-        word = tokens[position][0]
-        if depth == 1 and word not in "]},:":
-            if isinstance(step, int):
-                if number == step:
-                    return position
-            elif named:
-                found, named = position, False
-            else:
-                is_key = word.startswith('"') and tokens[position + 1][0] == ":"
-                named = is_key and json.loads(word, strict=False) == step
+    before = ""
+    for token in _TOKEN.finditer(text, opening):
+        word = token[1]
+        if depth == 1:
+            if word == ":":
+                named = before.startswith('"') and json.loads(before) == step
+                continue
+            if word not in "]},":
+                if isinstance(step, int):
+                    if number == step:
+                        return token.start(1)
+                elif named:
+                    found, named = token.start(1), False
+        before = word
         depth += (word in "[{") - (word in "]}")
         number += depth == 1 and word == ","
         if not depth:

@@ -99,7 +99,7 @@ def _root(text: str) -> MappingNode:
         at = min(mark.index if mark else 0, max(len(text) - 1, 0))
         said = error.problem or error.context or "it cannot be read"
         raise MapFault(f"this is not YAML: {said}", _HINT, (at, at + 1)) from None
-    except (yaml.YAMLError, ValueError):
+    except (yaml.YAMLError, ValueError, OverflowError):
         raise MapFault("this is not YAML: a character that no YAML has", _HINT) from None
     if not isinstance(root, yaml.MappingNode):
         raise MapFault("this map is no mapping", _HINT)

@@ -48,9 +48,9 @@ def map_server_pieces(text: str, path: str, image: MapImage) -> Pieces:
     """
     header = map_header(text, path, image.path)
     pixels = obstacles(grey_image(image.data), header)[::-1]  # now the first row is the lowest
-    boxes = rectangles(pixels)
-    if len(boxes) > RECTANGLE_LIMIT:
-        message = f"the obstacles of this map are {len(boxes):,} rectangles, too many to be used"
+    boxes = rectangles(pixels, RECTANGLE_LIMIT)
+    if boxes is None:
+        message = f"the obstacles of this map are more than {RECTANGLE_LIMIT:,} rectangles"
         hint = "use a coarser map, and remove what is noise"
         raise MapFault(message, hint, None, Code.TOO_LARGE)
     polygons, inflation = placed(boxes, pixels, header)

@@ -16,7 +16,7 @@ from itertools import groupby
 from typing import TypeAlias
 
 from compiler.maps.pieces import Corner, Polygon, area, cross
-from compiler.maps.rings import BadRing, Edge, Place, Rings, sound_rings
+from compiler.maps.rings import SIDE_BY_SIDE, BadRing, Edge, Place, Rings, TooTangled, sound_rings
 
 Chain: TypeAlias = list[Corner]
 Side: TypeAlias = tuple[Edge, Edge]
@@ -31,6 +31,7 @@ def polygon_pieces(rings: Sequence[Sequence[Corner]]) -> tuple[Polygon, ...]:
 
     Raises:
         BadRing: a ring is not simple, or the rings make no polygon.
+        TooTangled: too many edges are near each other, or one above another.
     """
     sound = sound_rings(rings)
     found = _decomposed(sound)
@@ -97,6 +98,7 @@ class _Sweep:
     edges: list[Edge] = field(default_factory=list[Edge])
     opened: dict[Side, _Open] = field(default_factory=dict[Side, _Open])
     pieces: list[Polygon] = field(default_factory=list[Polygon])
+    crossed: int = 0
 
     def pass_line(self, x: int, ending: Sequence[Edge], beginning: Sequence[Edge]) -> None:
         """Go on to the right of an abscissa: close pieces there, go on with others, open new."""
@@ -105,6 +107,9 @@ class _Sweep:
             self.edges = [edge for edge in self.edges if edge not in gone]
         for edge in beginning:
             self._insert(edge)
+        self.crossed += len(self.edges)
+        if self.crossed > SIDE_BY_SIDE:
+            raise TooTangled
         now = dict.fromkeys(zip(self.edges[::2], self.edges[1::2], strict=True))
         closing = [side for side in self.opened if side not in now]
         left: dict[tuple[Corner, Corner], _Open] = {}

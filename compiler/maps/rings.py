@@ -1,7 +1,7 @@
 """Rings of polygons: whether they are simple, and whether those of one polygon cross.
 
-Bounding boxes in floats choose the pairs of edges that are looked at; rounding is monotone, so that
-none is missed.  Everything else is exact, in integers.
+Bounding boxes and sides in floats choose the pairs of edges that are looked at, with room for what
+rounding does, so that none is missed.  Everything else is exact, in integers.
 """
 
 from __future__ import annotations
@@ -10,14 +10,26 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import lcm
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from compiler.maps.pieces import Corner
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats: TypeAlias = NDArray[np.float64]
 
 Place: TypeAlias = tuple[int, int]
 """A point in units of a common denominator."""
 Edge: TypeAlias = tuple[Place, Place]
 Contact: TypeAlias = Literal["point", "more"] | None
+
+SIDE_BY_SIDE = 2 * 10**6
+"""So many pairs of edges may be side by side; of outlines of things, a hundredth are."""
+EXACT_LIMIT = SIDE_BY_SIDE // 10
+"""So many pairs may be too close to each other for floats: neighbours, and few others."""
+_ROUNDED = 2.0**-48
 
 
 class BadRing(Exception):
@@ -28,6 +40,10 @@ class BadRing(Exception):
         super().__init__(f"{message}{at}")
         self.message = f"{message}{at}"
         self.ring = ring
+
+
+class TooTangled(Exception):
+    """A polygon with so many edges side by side that it would take minutes to cut it."""
 
 
 def turn(a: Place, b: Place, c: Place) -> int:
@@ -56,6 +72,7 @@ def sound_rings(rings: Sequence[Sequence[Corner]]) -> Rings:
 
     Raises:
         BadRing: one is not closed, has no area, meets itself, or meets another in more than points.
+        TooTangled: more than ``SIDE_BY_SIDE`` pairs of edges are near each other.
     """
     scale = lcm(*(x.denominator for ring in rings for corner in ring for x in corner))
     found: list[tuple[Place, ...]] = []
@@ -82,7 +99,9 @@ def _check_contacts(made: Rings) -> None:
     for ring in made.rings:
         following[start + len(ring) - 1] = start
         start += len(ring)
-    for i, j in _near(edges, made.scale):
+    for count, (i, j) in enumerate(_near(edges)):
+        if count == EXACT_LIMIT:
+            raise TooTangled
         first, second = edges[i], edges[j]
         kind = _contact(first, second)
         same = owner[i] == owner[j]
@@ -95,21 +114,53 @@ def _check_contacts(made: Rings) -> None:
         raise BadRing(message, owner[j], (x / made.scale, y / made.scale))
 
 
-def _near(edges: Sequence[Edge], scale: int) -> Iterator[tuple[int, int]]:
-    """The pairs i < j of edges whose bounding boxes, rounded, have a common point.
+def _near(edges: Sequence[Edge]) -> Iterator[tuple[int, int]]:
+    """The pairs i < j of edges that may have a common point.
 
-    Rounding keeps the order, so that boxes which meet do so after it; the quotients are no larger
-    than the coordinates of the file, of which doubles hold all that may be written.
+    Coordinates are taken from the lower left corner, in parts of the extent, so that they are
+    between 0 and 1 and rounding moves them by less than 2^-53.  That keeps their order: boxes which
+    meet do so after it.  A side is the difference of two products of differences, all of them at
+    most 1, so that it is off by less than 2^-48.
     """
     import numpy as np
 
-    ends = np.array([[[x / scale for x in place] for place in edge] for edge in edges])
+    corners = [corner for edge in edges for corner in edge]
+    left, lower = (min(corner[axis] for corner in corners) for axis in (0, 1))
+    extent = max(max(x - left, y - lower) for x, y in corners)
+    ends = np.array(
+        [[((x - left) / extent, (y - lower) / extent) for x, y in edge] for edge in edges]
+    )
     low, high = ends.min(axis=1), ends.max(axis=1)
+    pairs = 0
     for i in range(len(edges) - 1):
         rest = slice(i + 1, None)
         apart = (low[rest] > high[i]).any(axis=1) | (high[rest] < low[i]).any(axis=1)
-        for j in np.flatnonzero(~apart):
-            yield i, i + 1 + int(j)
+        near = i + 1 + np.flatnonzero(~apart)
+        pairs += len(near)
+        if pairs > SIDE_BY_SIDE:
+            raise TooTangled
+        others = ends[near]
+        one, other = _sides(ends[i], others), _sides(others, ends[i])
+        for j in near[~(_aside(one) | _aside(other))]:
+            yield i, int(j)
+
+
+def _sides(lines: Floats, points: Floats) -> Floats:
+    """On which side of lines the two ends of edges are; shapes (…, 2, 2), result (…, 2)."""
+    start, along = lines[..., :1, :], lines[..., 1:, :] - lines[..., :1, :]
+    away = points - start
+    sides: Floats = along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]
+    return sides
+
+
+def _aside(sides: Floats) -> NDArray[np.bool_]:
+    """Whether both ends are for certain on one side."""
+    import numpy as np
+
+    found: NDArray[np.bool_] = np.logical_or(
+        np.all(sides > _ROUNDED, axis=-1), np.all(sides < -_ROUNDED, axis=-1)
+    )
+    return found
 
 
 def _contact(first: Edge, second: Edge) -> Contact:

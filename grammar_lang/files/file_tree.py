@@ -56,10 +56,22 @@ def name_of(path: Path) -> str:
     return str(path).encode("utf-8", "replace").decode("utf-8")
 
 
+def _unencodable(path: str) -> bool:
+    """Whether a text from elsewhere than a file has what no name of a file can have."""
+    try:
+        os.fsencode(path)
+    except UnicodeEncodeError:
+        return True
+    return False
+
+
 def _written(path: str) -> None:
     """Refuse what no path of a file is, whatever the tree holds."""
     if not path:
         raise Refusal(Code.UNREADABLE_REFERENCE, "an empty path", "write the path of a file")
+    if "\0" in path or _unencodable(path):
+        message = f"cannot read {shown(path)}: no path has such a character"
+        raise Refusal(Code.UNREADABLE_REFERENCE, message, "write the path of a file")
     if "\\" in path:
         better = shown(path.replace("\\", "/"))
         hint = f"folders are separated by `/`: {better}"

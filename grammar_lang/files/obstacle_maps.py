@@ -93,7 +93,7 @@ def _is_geojson(source: Source, number: int, sink: Sink) -> bool:
     start = Span(0, 1, number)
     hint = "export the map as GeoJSON, RFC 7946"
     try:
-        value = json.loads(source.text, parse_constant=_no_constant)
+        value = json.loads(source.text, parse_constant=_no_constant, parse_int=float)
     except json.JSONDecodeError as error:
         said = f"this is not JSON: {error.msg[:1].lower()}{error.msg[1:]}"
         place = Span(error.pos, error.pos + 1, number)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,15 +11,35 @@ from typing import Any, TypeVar
 import click
 
 from srgc.commands.completions import complete_file, complete_folder, complete_name
+from srgc.possible_path import refuse_impossible
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-FILE = click.argument("file", type=click.Path(path_type=Path), shell_complete=complete_file)
+
+class PathOf(click.Path):
+    """A path that a file or a folder can have, whether there is one or not."""
+
+    def convert(
+        self,
+        value: str | os.PathLike[str],
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> str | bytes | os.PathLike[str]:
+        """The path.
+
+        Raises:
+            UsageFault: there can be no such file.
+        """
+        refuse_impossible(value)
+        return super().convert(value, param, ctx)
+
+
+FILE = click.argument("file", type=PathOf(path_type=Path), shell_complete=complete_file)
 FILES = click.argument(
     "files",
     nargs=-1,
     required=True,
-    type=click.Path(path_type=Path),
+    type=PathOf(path_type=Path),
     shell_complete=complete_file,
     metavar="FILE...",
 )
@@ -26,11 +47,11 @@ FILES_OR_STDIN = click.argument(
     "files",
     nargs=-1,
     required=True,
-    type=click.Path(path_type=Path, allow_dash=True),
+    type=PathOf(path_type=Path, allow_dash=True),
     shell_complete=complete_file,
     metavar="FILE...",
 )
-FOLDER = click.argument("folder", type=click.Path(path_type=Path), shell_complete=complete_folder)
+FOLDER = click.argument("folder", type=PathOf(path_type=Path), shell_complete=complete_folder)
 GRAMMAR = click.option(
     "--grammar", shell_complete=complete_name, help="The grammar, where the file has several."
 )
@@ -43,7 +64,7 @@ TASK = click.option(
 OUTPUT = click.option(
     "-o",
     "output",
-    type=click.Path(path_type=Path, allow_dash=True),
+    type=PathOf(path_type=Path, allow_dash=True),
     help="Write here, not to stdout (`-`).",
 )
 QUIET = click.option(

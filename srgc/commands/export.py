@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FOLDER
+from srgc.commands.arguments import FOLDER, PathOf
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
 
@@ -40,7 +40,7 @@ BINARY = ("npz",)
 @click.option(
     "-o",
     "output",
-    type=click.Path(path_type=Path, allow_dash=True),
+    type=PathOf(path_type=Path, allow_dash=True),
     help="Write here, not to stdout (`-`). A folder for mujoco and all.",
 )
 @click.option(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from os.path import realpath
 from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FOLDER, QUIET
+from srgc.commands.arguments import FOLDER, QUIET, PathOf
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
 
@@ -49,13 +50,13 @@ PICTURE, GRID = "figures/landscape.svg", "landscape.csv"
 @click.option(
     "-o",
     "output",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=PathOf(path_type=Path, dir_okay=False),
     help="Draw here, as SVG.  Default: DIR/figures/landscape.svg.",
 )
 @click.option(
     "--csv",
     "table",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=PathOf(path_type=Path, dir_okay=False),
     help="Write the grid here.  Default: DIR/landscape.csv.",
 )
 @QUIET
@@ -84,7 +85,7 @@ def landscape(
     picture, grid = output or folder / PICTURE, table or folder / GRID
     if picture.suffix.lower() != ".svg":
         raise UsageFault(f"{picture}: a landscape is drawn as SVG; let the name end in .svg")
-    if grid.resolve() == picture.resolve():
+    if realpath(grid) == realpath(picture):
         raise UsageFault(f"{picture} cannot be the picture and the table")
     files = [folder_output(folder, path, {PICTURE, GRID}) for path in (picture, grid)]
     found = found_design(folder)

@@ -13,7 +13,10 @@ from srgc.taught_command import TaughtCommand
 @click.command(
     cls=TaughtCommand,
     examples=["srgc lsp --help"],
-    statuses={0: "ended by the client", 1: "the client has gone without `shutdown`"},
+    statuses={
+        0: "ended by the client",
+        1: "the client has gone without `shutdown`, or sends what is no message",
+    },
     reads_spec=False,
     read_on="docs/how-to/editors.md",
 )

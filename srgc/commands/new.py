@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from srgc.commands.arguments import PathOf
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
 
@@ -27,7 +28,7 @@ def _kinds(_context: click.Context, _parameter: click.Parameter, begun: str) -> 
 @click.option(
     "-o",
     "output",
-    type=click.Path(path_type=Path, allow_dash=True),
+    type=PathOf(path_type=Path, allow_dash=True),
     help="Write here; `-` is stdout.  Default: KIND.srg.",
 )
 @click.option("--force", is_flag=True, help="Replace a file that is there.")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, QUIET, TASK
+from srgc.commands.arguments import FILE, QUIET, TASK, PathOf
 from srgc.exit_status import FOUND, VERDICT_STATUS
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
@@ -37,7 +37,7 @@ from srgc.taught_command import TaughtCommand
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=PathOf(path_type=Path, dir_okay=False),
     help="Draw cells, adjacency and path here, as SVG; with --dump, write that here.",
 )
 @QUIET

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FOLDER, QUIET
+from srgc.commands.arguments import FOLDER, QUIET, PathOf
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
 
@@ -25,7 +25,7 @@ NAME = "report.html"
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=PathOf(path_type=Path, dir_okay=False),
     help=f"Write the page here.  Default: DIR/{NAME}.",
 )
 @click.option(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, QUIET, TASK, limit_of_time
+from srgc.commands.arguments import FILE, QUIET, TASK, PathOf, limit_of_time
 from srgc.exit_status import VERDICT_STATUS
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
@@ -26,7 +26,7 @@ from srgc.time_limit import TimeLimit
 )
 @FILE
 @TASK
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Default: out/TASK.")
+@click.option("-o", "--output", type=PathOf(path_type=Path), help="Default: out/TASK.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
 @click.option(

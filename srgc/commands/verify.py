@@ -7,7 +7,7 @@ from typing import Literal
 
 import click
 
-from srgc.commands.arguments import FOLDER, QUIET
+from srgc.commands.arguments import FOLDER, QUIET, PathOf
 from srgc.commands.completions import complete_file
 from srgc.exit_status import REFUSED, UNEXPECTED, UNKNOWN
 from srgc.faults import UsageFault
@@ -33,7 +33,7 @@ from srgc.taught_command import TaughtCommand
 @FOLDER
 @click.option(
     "--spec",
-    type=click.Path(path_type=Path),
+    type=PathOf(path_type=Path),
     shell_complete=complete_file,
     help="Also: it is about this file.",
 )

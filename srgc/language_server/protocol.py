@@ -14,6 +14,8 @@ from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
+from srgc.language_server.documents.uris import is_malformed
+
 _PARSE_ERROR = lsp.ErrorCodes.ParseError.value
 _INVALID_REQUEST = lsp.ErrorCodes.InvalidRequest.value
 _INVALID_PARAMS = lsp.ErrorCodes.InvalidParams.value
@@ -43,6 +45,16 @@ class Protocol(LanguageServerProtocol):
             {"jsonrpc": "2.0", "id": request, "error": {"code": code, "message": message}}
         )
 
+    def receive(self, body: bytes) -> None:
+        """Handle the body of a message; one that nobody can read is answered."""
+        try:
+            message = json.loads(body)
+            # Of an object within the parameters it does not matter what it looks like.
+            found = self.structure_message(message) if isinstance(message, dict) else message
+            self.handle_message(found)
+        except Exception as error:
+            self._refuse_unreadable(error)
+
     def structure_message(self, data: dict[str, Any]) -> Any:
         """An object of a message; a request that is none is refused."""
         try:
@@ -52,7 +64,7 @@ class Protocol(LanguageServerProtocol):
                 self.refuse(data["id"], _INVALID_PARAMS, f"wrong parameters: {data['method']}")
             raise Answered from error
 
-    def refuse_unreadable(self, error: Exception) -> None:
+    def _refuse_unreadable(self, error: Exception) -> None:
         """Answer a message that could not be handled, if it has no answer yet."""
         if isinstance(error, Answered):
             return
@@ -89,6 +101,17 @@ class Protocol(LanguageServerProtocol):
             self.initialized = True
             self.stopped = method == lsp.SHUTDOWN
             super().handle_message(message)
+
+    @lsp_method(lsp.INITIALIZE)
+    def lsp_initialize(self, params: lsp.InitializeParams) -> Any:
+        """As pygls does it, which takes all folders apart, those that are no URIs as well."""
+        params.root_path = None
+        if params.root_uri and is_malformed(params.root_uri):
+            params.root_uri = None
+        params.workspace_folders = [
+            folder for folder in params.workspace_folders or [] if not is_malformed(folder.uri)
+        ]
+        return (yield from super().lsp_initialize(params))
 
     @lsp_method(lsp.SHUTDOWN)
     def lsp_shutdown(self, *args: Any) -> Any:

@@ -10,6 +10,7 @@ from pygls.capabilities import ServerCapabilitiesBuilder
 from pygls.exceptions import JsonRpcException, JsonRpcInternalError
 from pygls.lsp.server import LanguageServer
 
+from srgc.language_server.documents.disk import is_folder
 from srgc.language_server.documents.programs import Programs
 from srgc.language_server.documents.publishing import Publishing
 from srgc.language_server.documents.uris import path_of
@@ -47,10 +48,9 @@ class Server(LanguageServer):
         _connect_tasks(self)
 
     def report_server_error(self, error: Exception, source: Any) -> None:
-        """A fault goes to the log; a message that nobody could read is answered."""
-        if source is JsonRpcException:
-            self.protocol.refuse_unreadable(error)
-        elif isinstance(error, JsonRpcInternalError):
+        """A fault goes to the log; what a client has done wrong is no fault."""
+        del source
+        if isinstance(error, JsonRpcInternalError):
             told = error.data.get("traceback", []) if isinstance(error.data, dict) else []
             logging.getLogger(__name__).error("%s\n%s", error, "".join(told))
         elif not isinstance(error, JsonRpcException):
@@ -82,7 +82,7 @@ class Server(LanguageServer):
         uris = [folder.uri for folder in params.workspace_folders or []]
         if not uris and params.root_uri:
             uris = [params.root_uri]
-        self.programs.folders = [p for p in map(path_of, uris) if p is not None and p.is_dir()]
+        self.programs.folders = [p for p in map(path_of, uris) if p is not None and is_folder(p)]
         text = capabilities.text_document
         item = None
         if text is not None and text.completion is not None:
@@ -107,7 +107,7 @@ class Server(LanguageServer):
         gone = {path_of(folder.uri) for folder in event.removed}
         new = [path_of(folder.uri) for folder in event.added]
         kept = [path for path in self.programs.folders if path not in gone]
-        self.programs.folders = [*kept, *(p for p in new if p is not None and p.is_dir())]
+        self.programs.folders = [*kept, *(p for p in new if p is not None and is_folder(p))]
         self.programs.disk_changed()
         self.publishing.all_soon()
 

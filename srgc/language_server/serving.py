@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
+import socket
 import sys
-from contextlib import suppress
+from typing import BinaryIO
 
+from pygls.io_ import StdoutWriter
+
+from srgc.language_server.message_stream import MessageStream, UnreadableMessage
 from srgc.language_server.server import Server
 
 
@@ -28,25 +33,52 @@ def serve_stdio() -> int:
     channel = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     aside = os.open(os.devnull, os.O_WRONLY) if sys.stderr is None else sys.stderr.fileno()
     os.dup2(aside, sys.stdout.fileno())
-    server = Server()
-    try:
-        server.start_io(sys.stdin.buffer, channel)
-    finally:
-        server.close()
-    return 0 if server.stopped else 1
+    return _serve(sys.stdin.buffer, channel)
 
 
 def serve_tcp(port: int) -> int:
-    """Serve the first client that connects to a port of this machine.
+    """Serve the first client that connects to a port of this machine, as :func:`serve_stdio`.
 
     Raises:
         OSError: the port cannot be used.
     """
     _log_to_stderr()
+    with socket.create_server(("127.0.0.1", port)) as waiting:
+        connection, _ = waiting.accept()
+    with connection, connection.makefile("rb") as incoming:
+        return _serve(incoming, connection.makefile("wb"))
+
+
+def _serve(incoming: BinaryIO, outgoing: BinaryIO) -> int:
     server = Server()
+    server.protocol.set_writer(StdoutWriter(outgoing))
+    lost = False
     try:
-        with suppress(SystemExit):
-            server.start_tcp("127.0.0.1", port)
+        lost = asyncio.run(_answer(server, MessageStream(incoming)))
+    except (OSError, SystemExit):
+        pass  # the client has gone, or has said ``exit``
     finally:
         server.close()
-    return 0 if server.stopped else 1
+    return 0 if server.stopped and not lost else 1
+
+
+async def _answer(server: Server, messages: MessageStream) -> bool:
+    """Handle messages to the end of the stream; whether that is because its frame is lost."""
+    while True:
+        try:
+            body = await asyncio.to_thread(messages.next)
+        except UnreadableMessage as fault:
+            _refuse(server, fault)
+            if fault.lost:
+                return True
+            continue
+        if body is None:
+            return False
+        server.protocol.receive(body)
+
+
+def _refuse(server: Server, fault: UnreadableMessage) -> None:
+    """Answer what cannot be read, and say so to the user where it is the end."""
+    if fault.lost:
+        logging.getLogger(__name__).error("the connection ends: %s", fault)
+    server.protocol.refuse(None, fault.CODE, str(fault))

@@ -12,6 +12,7 @@ from numbers import Integral, Real
 from os import PathLike
 
 from srgc.faults import UsageFault
+from srgc.possible_path import refuse_impossible
 
 LONGEST = 60
 """Of what is shown of a value, in characters."""
@@ -54,7 +55,7 @@ def refuse_others(
     """Refuse arguments that are not what their annotations say; some annotations only.
 
     Raises:
-        UsageFault: one is something else.
+        UsageFault: one is something else, or a path that there cannot be.
     """
     try:
         given = signature.bind(*arguments, **named).arguments
@@ -66,6 +67,8 @@ def refuse_others(
         optional = annotation.endswith(" | None") and value is None
         if kind is not None and not optional and not kind.holds(value):
             raise UsageFault(f"`{name}` is {kind.due}, not {_shown(value)}")
+        if kind is _PATH and isinstance(value, str | PathLike):
+            refuse_impossible(value)
 
 
 def _shown(value: object) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import tracemalloc
 from fractions import Fraction
 
 import pytest
@@ -158,6 +159,57 @@ def test_many_polygons(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(MapFault, match="more than 14 positions") as caught:
         geojson_pieces(text)
     assert caught.value.code is Code.TOO_LARGE
+
+
+def zigzag(count: int, digits: str = "") -> str:
+    """A ring of spikes, each beside all others though none touches another."""
+    spikes = (f"[0, 0.{digits}{2 * i:05}], [1, 1.{digits}{2 * i + 1:05}]" for i in range(count))
+    return f"[{', '.join(spikes)}, [-1, 1], [0, 0.{digits}00000]]"
+
+
+def test_edges_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To compare each with all others, exactly and more than once, would take minutes."""
+    for ring in (zigzag(4990), zigzag(900, "1" * 290), zigzag(400, "1" * 100)):
+        with pytest.raises(MapFault, match="too many edges side by side") as caught:
+            geojson_pieces(RINGS % ring)
+        assert caught.value.code is Code.TOO_LARGE
+    few = RINGS % zigzag(100)
+    assert len(geojson_pieces(few).polygons) > 50
+    teeth = [place for i in range(100) for place in ([0, 2 * i], [900 + i, 2 * i + 1])]
+    comb = RINGS % [[-1, 0], *teeth, [-1, 200], [-1, 0]]
+    assert len(geojson_pieces(comb).polygons) > 50
+    monkeypatch.setattr("compiler.maps.polygon_pieces.SIDE_BY_SIDE", 10**4)
+    with pytest.raises(MapFault, match="too many edges side by side"):
+        geojson_pieces(comb)
+
+
+def test_edges_that_floats_cannot_tell_apart() -> None:
+    """The ends of the spike are 10^-40 m beside the other edge, or on it."""
+    for beside, piece in (("", "[0.5, 0.4]"), (f"0.5{'0' * 38}1", "")):
+        end = f"[0.5, {beside or '0.5'}]"
+        ring = f"[[0, 0], [1, 1], [1, 2], {end}, [0, 2], [0, 0]]"
+        if piece:
+            with pytest.raises(MapFault, match="meets itself"):
+                geojson_pieces(RINGS % ring)
+        else:
+            assert geojson_pieces(RINGS % ring).polygons
+
+
+def test_numbers_that_no_float_holds() -> None:
+    for number in ("9" * 250 + "e300", "1e301", "9" * 5000, "1e" + "9" * 5000, "1e999999999"):
+        with pytest.raises(MapFault, match="no number that can be used"):
+            geojson_pieces(RINGS % f"[[0, 0], [{number}, 0], [0, 1], [0, 0]]")
+    assert geojson_pieces(RINGS % "[[0, 0], [1e300, 0], [0, 1], [0, 0]]").polygons
+
+
+def test_a_place_is_found_without_a_list_of_all_that_is_before() -> None:
+    long = f'{{"a": "{"x" * 10**6}", "b": [{"0," * 10**6}1], "type": "Pollygon"}}'
+    assert place_of(long, ()) == (0, 1)
+    tracemalloc.start()
+    assert place_of(long, ("b", 10**6)) == (long.index("1]"), long.index("1]") + 1)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 10**7
 
 
 def test_places_in_json() -> None:

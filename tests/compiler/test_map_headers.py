@@ -146,6 +146,11 @@ def test_a_second_field_is_found_where_it_stands() -> None:
         "a: &a [*a]",
         "a: &a [x]\nb: &b [*a, *a]\nc: [*b, *b]\n" + TEXT,
         '"\\xff": "\\q"',
+        TEXT + 'x: "\\UFFFFFFFF"',
+        TEXT + 'x: "\\U00110000"',
+        TEXT + "x: !<%FF> 1",
+        "%YAML 1." + "9" * 5000 + "\n---\n" + TEXT,
+        TEXT + "x: |999999999999\n a",
     ],
 )
 def test_what_is_no_map(text: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import tracemalloc
 import zlib
 from collections.abc import Callable
 from fractions import Fraction
@@ -13,7 +14,8 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from compiler.maps.grey_image import PIXEL_LIMIT, grey_image
+from compiler.maps.grey_image import grey_image
+from compiler.maps.image_fault import PIXEL_LIMIT
 from compiler.maps.map_fault import MapFault
 from compiler.maps.map_header import MapHeader, Mode
 from compiler.maps.occupancy import obstacles
@@ -186,6 +188,12 @@ GOOD = saved(Image.fromarray(ramp()))
         (b"P2 2 2 255\n0 1 2 256", "brighter"),
         (b"P2 2 2 255\n0 1 2 99999999999999999999", "brighter"),
         (b"P2 2 2 255\n0 1 2 -3", "no number"),
+        (b"P5 " + b"1" * 5000 + b" 2 255\n", "header"),
+        (b"P5 2 2 " + b"0" * 5000 + b"255\n\0\0\0\0", "header"),
+        (b"P5 2 2 +255\n\0\0\0\0", "header"),
+        (b"P2 2 2 255\n0 1 2 " + b"9" * 5000, "brighter"),
+        (b"P5" + b" " * 2**20 + b"2 2 255\n\0\0\0\0", "header"),
+        (b"P5 " + b"#\n" * 2**20 + b"2 2 255\n\0\0\0\0", "header"),
         (b"P2 2 2 255\n0 1 2 x", "no number"),
         (b"P5 99999 99999 255\n", "pixels, more than"),
         (GOOD[:20], "header of the PNG"),
@@ -210,6 +218,21 @@ def test_an_image_that_unpacks_to_too_much() -> None:
     with pytest.raises(MapFault, match="more than 67,108,864") as caught:
         grey_image(png(side, side, 8, 0, b"\0" * 100))
     assert caught.value.code is Code.TOO_LARGE
+
+
+def test_leading_zeros_and_comments_in_a_header() -> None:
+    image = grey_image(b"P5\n# one\n#two\r\n 000002#three\n\t02\n\n007\n\0\1\2\7")
+    assert (image.values.tolist(), image.white) == ([[0, 1], [2, 7]], 7)
+
+
+def test_a_long_header_is_not_kept_to_come_back_to() -> None:
+    data = b"P5" + b" " * 2**22
+    tracemalloc.start()
+    with pytest.raises(MapFault, match="header"):
+        grey_image(data)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 2**25
 
 
 def test_a_file_is_read_by_what_it_is_not_by_its_name() -> None:

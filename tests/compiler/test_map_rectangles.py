@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import tracemalloc
 from fractions import Fraction
 from io import BytesIO
 
@@ -13,13 +14,16 @@ import shapely
 from numpy.typing import NDArray
 from PIL import Image
 
+from compiler.maps.map_fault import MapFault
 from compiler.maps.map_header import MapHeader
 from compiler.maps.map_server import map_server_pieces, placed
 from compiler.maps.pieces import Polygon, area, cross
 from compiler.maps.rational_rotation import rational_rotation
 from compiler.maps.rectangles import rectangles
+from grammar_lang.findings.codes import Code
 from grammar_lang.ir import MapImage
 
+MOST = 10**6
 YAML = """\
 image: a.pgm
 resolution: {size}
@@ -50,7 +54,7 @@ def test_every_pixel_is_in_one_rectangle() -> None:
     for _ in range(400):
         pixels = random_pixels(rng)
         count = np.zeros(pixels.shape, dtype=int)
-        for r, c, s, d in rectangles(pixels):
+        for r, c, s, d in rectangles(pixels, MOST):
             assert 0 <= r < s <= pixels.shape[0]
             assert 0 <= c < d <= pixels.shape[1]
             count[r:s, c:d] += 1
@@ -72,7 +76,35 @@ def test_every_pixel_is_in_one_rectangle() -> None:
 )
 def test_rectangles_are_few(rows: list[str], number: int) -> None:
     pixels = np.array([[c == "#" for c in row] for row in rows])
-    assert len(rectangles(pixels)) == len(rectangles(pixels.T)) == number
+    assert len(rectangles(pixels, MOST)) == len(rectangles(pixels.T, MOST)) == number
+
+
+def test_lines_looked_at_apart_make_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(200):
+        pixels = random_pixels(rng)
+        whole = rectangles(pixels, MOST)
+        assert whole is not None
+        for at_once in (1, 20, 50):
+            monkeypatch.setattr("compiler.maps.rectangles._AT_ONCE", at_once)
+            assert np.array_equal(rectangles(pixels, len(whole)), whole)
+            assert len(whole) == 0 or rectangles(pixels, len(whole) - 1) is None
+        monkeypatch.undo()
+
+
+def test_noise_is_given_up_soon() -> None:
+    """A list of all its runs would have gigabytes."""
+    board = np.indices((2048, 2048), dtype=np.uint8).sum(axis=0) % 2 == 1
+    file = BytesIO()
+    Image.fromarray(board).save(file, "PNG")
+    text = YAML.format(size=1, x=0, y=0, yaw=0)
+    tracemalloc.start()
+    with pytest.raises(MapFault, match="more than 100,000 rectangles") as caught:
+        map_server_pieces(text, "m.yaml", MapImage("a.pgm", file.getvalue()))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert caught.value.code is Code.TOO_LARGE
+    assert peak < 200 * 2**20
 
 
 def test_a_large_image_takes_about_a_second() -> None:
@@ -82,7 +114,7 @@ def test_a_large_image_takes_about_a_second() -> None:
         row, column = rng.integers(0, 1000, 2)
         pixels[row : row + rng.integers(1, 80), column : column + rng.integers(1, 80)] = True
     started = time.perf_counter()
-    found = rectangles(pixels)
+    found = rectangles(pixels, MOST)
     assert time.perf_counter() - started < 2
     assert sum((s - r) * (d - c) for r, c, s, d in found) == pixels.sum()
     assert len(found) < 2500
@@ -162,7 +194,7 @@ def test_turned_obstacles_are_covered(yaw: str) -> None:
             Fraction(1, 2), (Fraction(3), Fraction(-1)), Fraction(yaw), False,
             Fraction("0.65"), Fraction("0.196"), "trinary",
         )  # fmt: skip
-        polygons, inflation = placed(rectangles(pixels), pixels, header, bits=12)
+        polygons, inflation = placed(rectangles(pixels, MOST), pixels, header, bits=12)
         angle = float(yaw)
         turn = [np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle), 3, -1]
         boxes = [

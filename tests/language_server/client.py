@@ -46,7 +46,8 @@ class Client:
         self.folder = Path()
         self._number = 0
         threading.Thread(target=self._read, daemon=True).start()
-        threading.Thread(target=self._read_log, daemon=True).start()
+        self.reader = threading.Thread(target=self._read_log, daemon=True)
+        self.reader.start()
 
     # --- frames --------------------------------------------------------------------------------
 

@@ -58,8 +58,8 @@ def _paths(cursor: Cursor, folder: Path | None) -> Iterator[Offer]:
     if folder is None or suffixes is None:
         return
     written = (cursor.quoted or "").rpartition("/")[0]
-    place = Path(os.path.realpath(folder / written))
     try:
+        place = Path(os.path.realpath(folder / written))
         entries = sorted(place.iterdir())[:_MOST_PATHS]
     except (OSError, ValueError):
         return

@@ -60,7 +60,7 @@ class Analysis:
     def place(self, number: int) -> str:
         """The path without links of a file, or the URI of the main document."""
         name = self.sources[number].name
-        return os.path.realpath(name) if Path(name).is_absolute() else name
+        return os.path.realpath(name) if self.path(number) is not None else name
 
     def path(self, number: int) -> Path | None:
         """The path of a file; None for a document that is none."""

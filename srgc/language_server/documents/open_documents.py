@@ -34,7 +34,9 @@ class Document:
         self.uri = uri
         self.version = version
         self.path: Path | None = path_of(uri)
-        self.real = uri if self.path is None else os.path.realpath(self.path)
+        # Without a path it has a name that is none, either.
+        nameless = f"untitled:{uri}" if uri.startswith("/") else uri
+        self.real = nameless if self.path is None else os.path.realpath(self.path)
         self._encoding = encoding
         self.replace(text)
 

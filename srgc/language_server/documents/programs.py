@@ -138,8 +138,7 @@ class Programs:
         if document is None:
             task: Callable[[], Analysis | None] = partial(analyse_file, Path(root), held, encoding)
         else:
-            name = root if document.path is not None else document.uri
-            task = partial(analyse, name, document.text, held, encoding)
+            task = partial(analyse, root, document.text, held, encoding)
         future = loop.run_in_executor(self._worker, task)
         entry = self._entries[root] = _Entry(future, self._texts(), self._disk)
         return entry

@@ -12,10 +12,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from srgc.language_server.documents.disk import bytes_of, is_folder
+
 _INCLUDE = re.compile(r"""\binclude\s*(?:"([^"\n]*)"|'([^'\n]*)')\s*;""")
-_COMMENT = re.compile(
-    r"""("[^"\n]*"|'[^'\n]*')|//[^\n]*|/\*(?:[^*]|\*(?!/))*\*/""",
-)
+# A comment without an end goes to the end of the text: its beginnings are not tried one by one.
+_COMMENT = re.compile(r"""("[^"\n]*"|'[^'\n]*')|//[^\n]*|/\*(?s:.*?)(?:\*/|\Z)""")
 MOST_FILES = 1000
 """So many files below a folder are looked at."""
 MOST_ROOTS = 8
@@ -80,13 +81,16 @@ class Projects:
         """For every file known the files that include it."""
         known = {os.path.realpath(p) for folder in folders for p in specs_below(folder)}
         beside = Path(place).parent
-        if beside.is_dir():
+        if is_folder(beside):
             known |= {os.path.realpath(path) for path in sorted(beside.glob("*.srg"))[:MOST_FILES]}
         parents: dict[str, list[str]] = {}
         for name in sorted(known | set(open_files)):
             held = open_files.get(name)
             for path in self._of_file(name) if held is None else held:
-                target = os.path.realpath(posixpath.join(posixpath.dirname(name), path))
+                try:
+                    target = os.path.realpath(posixpath.join(posixpath.dirname(name), path))
+                except ValueError:  # no path has such characters
+                    continue
                 parents.setdefault(target, []).append(name)
         return parents
 
@@ -98,10 +102,9 @@ class Projects:
             known = self._read.get(name)
             if known is not None and known[0] == status.st_mtime:
                 return known[1]
-            small = status.st_size <= _LARGEST
-            found = included(path.read_text("utf-8", errors="replace")) if small else []
         except (OSError, ValueError):
             return []
+        found = included((bytes_of(path, _LARGEST) or b"").decode("utf-8", errors="replace"))
         self._read[name] = (status.st_mtime, found)
         return found
 

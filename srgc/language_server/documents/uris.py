@@ -2,20 +2,42 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 
 def path_of(uri: str) -> Path | None:
-    """The path of a ``file:`` URI; None for an untitled document and the like."""
+    """The path of a ``file:`` URI; None for an untitled document and the like.
+
+    So it is for a path that no file can have: what is open there is a text without a place.
+    """
     try:
         parts = urlsplit(uri)
         path = unquote(parts.path, errors="surrogateescape")
+        if parts.scheme != "file" or not path.startswith("/"):
+            return None
+        return Path(path) if _is_possible(path) else None
     except ValueError:
         return None
-    if parts.scheme != "file" or not path.startswith("/") or "\0" in path:
-        return None
-    return Path(path)
+
+
+def is_malformed(uri: str) -> bool:
+    """Whether a text is no URI at all."""
+    try:
+        urlsplit(uri)
+    except ValueError:
+        return True
+    return False
+
+
+def _is_possible(path: str) -> bool:
+    """Whether there can be a file; ValueError says no, too."""
+    try:
+        Path(path).lstat()
+    except OSError as error:
+        return error.errno != errno.ENAMETOOLONG
+    return True
 
 
 def uri_of(path: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import posixpath
 from pathlib import Path
 
@@ -28,7 +29,7 @@ def include_links(analysis: Analysis, number: int, uri_of: UriOf) -> list[lsp.Do
     links: list[lsp.DocumentLink] = []
     for path in paths:
         target = Path(posixpath.normpath(base.parent / path.text))
-        if "\0" in path.text or not path.text or not target.is_file():
+        if not path.text or not os.path.isfile(target):  # noqa: PTH113 - of any name
             continue
         inside = Span(path.span.start + 1, path.span.end - 1, path.span.file)
         place = analysis.lines(number).range(inside)

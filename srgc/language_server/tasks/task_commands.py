@@ -16,6 +16,7 @@ from grammar_lang.findings.counted import counted
 from grammar_lang.findings.diagnostics import Severity
 from srgc.exit_status import SPEC_ERRORS, USAGE
 from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.disk import bytes_of, is_folder
 from srgc.language_server.documents.programs import Programs
 from srgc.language_server.protocol import RequestRefused
 from srgc.language_server.tasks.subprocess_jobs import Ended, Jobs
@@ -76,7 +77,7 @@ class TaskCommands:
         """Verify the results of a task."""
         path = await self._path(uri, task)
         folder = folder_of(path, task)
-        if not folder.is_dir():
+        if not is_folder(folder):
             raise RequestRefused(f"{folder} is no result folder yet: synthesise first")
         relative = str(folder.relative_to(path.parent))
         ended = await self._run(path, task, "verify", ["verify", relative, "--task", task])
@@ -132,11 +133,7 @@ class TaskCommands:
         path = await self._path(uri, task)
         for number, (name, data) in enumerate(current_files(analysis).items()):
             at = analysis.path(number)
-            try:
-                saved = at is not None and at.read_bytes() == data
-            except OSError:
-                saved = False
-            if not saved:
+            if at is None or bytes_of(at) != data:
                 raise RequestRefused(f"save {name} first")
         return path
 

@@ -11,9 +11,9 @@ from typing import Any
 
 from grammar_lang.files.source_file import decoded
 from grammar_lang.findings.diagnostics import Sink
-from solvers.verifier.claims.bounded_file import bounded_bytes
 from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.disk import bytes_of
 from srgc.results.folder_layout import refuse_other
 
 _LONGEST = 60
@@ -43,11 +43,8 @@ def current_files(analysis: Analysis) -> dict[str, bytes]:
     for number, source in enumerate(analysis.sources):
         data = source.data
         path = analysis.path(number)
-        try:
-            on_disk = data if path is None else path.read_bytes()
-        except (OSError, ValueError):
-            on_disk = data
-        if on_disk != data and decoded(on_disk, 0, Sink())[0] == source.text:
+        on_disk = None if path is None else bytes_of(path)
+        if on_disk not in (None, data) and decoded(on_disk, 0, Sink())[0] == source.text:
             data = on_disk
         found[source.path] = data
     return found
@@ -101,20 +98,21 @@ def _said(kind: str, design: Mapping[str, Any]) -> str:
 
 def _design(folder: Path) -> dict[str, Any] | None:
     try:
-        content = json.loads(_plain_bytes(folder / "design.json"))
-    except (OSError, ValueError, RecursionError, UsageFault):
+        content = json.loads(_plain_bytes(folder / "design.json") or b"")
+    except (ValueError, RecursionError):
         return None
     return content if isinstance(content, dict) and "verdict" in content else None
 
 
 def _digest(path: Path) -> str | None:
+    data = _plain_bytes(path)
+    return None if data is None else hashlib.sha256(data).hexdigest()
+
+
+def _plain_bytes(path: Path) -> bytes | None:
+    """A file of a result folder; None if it is a link, or cannot be read."""
     try:
-        return hashlib.sha256(_plain_bytes(path)).hexdigest()
-    except (OSError, UsageFault):
+        refuse_other(path, "file")
+    except UsageFault:
         return None
-
-
-def _plain_bytes(path: Path) -> bytes:
-    """A file of a result folder, which is no link."""
-    refuse_other(path, "file")
-    return bounded_bytes(path)
+    return bytes_of(path)
