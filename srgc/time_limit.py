@@ -6,8 +6,6 @@ import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
-from compiler.time_limits.time_limit import time_limit
-
 TOLERATED = 1.0
 """Seconds beyond the limit that need no explanation."""
 
@@ -30,6 +28,8 @@ class TimeLimit:
 
     def holds(self) -> AbstractContextManager[None]:
         """In the block, whatever takes long ends with OutOfTimeError once the limit is reached."""
+        from compiler.time_limits.time_limit import time_limit  # not for help and completion
+
         return time_limit(None if self.seconds is None else self.reached)
 
     def overrun(self, step: str) -> str:

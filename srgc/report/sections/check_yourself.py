@@ -56,7 +56,8 @@ def _commands(evidence: Evidence) -> Iterator[tuple[str, str]]:
     else:
         yield "srgc verify .", "check the certificate"
         yield "srgc verify . --json", "the same for programs"
-        yield "srgc verify . --spec PATH", "and that it is about your file"
+        expected = f"--task {evidence.task.name} --expect {evidence.verdict}"
+        yield f"srgc verify . --spec PATH {expected}", "and that it is about your file and task"
         if evidence.verdict == "impossible":
             yield "srgc verify . --trust z3", "run z3 again where no covering is"
             yield "srgc why .", "which lines conflict, what would help"
