@@ -166,7 +166,8 @@ class SuggestionSearch:
         """The first structure of more modules than the task allows with poses for it."""
         family = family_of(self.posed.program, self.posed.task)
         allowed = module_bound(family, self.posed.task)
-        posed = self.posed.with_task(modules=max(DEFAULT_MODULES, allowed + 1))
+        fewest = family.language.fewest_modules() or 0
+        posed = self.posed.with_task(modules=max(DEFAULT_MODULES, allowed + 1, fewest))
         every = (each for each in self.structures(posed) if self.size(each) > allowed)
         return next(iter(with_poses(posed, every, self.seed, robots=1)), None)
 

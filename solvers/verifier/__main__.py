@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from grammar_lang.files.file_tree import visible
 from solvers.verifier.verification import Outcome, verify_directory
 
 
@@ -18,7 +19,7 @@ def main(arguments: Sequence[str]) -> int:
     claimed = "" if report.task is None else f": {report.verdict}, task {report.task}"
     digest = "" if report.spec_sha256 is None else f", spec {report.spec_sha256}"
     reason = "" if report.reason is None else f": {report.reason}"
-    sys.stdout.write(f"{report.outcome.value}{claimed}{digest}{reason}\n")
+    sys.stdout.write(visible(f"{report.outcome.value}{claimed}{digest}{reason}") + "\n")
     return {Outcome.VALID: 0, Outcome.REFUTED: 1}.get(report.outcome, 4)
 
 

@@ -73,7 +73,7 @@ def verify_directory(
         claim = read_claim(folder)
         report = _as_expected(folder, claim, spec, trust, watch, expected)
     except OSError as error:
-        reason = f"the certificate cannot be read: {error.strerror}"
+        reason = f"the results cannot be read: {error.strerror}"
         report = Report(Outcome.UNDECIDED, None, None, reason)
     except UnicodeDecodeError:
         report = Report(Outcome.REFUTED, None, None, "the certificate is not UTF-8")

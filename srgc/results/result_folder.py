@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from solvers.progress import Recorded
+from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text
 from srgc.faults import UsageFault
 from srgc.near_places import unwritable
 from srgc.results.folder_layout import JOURNAL, OWN_FILES, OWN_FOLDERS, UNFINISHED, refuse_links
@@ -162,7 +163,7 @@ def _owner(path: Path) -> Identity | None:
     """What the folder's results belong to, or None."""
     for name in (JOURNAL, "design.json"):
         try:
-            text = (path / name).read_text(encoding="utf-8")
+            text = bounded_text(path / name)
             content = json.loads(text.partition("\n")[0] if name == JOURNAL else text)
             return Identity(
                 str(content["spec_sha256"]),
@@ -174,7 +175,7 @@ def _owner(path: Path) -> Identity | None:
                 None if content.get("solver") is None else str(content["solver"]),
                 None if content.get("search") is None else str(content["search"]),
             )
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
             continue
     return None
 
@@ -183,13 +184,13 @@ def _journal_values(path: Path) -> dict[str, Recorded]:
     """The steps of a journal; a last line cut by a kill is ignored."""
     values: dict[str, Recorded] = {}
     try:
-        lines = path.read_bytes().split(b"\n")[1:]
+        lines = bounded_bytes(path).split(b"\n")[1:]
     except OSError:
         return values
     for line in lines:
         try:
             key, value = json.loads(line)
             values[str(key)] = value
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, RecursionError):
             break
     return values

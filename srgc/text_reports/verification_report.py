@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import isfinite
 
+from grammar_lang.files.file_tree import visible
 from solvers.verifier.proofs.finding import Finding
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
@@ -25,10 +26,11 @@ def verification_text(report: Report) -> str:
         level = f", level {report.level}" if report.level else ""
         head = f"{head}: {report.verdict}{level}"
     if report.reason:
-        head = f"{head}: {report.reason}"
+        head = f"{head}: {visible(report.reason)}"
     about = []
     if report.task is not None:
-        about = [f"task: {report.task}", f"spec: {report.spec}, sha256 {report.spec_sha256}"]
+        spec = f"{report.spec}, sha256 {report.spec_sha256}"
+        about = [f"task: {visible(report.task)}", f"spec: {visible(spec)}"]
     shown = list(by_map(in_order(report.findings)))
     width = max([LEAST_WIDTH, *(len(finding.name) for finding in shown)])
     lines = [

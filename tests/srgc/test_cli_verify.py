@@ -139,3 +139,16 @@ def test_layout_is_no_content(srgc, result):
     shuffled = dict(sorted(content.items(), reverse=True))
     (folder / "certificate.json").write_text(json.dumps(shuffled, indent=7), encoding="utf-8")
     assert srgc("verify", folder).status == 0
+
+
+def test_names_of_a_certificate_start_no_line(srgc, result):
+    """What anybody may have written is shown in one line, without control characters."""
+    folder = result("turner")
+    result_files.alter(folder, lambda c: c.update(task="a\nvalid: found\x1b[31m"), sign=True)
+    ran = srgc("verify", folder)
+    assert ran.status == 1
+    assert len(ran.out.splitlines()) == 3
+    assert "\x1b" not in ran.out
+    ran = srgc("verify", folder, "--task", "b\nvalid: found")
+    assert ran.status == 6
+    assert not any(line.startswith("valid") for line in ran.out.splitlines())

@@ -292,3 +292,16 @@ def test_a_search_or_solver_that_is_not_here(
     ran = srgc("why", folder, "--no-runs")
     assert (ran.status, ran.out) == (2, "")
     assert "`none-such`" in ran.err
+
+
+def test_a_bound_below_every_robot_is_named(srgc, spec, tmp_path):
+    """The one word has thirteen modules; up to twelve there is nothing to refute."""
+    word = f"B eps JO eps L{' eps EN' * 10}"
+    text = replaced(
+        TURNER, "accept contains EN and starts with B eps JO;", f"accept matches {word};"
+    )
+    path = spec(replaced(text, "  horizon", "  modules <= 2;\n  horizon"))
+    assert srgc("synth", path, "-q", "-o", tmp_path / "out").status == 3
+    ran = srgc("why", tmp_path / "out", "-q", "--no-runs")
+    assert ran.status == 0
+    assert f"Longer robots are ruled out by the bound, as {word}" in ran.out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 
@@ -114,3 +115,24 @@ def test_a_folder_that_takes_no_lock_is_said_to_be_so(tmp_path, monkeypatch):
     monkeypatch.setattr(filelock.FileLock, "acquire", refused)
     with pytest.raises(UsageFault, match=r"\.lock: Permission denied"), only_writer(tmp_path):
         pass
+
+
+@pytest.mark.parametrize("name", ["design.json", "journal.jsonl"])
+@pytest.mark.parametrize("force", [(), ("--force",)])
+def test_a_huge_or_deep_file_says_nothing_of_an_owner(srgc, made, result, name, force):
+    """Of 5 GiB, on a disk in one block, and nested beyond what Python reads."""
+    spec = made("turner") / "turner.srg"
+    for content, size in (
+        (b"", 5 * 2**30),
+        (b"[" * 100_000 + b"\n", None),
+        (b'{"seed": 1e999}', None),
+    ):
+        folder = result("turner")
+        (folder / "design.json").unlink()
+        with (folder / name).open("wb") as file:
+            file.write(content)
+            file.truncate(size)
+        ran = srgc("synth", spec, "-q", "-o", folder, *force)
+        assert (ran.status, ran.out) == (2, "")
+        assert ran.err.count("\n") == 1
+        shutil.rmtree(folder)

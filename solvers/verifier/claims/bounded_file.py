@@ -20,7 +20,8 @@ def bounded_bytes(path: Path) -> bytes:
     try:
         return read_file(path, MOST_BYTES)
     except TooLarge as large:
-        raise NoRegularFile(0, f"it has {large.size:,} bytes, more than {MOST_BYTES:,}") from None
+        said = f"{path.name} has {large.size:,} bytes, more than {MOST_BYTES:,}"
+        raise NoRegularFile(0, said) from None
 
 
 def bounded_text(path: Path) -> str:

@@ -29,8 +29,8 @@ from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.refutations.z3_process import run_z3_subprocess
 from solvers.verifier.verdict import Fails, Holds
 
-_SHOWN = 80
-"""Characters of a name in a message: a certificate may name anything."""
+MOST_SHOWN = 80
+"""Characters of a name in a message."""
 
 
 class FalseClaim(Exception):
@@ -209,6 +209,11 @@ class Evidence:
         try:
             return evidence_bytes(self.folder, name)
         except FileNotFoundError:
-            raise FalseClaim(f"the evidence {visible(name[:_SHOWN])} is missing") from None
+            raise FalseClaim(f"the evidence {_shown(name)} is missing") from None
         except OSError as error:
-            raise FalseClaim(f"the evidence {visible(name[:_SHOWN])}: {error.strerror}") from None
+            raise FalseClaim(f"the evidence {_shown(name)}: {error.strerror}") from None
+
+
+def _shown(name: str) -> str:
+    """A name of a file as a message has it: a certificate may name anything."""
+    return visible(name[:MOST_SHOWN]) or "``"

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 POSES = 6
 WIDEST_BOX = 15.0
 """Up to what half width on the picture the box of an instant is magnified."""
+MOST_MAGNIFIED = 1e15
+"""Narrower boxes are not drawn larger."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0)
 LONGEST_SHOW, SHORTEST_SHOW = 8.0, 1.0
 """Seconds that a motion is shown at most and at least, at the speed that is chosen first."""
@@ -107,7 +109,9 @@ def _factor(tube: TubeBoxes | None, view: View) -> float:
     if tube is None:
         return 1.0
     widest = float(tube.half_widths.max()) * view.scale
-    return 1.0 if widest <= 0 else float(10.0 ** max(0, floor(log10(WIDEST_BOX / widest))))
+    if widest <= WIDEST_BOX / MOST_MAGNIFIED:
+        return 1.0  # a robot that stands still: there is nothing to see
+    return float(10.0 ** max(0, floor(log10(WIDEST_BOX / widest))))
 
 
 def _measure(scene: MotionScene) -> str:

@@ -10,7 +10,7 @@ import pytest
 
 from tests.oracles import result_files
 from tests.oracles.html_page import Page
-from tests.oracles.small_specs import SLIDER
+from tests.oracles.small_specs import SLIDER, TURNER
 from tests.srgc.report.conftest import page_of
 
 Result = Callable[[str], Path]
@@ -205,3 +205,17 @@ def test_a_long_search_fits_on_a_page(result: Result) -> None:
     assert sorted(int(each.attributes["data-equal"]) for each in groups) == [0, 4500]
     assert "1200 more robots are listed in design.json" in page.section("search")
     assert "The rest is in the folder" in page.section("check")
+
+
+def test_a_robot_that_cannot_move_has_a_report(srgc: Srgc, tmp_path: Path) -> None:
+    """Its tube is a point: no box of an instant is magnified until it can be seen."""
+    text = TURNER.replace(
+        "accept contains EN and starts with B eps JO;", "accept matches B eps EN;"
+    )
+    text = text.replace("S box [1.2, 1.9] x [-0.3, 0.3]", "S box [-0.2, 0.3] x [-0.1, 0.3]")
+    text = text.replace("reach T;", "reach S;")
+    (tmp_path / "stands.srg").write_text(text, encoding="utf-8")
+    ran = srgc("synth", tmp_path / "stands.srg", "-q", "-o", tmp_path / "out")
+    assert ran.status == 0
+    assert "effort:  none, no joint is driven" in ran.out
+    assert page_of(tmp_path / "out").faults == []
