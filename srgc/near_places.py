@@ -41,7 +41,7 @@ def unwritable(path: Path, error: OSError) -> UsageFault:
         advice = f"; is there a folder {path.parent}?"
     elif error.errno in REFUSED:
         advice = "; choose another place with -o"
-    elif path.is_symlink() and error.errno in (errno.EEXIST, errno.ELOOP):
+    elif error.errno in (errno.EEXIST, errno.ELOOP) and path.is_symlink():
         advice = "; it is a link that leads to no folder"
     elif error.errno in (errno.EEXIST, errno.ENOTDIR):
         advice = "; it is a file, and a folder is due"
