@@ -1,9 +1,12 @@
 # Everything runs in .venv, which the first command makes; nothing else has to be installed.
 PYTHON ?= python3
-BIN := .venv/bin
+BIN := .venv/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 export OMP_NUM_THREADS ?= 1
+# Tests start hundreds of processes; without compiled files each of them compiles srgc anew.
+unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow editor docs pictures golden grammar fmt lint types bench lock clean
+.PHONY: demo quick test timings test-slow coverage docs editor pictures golden grammar fmt lint types
+.PHONY: dist hooks bench lock clean
 
 .venv/installed: requirements/dev.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -16,20 +19,35 @@ demo: .venv/installed
 	$(BIN)/srgc verify out/demo
 	@echo "pictures: out/demo/figures/workspace.svg and out/demo/figures/inputs.svg"
 
+# The tests that take less than 0.1 s each and start no process.
+quick: .venv/installed
+	$(BIN)/pytest -n 2 -m "not slow and not site and not types and not long"
+
 test: .venv/installed
-	$(BIN)/pytest -n 2 -m "not slow"
+	$(BIN)/pytest -n 2
+
+# Records which tests `make quick` leaves out; best on a machine that does nothing else.
+timings: .venv/installed
+	$(BIN)/pytest -n 2 --record-long
+
+# The usual suite, with the branches taken in this process, its workers and those they start.
+coverage: .venv/installed
+	$(BIN)/pytest -n 2 --cov --cov-report=term:skip-covered --cov-report=json:out/coverage.json
 
 # Pinocchio, an independent library of rigid-body dynamics, is installed for the slow tests alone.
 .venv/oracles: .venv/installed requirements/slow.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/slow.lock
 	touch $@
 
+# All tests there are, with other random examples each time. Run again after an interruption or a
+# failure, it leaves out what has passed with the same code; `make test-slow SHARD=2/6` is a sixth.
 test-slow: .venv/oracles
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 -m "" --hypothesis-profile=others --ledger out/slow $(if $(SHARD),--shard $(SHARD))
 
-# The pages as a site, with the notebooks run; a warning is an error.
+# The pages as a site, with the notebooks run; a warning is an error. Then the tests of the site.
 docs: .venv/installed
 	$(BIN)/sphinx-build -W --keep-going -n -q -b html docs out/docs/html
+	SRGC_DOCS_BUILT=out/docs/html $(BIN)/pytest -n 2 -m site
 	@echo "pages: out/docs/html/index.html"
 
 # The pictures of the pages, drawn again by srgc; the suite compares them with what it draws.
@@ -64,10 +82,23 @@ fmt: .venv/installed
 lint: .venv/installed
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/lint-imports
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/pre-commit validate-config
 
 types: .venv/installed
 	$(BIN)/mypy
+	$(BIN)/pytest -n 0 -m types tests/test_structure.py
+
+# The wheel and the source distribution, and the wheel tried in an environment without anything else.
+dist: .venv/installed
+	rm -rf out/dist
+	$(BIN)/python -m build --no-isolation --outdir out/dist
+	PYTHON=$(PYTHON) bash .ci/try_wheel out/dist/*.whl
+
+# Runs `make lint` and `make quick` at each commit and push.
+hooks: .venv/installed
+	$(BIN)/pre-commit install
 
 # The libraries that users would pick instead are installed for the comparison alone.
 .venv/compared: .venv/installed requirements/bench.lock
@@ -77,16 +108,14 @@ types: .venv/installed
 bench: .venv/compared
 	$(BIN)/python benchmarks/record.py -o out/bench
 
-# Needs pip-tools and the network; every other target uses what it wrote.
+# Needs uv and the network; every other target uses what it wrote.
+COMPILE := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
+  --no-emit-index-url --no-emit-find-links
+
 lock:
-	pip-compile --extra test --generate-hashes --allow-unsafe --strip-extras \
-	  --no-emit-index-url --no-emit-find-links -o requirements/dev.lock pyproject.toml
-	pip-compile --extra bench --generate-hashes --allow-unsafe --strip-extras \
-	  --no-emit-index-url --no-emit-find-links -c requirements/dev.lock \
-	  -o requirements/bench.lock pyproject.toml
-	pip-compile --extra oracles --generate-hashes --allow-unsafe --strip-extras \
-	  --no-emit-index-url --no-emit-find-links -c requirements/dev.lock \
-	  -o requirements/slow.lock pyproject.toml
+	$(COMPILE) --extra test -o requirements/dev.lock pyproject.toml
+	$(COMPILE) --extra bench -c requirements/dev.lock -o requirements/bench.lock pyproject.toml
+	$(COMPILE) --extra oracles -c requirements/dev.lock -o requirements/slow.lock pyproject.toml
 
 clean:
-	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info editors/vscode/node_modules editors/vscode/dist
+	rm -rf .venv out build .coverage .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info editors/vscode/node_modules editors/vscode/dist

@@ -16,6 +16,8 @@ from hypothesis import settings
 from tests.oracles import small_specs
 from tests.oracles.spatial_arm import SPATIAL
 
+pytest_plugins = ["tests.long_tests", "tests.resumable"]
+
 ROOT = Path(__file__).parents[1]
 WAIT_SECONDS = 900
 COMMAND = (sys.executable, "-c", "from srgc.cli import main; main()")
@@ -33,11 +35,10 @@ SPECS = {
 }
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    """`make test` takes the same examples every time; `make test-slow` looks for others."""
-    settings.register_profile("the same examples", derandomize=True)
-    if config.option.markexpr == "not slow":
-        settings.load_profile("the same examples")
+# The same examples every time; `make test-slow` looks for others.
+settings.register_profile("others", derandomize=False)
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
 
 
 def srgc_process(

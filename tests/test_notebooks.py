@@ -51,6 +51,7 @@ def run(tmp_path, monkeypatch):
     return execute
 
 
+@pytest.mark.site
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path, run):
     book, left = run(nbformat.read(path, as_version=4))
@@ -65,6 +66,7 @@ def test_a_notebook_runs(path, run):
         assert "/tmp" not in data["text/plain"]
 
 
+@pytest.mark.site
 def test_a_failing_cell_is_noticed(run):
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("assert 1 + 1 == 3")])
     with pytest.raises(Exception, match="AssertionError"):

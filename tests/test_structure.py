@@ -1,4 +1,4 @@
-"""The house: layers, sizes, style, types, and what a command may load."""
+"""Sizes and names of files, the types of the Python interface, and what a command may load."""
 
 from __future__ import annotations
 
@@ -16,34 +16,8 @@ SOLVERS = {"pysat", "z3", "cvxpy", "clarabel", "piqp", "sklearn", "pysmt", "scip
 HEAVY = SOLVERS | {"casadi", "dask", "distributed", "matplotlib"}
 
 
-def tool(name, *arguments):
-    return subprocess.run(
-        [Path(sys.executable).parent / name, *arguments],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-
-
-def test_the_layers():
-    finished = tool("lint-imports", "--no-cache")
-    assert finished.returncode == 0, finished.stdout
-    assert "0 broken" in finished.stdout
-
-
-def test_ruff():
-    finished = tool("ruff", "check", ".")
-    assert finished.returncode == 0, finished.stdout
-    finished = tool("ruff", "format", "--check", ".")
-    assert finished.returncode == 0, finished.stdout
-
-
-def test_types(tmp_path):
-    finished = tool("mypy")
-    assert finished.returncode == 0, finished.stdout
-    # With what mypy remembers by now, this takes little time.
-    a_strictly_typed_program_is_accepted(tmp_path)
-
-
-def a_strictly_typed_program_is_accepted(tmp_path):
+@pytest.mark.types
+def test_a_strictly_typed_program_is_accepted(tmp_path):
     """But for the lines that mistake a type and a name, so that they are known at all."""
     sample = tmp_path / "sample.py"
     sample.write_text(
@@ -62,7 +36,13 @@ def a_strictly_typed_program_is_accepted(tmp_path):
         "srgc.synthesise(program)\n",
         encoding="utf-8",
     )
-    found = tool("mypy", "--strict", "--python-executable", sys.executable, sample)
+    found = subprocess.run(
+        [
+            Path(sys.executable).parent / "mypy",
+            *["--strict", "--python-executable", sys.executable, sample],
+        ],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
     # What mypy remembers of an earlier run has the folder of that run in it.
     told, named = [line for line in found.stdout.splitlines() if "sample.py:" in line]
     assert "sample.py:14: error: Incompatible types in assignment" in told

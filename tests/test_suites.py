@@ -1,0 +1,90 @@
+"""Shards, ledgers and the list of long tests, on suites of a few tests."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.long_tests import LISTED
+from tests.resumable import shard_of
+
+ROOT = Path(__file__).parents[1]
+TEN = "\n".join(f"def test_{number}(): assert {number} != 7" for number in range(10))
+
+
+def run(folder: Path, *options: str) -> tuple[str, set[str]]:
+    """What pytest says, and the names of the tests that passed."""
+    finished = subprocess.run(
+        [
+            *[sys.executable, "-m", "pytest", "-c", os.devnull, "--rootdir", folder, "-rpfE"],
+            *["-p", "no:cacheprovider", *options, folder],
+        ],
+        cwd=ROOT,
+        env={**os.environ, "COLUMNS": "200"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return finished.stdout + finished.stderr, set(re.findall(r"PASSED \S*::(\w+)", finished.stdout))
+
+
+def test_every_test_is_in_one_shard(tmp_path: Path) -> None:
+    (tmp_path / "test_ten.py").write_text(TEN.replace("!= 7", "< 10"), encoding="utf-8")
+    parts = [run(tmp_path, "-p", "tests.resumable", f"--shard={part}/3")[1] for part in (1, 2, 3)]
+    assert sum(map(len, parts)) == 10
+    assert set.union(*parts) == {f"test_{number}" for number in range(10)}
+
+
+@pytest.mark.parametrize("shard", ["0/3", "4/3", "3", "a/b", "-1/3", "1/0"])
+def test_a_shard_that_is_none(shard: str) -> None:
+    with pytest.raises(pytest.UsageError, match="expected K/N with 1 <= K <= N"):
+        shard_of(shard)
+
+
+def test_a_ledger_leaves_out_what_passed(tmp_path: Path) -> None:
+    tests, ledger = tmp_path / "tests", tmp_path / "ledger"
+    tests.mkdir()
+    (tests / "test_ten.py").write_text(
+        TEN + "\nimport pytest\ndef test_skipped(): pytest.skip()", encoding="utf-8"
+    )
+    options = ["-p", "tests.resumable", "-n", "2", f"--ledger={ledger}"]
+    assert len(run(tests, *options)[1]) == 9
+    said, passed = run(tests, *options)
+    assert not passed
+    assert "1 failed, 1 skipped" in said
+    (file,) = ledger.iterdir()
+    told = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    assert sorted(line["test"] for line in told) == [
+        f"test_ten.py::test_{number}" for number in range(10) if number != 7
+    ]
+    # A line that was cut off is no test that passed.
+    file.write_text(file.read_text(encoding="utf-8")[:-4], encoding="utf-8")
+    options[3] = "0"
+    assert run(tests, *options)[1] == {told[-1]["test"].partition("::")[2]}
+
+
+def test_a_quick_test_starts_no_process(tmp_path: Path) -> None:
+    (tmp_path / "test_two.py").write_text(
+        "import os, subprocess, sys\n"
+        "def test_alone(): pass\n"
+        "def test_starts(): subprocess.run([sys.executable, '-c', ''], check=True)\n",
+        encoding="utf-8",
+    )
+    said, passed = run(tmp_path, "-p", "tests.long_tests", "-m", "not long")
+    assert passed == {"test_alone"}
+    assert "test_starts" in said
+    assert "run `make timings`" in said
+
+
+def test_what_is_listed_is_there() -> None:
+    """A test that was renamed and forgotten in the list would be run as a quick one."""
+    for file, names in json.loads(LISTED.read_text(encoding="utf-8")).items():
+        text = (ROOT / file).read_text(encoding="utf-8")
+        for name in {name.partition("[")[0] for name in names}:
+            assert f"def {name}(" in text, (file, name)
