@@ -30,7 +30,7 @@ from solvers.motions.path_timing import Entries
 from solvers.motions.seed_choice import hopeful
 from solvers.motions.trajectory import Trajectory
 from solvers.planner import Planner
-from solvers.verifier.verdict import Holds
+from solvers.verdict import Holds
 from srgc.session import check_loaded
 
 SPEC = Path(__file__).resolve().parents[1] / "specs" / "planar_arm.srg"

@@ -41,7 +41,7 @@ def ours(world: World, formula: Any = None) -> tuple[list[int], tuple[int, ...] 
     """The cells in order, and when they are entered."""
     from compiler.planning.specification import PlannedEffector, PlanningProblem
     from solvers.planner import Planner
-    from solvers.verifier.verdict import Holds
+    from solvers.verdict import Holds
 
     none: frozenset[str] = frozenset()
     marked = {} if formula is None else marks(world)

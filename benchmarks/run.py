@@ -60,7 +60,7 @@ def measure_convex_step(runs: int) -> list[Line]:
     from solvers.motions.reference_step import ReferenceStep
     from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
     from solvers.planner import Planner
-    from solvers.verifier.verdict import Holds
+    from solvers.verdict import Holds
     from srgc.session import program_of
 
     program = program_of(SPEC)

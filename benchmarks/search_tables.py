@@ -22,7 +22,7 @@ from solvers.motions.path_following import Follower
 from solvers.parameters.evaluation import evaluate
 from solvers.parameters.parameter_space import ParameterSpace, parameter_space
 from solvers.planner import Planner
-from solvers.verifier.verdict import Holds
+from solvers.verdict import Holds
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from typing import Literal
 from compiler.languages.budget import WordsTooLongError
 from compiler.semantics.family import RobotFamily
 from grammar_lang import ir
+from solvers.verdict import NotFound
 
 DEFAULT_MODULES = 12
 MOTION_SEARCHES = 10
@@ -60,7 +61,7 @@ def robot_limit(family: RobotFamily, task: ir.Task) -> int | None:
 
 def conclude(
     records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, stopped: str | None
-) -> tuple[Literal["impossible", "unknown"], str]:
+) -> tuple[NotFound, str]:
     """The verdict without a design; ``stopped`` is the limit that ended the search, if one did."""
     tried = len(records)
     open_ones = [r for r in records if r.verdict in ("unresolved", "inadmissible")]
@@ -78,9 +79,7 @@ def conclude(
     return _all_refuted(tried, family, task)
 
 
-def _all_refuted(
-    tried: int, family: RobotFamily, task: ir.Task
-) -> tuple[Literal["impossible", "unknown"], str]:
+def _all_refuted(tried: int, family: RobotFamily, task: ir.Task) -> tuple[NotFound, str]:
     """Every structure that was tried is refuted: the verdict depends on what bounds them."""
     if task.modules is not None:
         within = f"of at most {task.modules} modules"

@@ -15,7 +15,7 @@ from compiler.planning.plan_encoding import plan_encoding
 from compiler.planning.specification import PlanningProblem
 from compiler.time_limits.time_limit import check_time
 from solvers.backends.sat import SatSolver
-from solvers.verifier.verdict import Fails, Holds, Unknown
+from solvers.verdict import Answer, Fails, Holds, Unknown
 
 CONFLICTS = 200_000
 SOLVED = "a SAT problem was solved"
@@ -84,7 +84,7 @@ class Exhausted:
     why: Exhaustion
 
 
-PlanVerdict: TypeAlias = Holds[Plan] | Fails[Exhausted] | Unknown
+PlanAnswer: TypeAlias = Answer[Plan, Exhausted]
 
 
 class Planner:
@@ -126,7 +126,7 @@ class Planner:
         """Whether the bound on changes is known to exclude no plan."""
         return self._encoding.complete or self._encoding.least is None or self._unbounded
 
-    def next_plan(self) -> PlanVerdict:
+    def next_plan(self) -> PlanAnswer:
         """The next plan, never one given before; or the proof that none is left.
 
         ``Unknown`` leaves everything as it was: another call goes on with the same bound.

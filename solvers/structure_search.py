@@ -41,11 +41,11 @@ from solvers.parameters.sample import BlockedPrefix, PathSamples
 from solvers.parameters.standing_robot import standing_configurations
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.progress import Conduct
+from solvers.verdict import Holds, Unknown
 from solvers.verifier.claims.certificate import ParameterClaim, decimal
 from solvers.verifier.proofs.finding import decisive
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 from solvers.verifier.proofs.watch import Watch
-from solvers.verifier.verdict import Holds, Unknown
 from solvers.wider_margins import Room, lacking_room, no_room_text
 
 PLANS = (6, 3)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
 
 from compiler.candidates.candidate import Candidate, candidates
 from compiler.geometry.abstraction import Abstraction, abstract
@@ -45,9 +44,9 @@ from solvers.refutation.box_evidence import covered, out_of_reach_of_drives
 from solvers.refutation.disconnection import disconnected, separation_text
 from solvers.refutation.structure_refutation import Refutation
 from solvers.structure_search import StructureSearch
+from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
 
-Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
 OUT_OF_TIME = "the time limit was reached"
 BEGUN = "srgc was started and the spec was read"
 NOT_COVERED = f"{OUT_OF_TIME} before every refutation had a second proof"

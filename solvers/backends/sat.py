@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pysat.solvers import Cadical195
 
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown, Verdict
+from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +50,7 @@ class SatSolver:
         self._clauses.setdefault(length, []).append(clauses)
         self._solver.append_formula(clauses.tolist())
 
-    def solve(self, assumptions: Sequence[int] = (), *, conflicts: int) -> Verdict[Model, Core]:
+    def solve(self, assumptions: Sequence[int] = (), *, conflicts: int) -> Answer[Model, Core]:
         """Decide the clauses under assumptions within a number of conflicts.
 
         ``Unknown`` means that the budget ran out: another call goes on with what was learnt; or
@@ -70,7 +70,7 @@ class SatSolver:
         except Exception as error:
             return Unknown(Reason.FAILED, f"{type(error).__name__}: {error}")
 
-    def _core(self, assumptions: Sequence[int]) -> Verdict[Model, Core]:
+    def _core(self, assumptions: Sequence[int]) -> Answer[Model, Core]:
         core = tuple(sorted(self._solver.get_core() or ()))
         if not set(core) <= set(assumptions):
             return Unknown(Reason.FAILED, "a core of what was not assumed")
@@ -78,7 +78,7 @@ class SatSolver:
 
     def _model(
         self, literals: NDArray[np.int64], assumptions: Sequence[int]
-    ) -> Verdict[Model, Core]:
+    ) -> Answer[Model, Core]:
         true = np.zeros(self._variables + 1, dtype=bool)
         true[literals[(literals > 0) & (literals <= self._variables)]] = True
         units = np.array(assumptions, dtype=np.int64).reshape(-1, 1)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import z3
 
 from solvers.backends.smt_interrupt import interrupted_late
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown, Verdict
+from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
 LOGIC = "QF_NRA"
 # Refuted structures of the test suite took 2,000 to 270,000 units (milliseconds); one unit can
@@ -18,7 +18,7 @@ LOGIC = "QF_NRA"
 RESOURCES = 1_000_000
 
 
-def solve_script(script: str, *, resources: int = RESOURCES) -> Verdict[None, None]:
+def solve_script(script: str, *, resources: int = RESOURCES) -> Answer[None, None]:
     """Decide a QF_NRA script: ``Holds`` is sat, ``Fails`` is unsat, all else is ``Unknown``.
 
     Raises:

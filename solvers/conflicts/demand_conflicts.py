@@ -15,7 +15,7 @@ import numpy as np
 from compiler.demands.formula_slots import Clause
 from compiler.demands.task_demands import Demand, Demands
 from solvers.backends.sat import SatSolver
-from solvers.verifier.verdict import Fails
+from solvers.verdict import Fails
 
 CONFLICTS = 20_000
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 from compiler.candidates.kept_parameters import robot_in_task
 from compiler.grammars.derivation import Derivation, replay
@@ -22,6 +21,7 @@ from solvers.explanation.run import MOST_RUNS, Runs, Suggestion
 from solvers.explanation.suggestions import SuggestionSearch, smallest
 from solvers.explanation.task_line import TaskLine, modules_line, task_lines
 from solvers.progress import Conduct
+from solvers.verdict import NotFound
 
 TELLING = ("parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "fixed")
 """Kinds of lines that a person would change; conflicts with such lines are told first."""
@@ -51,7 +51,7 @@ class Nearest:
 class Tried:
     """What a synthesis without a design has left: its refuted structures, and the nearest one."""
 
-    verdict: Literal["impossible", "unknown"]
+    verdict: NotFound
     reason: str
     refuted: tuple[tuple[str, ...], ...]
     """Derivations, one of each different robot."""

@@ -32,7 +32,7 @@ from solvers.refutation.box_search import FOR_A_POSE, WITHOUT_PROOF
 from solvers.refutation.clear_poses import clear_poses, designs
 from solvers.refutation.drive_search import BEFORE_MOTIONS, drive_refutation
 from solvers.refutation.pose_search import PoseWitness, find_poses
-from solvers.verifier.verdict import Fails
+from solvers.verdict import Fails
 
 REFUTED = 1.0
 FEW_DOFS = 2

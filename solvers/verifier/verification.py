@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 from grammar_lang import ir
+from solvers.verdict import Claimed
 from solvers.verifier.claims.certificate import (
     CertificateError,
     Claim,
@@ -33,7 +33,7 @@ class Expected:
     """What a certificate has to be about; None: anything."""
 
     task: str | None = None
-    verdict: Literal["found", "impossible"] | None = None
+    verdict: Claimed | None = None
 
     def differs(self, claim: Claim) -> str | None:
         """What the claim is about instead, or None."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +12,9 @@ from srgc.commands.completions import complete_file
 from srgc.exit_status import REFUSED, UNEXPECTED, UNKNOWN
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
+
+if TYPE_CHECKING:
+    from solvers.verdict import Claimed
 
 
 @click.command(
@@ -48,7 +51,7 @@ def verify(
     folder: Path,
     spec: Path | None,
     task: str | None,
-    expect: Literal["found", "impossible"] | None,
+    expect: Claimed | None,
     trust: str | None,
     quiet: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001

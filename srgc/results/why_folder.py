@@ -11,13 +11,14 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from compiler.grammars.derivation import BadDerivation
 from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried
 from solvers.explanation.posed_task import PosedTask
+from solvers.verdict import NotFound
 from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text
 from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.claims.spec_copy import read_copy
@@ -88,7 +89,7 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
     return TriedFolder(posed, seed, search, solver, tried)
 
 
-def _verdict(text: str) -> Literal["impossible", "unknown"]:
+def _verdict(text: str) -> NotFound:
     if text == "impossible":
         return "impossible"
     if text == "unknown":

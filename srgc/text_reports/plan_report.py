@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 from compiler.geometry.abstraction import Abstraction, abstract
 from compiler.geometry.bisection import bisections
@@ -16,7 +16,7 @@ from compiler.specifications.word_formula import holds
 from grammar_lang import ir
 from solvers.motions.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
-from solvers.verifier.verdict import Holds, Unknown
+from solvers.verdict import Holds, Unknown, Verdict
 
 Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]
 """An effector, its cells, and the samples at which it enters them."""
@@ -26,7 +26,7 @@ Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]
 class PlanReport:
     """The answer to a planning problem in words, and its plan if there is one."""
 
-    verdict: Literal["found", "impossible", "unknown"]
+    verdict: Verdict
     text: str
     workspace: ir.Workspace
     cells: Abstraction

@@ -9,7 +9,7 @@ from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.normalise import normalise
 from compiler.robots.robot import RobotModel
 from solvers.backends.smt import solve_script
-from solvers.verifier.verdict import Fails
+from solvers.verdict import Fails
 from tests.oracles.arms import ArmBuilder
 from tests.oracles.formulas import TWO_ARMS, program, spec
 

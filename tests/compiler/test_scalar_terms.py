@@ -11,7 +11,7 @@ from compiler.encodings.real_terms import RealScript, between
 from compiler.encodings.scalar_terms import ScalarTerms
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
-from solvers.verifier.verdict import Fails, Holds
+from solvers.verdict import Fails, Holds
 from tests.oracles.arms import ArmBuilder, number
 
 

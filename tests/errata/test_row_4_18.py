@@ -6,7 +6,7 @@ from itertools import pairwise, product
 
 from compiler.planning.specification import PlannedEffector, PlanningProblem
 from solvers.planner import Planner
-from solvers.verifier.verdict import Holds
+from solvers.verdict import Holds
 
 S, F, T = range(3)
 NEIGHBOURS = ((F,), (S, T), (F,))

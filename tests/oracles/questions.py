@@ -11,7 +11,7 @@ from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.normalise import normalise
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
-from solvers.verifier.verdict import Fails, Holds
+from solvers.verdict import Fails, Holds
 from tests.oracles.arms import ArmBuilder, number
 from tests.oracles.planes import box_rows
 

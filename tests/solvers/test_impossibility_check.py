@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
+from solvers.verdict import Reason, Unknown
 from solvers.verifier.refutations import impossibility_check
-from solvers.verifier.verdict import Reason, Unknown
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.result_files import alter, alter_spec, read

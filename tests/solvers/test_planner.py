@@ -21,7 +21,7 @@ from compiler.planning.specification import (
 from compiler.specifications.sampled_formula import sampled
 from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Exhaustion, Plan, Planner
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown
+from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.planes import bench, cuts_of_the_bench, workspaces
 from tests.oracles.plans import Case, Cells, brute_force, cases, changes, without_stays
 from tests.oracles.tasks import avoid, task

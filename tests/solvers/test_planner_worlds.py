@@ -14,7 +14,7 @@ from compiler.planning.specification import planning_problem
 from compiler.specifications.sampled_formula import is_timed
 from grammar_lang import ir
 from solvers.planner import Planner
-from solvers.verifier.verdict import Fails, Holds
+from solvers.verdict import Fails, Holds
 from tests.oracles.formulas import SHAPES, TWO_ARMS, formulas, program, spec
 from tests.oracles.plans import Case, brute_force, changes, untimed
 from tests.oracles.word_semantics import true_at

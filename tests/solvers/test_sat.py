@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solvers.backends.sat import SatSolver
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown
+from solvers.verdict import Fails, Holds, Reason, Unknown
 
 VARIABLES = 5
 literal = st.integers(1, VARIABLES).flatmap(lambda v: st.sampled_from([v, -v]))

@@ -5,7 +5,7 @@ import pytest
 
 from compiler.encodings.reachability_smt import refutation_script
 from solvers.backends.smt import solve_script
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown
+from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.arms import planar_arm
 from tests.oracles.questions import question
 

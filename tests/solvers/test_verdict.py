@@ -2,7 +2,7 @@ from dataclasses import FrozenInstanceError
 
 import pytest
 
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown
+from solvers.verdict import Fails, Holds, Reason, Unknown
 
 
 @pytest.mark.parametrize("verdict", [Holds(1), Fails(()), Unknown(Reason.NUMERICS)])

@@ -7,9 +7,9 @@ import pytest
 
 from compiler.encodings.reachability_smt import refutation_script
 from solvers.backends.smt import solve_script
+from solvers.verdict import Fails, Holds, Reason, Unknown
 from solvers.verifier.refutations import z3_process
 from solvers.verifier.refutations.z3_process import run_z3_subprocess, z3_command
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.arms import planar_arm
 from tests.oracles.questions import question, random_robot
 

@@ -261,7 +261,7 @@ def test_no_path_past_a_wall(srgc, spec):
 
 def test_a_planner_without_an_answer(srgc, arm_file, monkeypatch):
     from solvers.planner import Planner
-    from solvers.verifier.verdict import Reason, Unknown
+    from solvers.verdict import Reason, Unknown
 
     monkeypatch.setattr(Planner, "next_plan", lambda _self: Unknown(Reason.RESOURCE_LIMIT))
     ran = srgc("plan", arm_file)

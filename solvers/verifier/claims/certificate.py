@@ -15,11 +15,12 @@ from dataclasses import asdict, dataclass
 from dataclasses import fields as dataclass_fields
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang.files.file_set import IMAGE_LIMIT
 from grammar_lang.files.source_file import LIMIT, TooLarge, read_file
+from solvers.verdict import Claimed
 
 FORMAT = 3
 """2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes."""
@@ -118,7 +119,7 @@ class ImpossibleClaim:
 Claim = FoundClaim | ImpossibleClaim
 
 
-def verdict_of(claim: Claim) -> Literal["found", "impossible"]:
+def verdict_of(claim: Claim) -> Claimed:
     """What a claim says of its task."""
     return "found" if isinstance(claim, FoundClaim) else "impossible"
 

@@ -20,6 +20,7 @@ from compiler.robots.robot_key import robot_key_in_task
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
+from solvers.verdict import Fails, Holds
 from solvers.verifier.claims.bounded_file import evidence_bytes
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
 from solvers.verifier.claims.outcome import Outcome, Refused
@@ -27,7 +28,6 @@ from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.refutations.z3_process import run_z3_subprocess
-from solvers.verifier.verdict import Fails, Holds
 
 MOST_SHOWN = 80
 """Characters of a name in a message."""

@@ -10,7 +10,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from solvers.verifier.verdict import Fails, Holds, Reason, Unknown, Verdict
+from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
 # As much again as the searchers spend, so that what they decided is decided here too.
 RESOURCES = 2_000_000
@@ -37,7 +37,7 @@ def z3_command(resources: int = RESOURCES) -> list[str]:
 
 def run_z3_subprocess(
     script: str, *, resources: int = RESOURCES, command: list[str] | None = None
-) -> Verdict[None, None]:
+) -> Answer[None, None]:
     """Decide a QF_NRA script elsewhere: ``Holds`` is sat, ``Fails`` is unsat.
 
     An answer is exactly one word; any other output, an error among them, is ``Unknown``.

@@ -1,14 +1,20 @@
-"""Answers with three values: nothing here is a bool, callers must match.
+"""The verdict on a task, and the answers with three values that lead to one.
 
-Source: unified-planning, `engines/results.py`, which keeps "proved unsolvable" and "gave up" apart
-for the same reason.
+The one module of ``solvers`` that search and verifier share.  No answer is a bool: callers match
+it, so that "gave up" is never read as "no" (as in unified-planning, ``engines/results.py``).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Generic, TypeAlias, TypeVar
+from typing import Generic, Literal, TypeAlias, TypeVar
+
+Claimed: TypeAlias = Literal["found", "impossible"]
+"""The verdicts that come with a certificate."""
+NotFound: TypeAlias = Literal["impossible", "unknown"]
+Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
+"""What is said of a task (design, section 6): only the first two are proved."""
 
 W_co = TypeVar("W_co", covariant=True)
 C_co = TypeVar("C_co", covariant=True)
@@ -34,7 +40,7 @@ class Holds(Generic[W_co]):
     witness: W_co
 
     def __bool__(self) -> bool:
-        raise TypeError("a verdict is no bool: match it")
+        raise TypeError("an answer is no bool: match it")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +50,7 @@ class Fails(Generic[C_co]):
     counterexample: C_co
 
     def __bool__(self) -> bool:
-        raise TypeError("a verdict is no bool: match it")
+        raise TypeError("an answer is no bool: match it")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +61,7 @@ class Unknown:
     detail: str = ""
 
     def __bool__(self) -> bool:
-        raise TypeError("a verdict is no bool: match it")
+        raise TypeError("an answer is no bool: match it")
 
 
-Verdict: TypeAlias = Holds[W_co] | Fails[C_co] | Unknown
+Answer: TypeAlias = Holds[W_co] | Fails[C_co] | Unknown
