@@ -17,15 +17,18 @@ from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, Effort
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import Entries
 from solvers.parameters.cell_timing import Timed, bound_to_cells
-from solvers.parameters.cube_point import cube_point
 from solvers.parameters.evaluation import Evaluator, best_of
 from solvers.parameters.parameter_space import ParameterSpace, parameter_space
 from solvers.parameters.sample import Sample
+from solvers.parameters.searches.bayesian_search import DESIGN, BayesianSearch
+from solvers.parameters.searches.cube import Cube
+from solvers.parameters.searches.nelder_mead import NelderMead
 from solvers.parameters.searches.parameter_search import ParameterSearch
-from solvers.parameters.searches.registry import DEFAULT, SEARCHES
 from solvers.parameters.solve_request import SolveRequest
 from solvers.progress import Conduct
 
+SEARCHES = ("gp-acb", "nelder-mead")
+"""The searches of parameters by name, the usual one first."""
 EVALUATIONS = 12
 """Parameters that are evaluated for a path, shorter robots' not counted."""
 BATCH = 2
@@ -67,7 +70,7 @@ def search_configuration(
     if space.is_point:
         search.evaluate([np.full(len(space.lower), 0.5)], FULL)
     else:
-        search.run([cube_point(space, theta) for theta in initial])
+        search.run([space.to_cube(theta) for theta in initial])
     entries = follower.waypoints()[1]
     top = _best(search.polished(entries), follower, entries, conduct)
     return Configuration(
@@ -89,6 +92,13 @@ def _best(
     return Timed(follower, replace(top, feasible=False), entries)
 
 
+def parameter_search(cube: Cube, seed: int, name: str | None = None) -> ParameterSearch:
+    """The search of a cube by its name; None: the usual one."""
+    if name == "nelder-mead":
+        return ParameterSearch(cube, seed, 1, NelderMead(seed))
+    return ParameterSearch(cube, seed, DESIGN, BayesianSearch(seed))
+
+
 class _Survey:
     """The evaluations of a path's parameters, with the motions that were found."""
 
@@ -102,7 +112,7 @@ class _Survey:
 
     def run(self, first: list[Array]) -> None:
         """Evaluate the first points, then what the search asks for."""
-        search = SEARCHES[self.conduct.search or DEFAULT](self.space.cube, self.conduct.seed)
+        search = parameter_search(self.space.cube, self.conduct.seed, self.conduct.search)
         if first:
             self.tell(search, first, self.evaluate(first, SURVEY))
         while len(self.samples) < EVALUATIONS + len(first):
