@@ -7,7 +7,6 @@ the cells that such a motion visits, and when, become the path that binds.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,7 +29,7 @@ from solvers.progress import Conduct
 SEARCHES = ("gp-acb", "nelder-mead")
 """The searches of parameters by name, the usual one first."""
 EVALUATIONS = 12
-"""Parameters that are evaluated for a path, shorter robots' not counted."""
+"""Parameters that are evaluated for a path."""
 BATCH = 2
 BASINS = 4
 """How many of the best evaluations are polished."""
@@ -56,13 +55,10 @@ class Configuration:
     samples: tuple[Sample, ...] = ()
 
 
-def search_configuration(
-    follower: Follower, label: str, conduct: Conduct, initial: Sequence[Sequence[float]] = ()
-) -> Configuration:
+def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal; ``initial`` are parameters (p,) that are
-    tried before all others.
+    ``label`` names the structure and path in the journal.
     """
     space = parameter_space(follower.model)
     evaluator = Evaluator(follower, conduct.workers, conduct.journal, label)
@@ -70,7 +66,7 @@ def search_configuration(
     if space.is_point:
         search.evaluate([np.full(len(space.lower), 0.5)], FULL)
     else:
-        search.run([space.to_cube(theta) for theta in initial])
+        search.run()
     entries = follower.waypoints()[1]
     top = _best(search.polished(entries), follower, entries, conduct)
     return Configuration(
@@ -110,23 +106,15 @@ class _Survey:
         """Points of the unit cube with the outcome of every seed there."""
         self.samples: list[Sample] = []
 
-    def run(self, first: list[Array]) -> None:
-        """Evaluate the first points, then what the search asks for."""
+    def run(self) -> None:
+        """Evaluate what the search asks for."""
         search = parameter_search(self.space.cube, self.conduct.seed, self.conduct.search)
-        if first:
-            self.tell(search, first, self.evaluate(first, SURVEY))
-        while len(self.samples) < EVALUATIONS + len(first):
+        while len(self.samples) < EVALUATIONS:
             points = search.ask(BATCH)
             if not points:
                 break
-            self.tell(search, points, self.evaluate(points, SURVEY))
-
-    def tell(
-        self, search: ParameterSearch, points: list[Array], outcomes: list[ControlOutcome]
-    ) -> None:
-        """Tell a search what it asked for."""
-        for point, outcome in zip(points, outcomes, strict=True):
-            search.tell(point, outcome.robustness)
+            for point, outcome in zip(points, self.evaluate(points, SURVEY), strict=True):
+                search.tell(point, outcome.robustness)
 
     def evaluate(self, points: list[Array], effort: Effort) -> list[ControlOutcome]:
         """The outcomes at points of the unit cube."""

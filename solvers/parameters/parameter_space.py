@@ -5,7 +5,6 @@ A search leaves doubles; what is claimed of them is exact.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -51,20 +50,6 @@ class ParameterSpace:
             if values is not None:
                 theta[index] = values[min(int(point[index] * len(values)), len(values) - 1)]
         return np.asarray(theta)
-
-    def to_cube(self, theta: Sequence[float]) -> Array:
-        """The point (p,) of the unit cube that stands for parameters (p,).
-
-        What is outside the box is moved to its side, a discrete parameter to the nearest choice.
-        """
-        point = np.zeros(len(self.lower))
-        for index, value in enumerate(theta):
-            values, width = self.choices[index], self.upper[index] - self.lower[index]
-            if values is not None:
-                point[index] = (int(np.argmin(np.abs(values - value))) + 0.5) / len(values)
-            elif width > 0:
-                point[index] = min(1.0, max(0.0, (value - self.lower[index]) / width))
-        return point
 
     def samples(self, power: int, seed: int) -> list[Array]:
         """A sequence of 2**power parameters that fill the space; one where nothing is free."""
