@@ -24,12 +24,12 @@ from search_functions import (
     rastrigin,
     robustness_table,
 )
+from search_methods import COMPARED
 from search_tables import table
 from timing import ROOT, machine
 
 from compiler.discretisation.float_reading import Array
 from solvers.parameters.searches.cube import Cube
-from solvers.parameters.searches.registry import SEARCHES
 
 SMALL = (13, 5)
 """Lengths per link of the tables that are made unless others are asked for."""
@@ -50,7 +50,7 @@ class Run:
 def values_of(run: Run) -> Array:
     """The best value so far, without noise, after each evaluation; evaluations one by one."""
     objective = run.objective.of_seed(run.seed)
-    search = SEARCHES[run.method](Cube((None,) * objective.dimension), run.seed)
+    search = COMPARED[run.method](Cube((None,) * objective.dimension), run.seed)
     noise = np.random.default_rng(run.seed)
     found: list[float] = []
     while len(found) < objective.budget:
@@ -125,7 +125,7 @@ def main() -> None:
     if options.only != "functions":
         print("The robustness is the multilinear interpolation of a table of real evaluations.")
     print(f"  {'':<22}{'25 %':>6}{'median':>8}{'75 %':>6}{'there':>9}{'regret':>12}   acb fewer")
-    methods = [name for name in SEARCHES if not options.methods or name in options.methods]
+    methods = [name for name in COMPARED if not options.methods or name in options.methods]
     asked = objectives(options)
     runs = [Run(o, m, s) for o in asked for m in methods for s in range(options.seeds)]
     with ProcessPoolExecutor(options.jobs) as pool:
@@ -170,7 +170,7 @@ def _claim(savings: list[dict[str, float]]) -> None:
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--methods", nargs="*", choices=list(SEARCHES), default=[])
+    parser.add_argument("--methods", nargs="*", choices=list(COMPARED), default=[])
     parser.add_argument("--grid", type=int, nargs=2, default=SMALL, metavar=("TWO", "THREE"),
                         help="lengths per link in the tables of 2 and of 3 links")  # fmt: skip
     parser.add_argument("--tables", type=Path, default=ROOT / "out" / "search", metavar="DIR",

@@ -20,7 +20,6 @@ from compiler.specifications.word_formula import SampledFormula
 from grammar_lang import ir
 from solvers.design import Design, motion_of
 from solvers.design_follower import PathTask
-from solvers.inheritance import Inherited
 from solvers.motions.control import CONVEX_STEP, NOT_FINITE, shortfall
 from solvers.motions.counterexample import infeasible_prefix, infeasible_sample
 from solvers.motions.fine_check import seems_to_satisfy
@@ -75,8 +74,6 @@ class StructureSearch:
     reading: FloatReading
     number: int
     robot: str
-    inherited: tuple[Inherited, ...] = ()
-    """What shorter robots hand on."""
     obstacle: str = ""
     """What stood in the way of the last motion that was tried."""
     lacking: float = 0.0
@@ -89,8 +86,8 @@ class StructureSearch:
     samples: list[PathSamples] = field(default_factory=list[PathSamples])
     blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
     """All counterexamples, as they were found."""
-    top: tuple[float, tuple[float, ...]] | None = None
-    """The best robustness of all paths, with its parameters."""
+    top: float = -np.inf
+    """The best robustness of all paths."""
 
     @property
     def place(self) -> PathTask:
@@ -226,8 +223,7 @@ class StructureSearch:
         follower = self.place.follower(cells, recorded, leader.effector, leader.cells)
         follower = timed(replace(follower, others=others), leader.entries)
         label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
-        thetas = [each.theta for each in self.inherited]
-        found = search_configuration(follower, label, self.conduct, thetas)
+        found = search_configuration(follower, label, self.conduct)
         self.counts["evaluations"] += found.evaluations
         self.keep(found)
         if found.outcome.status == NOT_FINITE:
@@ -257,12 +253,10 @@ class StructureSearch:
         return self.widened(follower.along(found.cells, found.entries), found)
 
     def keep(self, found: Configuration) -> None:
-        """Keep what was evaluated for a path, for tables and for robots that extend this one."""
+        """Keep what was evaluated for a path, for tables."""
         names = tuple(f"{p.symbol}.{p.name}" for p in self.reading.graph.model.parameters)
         self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
-        theta = tuple(float(value) for value in found.outcome.trajectory.theta)
-        if self.top is None or found.outcome.robustness > self.top[0]:
-            self.top = found.outcome.robustness, theta
+        self.top = max(self.top, found.outcome.robustness)
 
     def widened(self, follower: Follower, found: Configuration) -> Attempt:
         """A proved design from a feasible configuration, with as much room as that takes."""

@@ -35,8 +35,6 @@ from solvers.conclusion import (
     robot_limit,
 )
 from solvers.design import Design
-from solvers.handing_on import handed_on
-from solvers.inheritance import Inheritance, Searched
 from solvers.look_ahead import LookAhead
 from solvers.parameters.sample import BlockedPrefix, PathSamples
 from solvers.progress import Conduct
@@ -98,7 +96,6 @@ class _Run:
     family: RobotFamily
     abstraction: Abstraction
     formula: SampledFormula | None
-    inheritance: Inheritance
     every: bool
     records: list[StructureRecord] = field(default_factory=list[StructureRecord])
     counts: dict[str, int] = field(default_factory=lambda: dict(NO_COUNTS))
@@ -192,10 +189,9 @@ class _Run:
         if examined.inadmissible is not None:
             self.record(derivation, "inadmissible", examined.inadmissible)
             return None
-        inherited = self.inheritance.of(derivation, model)
         search = StructureSearch(
             self.program, self.task, self.conduct, self.abstraction, self.formula, self.counts,
-            derivation, ahead.reading(candidate), candidate.number, key, inherited,
+            derivation, ahead.reading(candidate), candidate.number, key,
         )  # fmt: skip
         self.search = search
         try:
@@ -203,8 +199,6 @@ class _Run:
         finally:
             self.samples += search.samples
             self.blocked += search.blocked
-        design, lack = self.handed_on(search, design)
-        self.remember(search, model, design)
         self.search = None
         if design is None:
             late = out_of_reach_of_drives(candidate, self.program, self.task, self.conduct)
@@ -212,22 +206,10 @@ class _Run:
                 self.record(derivation, "refuted", late.reason, boxes=late.boxes)
                 return None
             self.in_vain += 1
-            self.record(derivation, "unresolved", reason + lack)
+            self.record(derivation, "unresolved", reason)
             return None
-        self.record(derivation, "found", "proved" + lack)
+        self.record(derivation, "found", "proved")
         return design
-
-    def handed_on(
-        self, search: StructureSearch, design: Design | None
-    ) -> tuple[Design | None, str]:
-        """The same with what shorter robots lead to; out of time a proved design is kept as is."""
-        try:
-            return handed_on(search, design)
-        except OutOfTimeError:
-            if design is not None:
-                self.record(search.derivation, "found", "proved")
-                self.keep(search.number, design)
-            raise
 
     def motion(
         self, search: StructureSearch, effectors: Sequence[int]
@@ -239,15 +221,6 @@ class _Run:
             if design is not None:
                 return design, "proved"
         return None, reason + (search.obstacle or search.stuck)
-
-    def remember(self, search: StructureSearch, model: RobotModel, design: Design | None) -> None:
-        """Keep the best of a search for robots that extend this one."""
-        theta = None if search.top is None else search.top[1]
-        if design is not None:
-            theta = tuple(float(value) for value in design.configuration.outcome.trajectory.theta)
-        if theta is not None:
-            known = Searched(search.number, model.parameters, theta, design)
-            self.inheritance.remember(search.derivation, known)
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
         """The effectors that may start and reach, the one of the witness poses first."""
@@ -296,9 +269,7 @@ def synthesise(
             "unknown", OUT_OF_TIME, None, (), cells, dict(NO_COUNTS),
             unfinished=True, last_step=late.step,
         )  # fmt: skip
-    run = _Run(
-        program, task, conduct, family, finer, task_on_samples(task), Inheritance(family), every
-    )
+    run = _Run(program, task, conduct, family, finer, task_on_samples(task), every)
     try:
         run.structures()
         if run.designs:
@@ -320,9 +291,9 @@ def _under_way(search: StructureSearch | None) -> str:
     if search is None:
         return ""
     word = " ".join(search.derivation.word)
-    if search.top is None or search.top[0] < 0:
+    if search.top < 0:
         return f" while a motion of {word} was searched"
-    return f" while a motion of {word}, of robustness {search.top[0]:.4g}, was proved or improved"
+    return f" while a motion of {word}, of robustness {search.top:.4g}, was proved or improved"
 
 
 def _result(

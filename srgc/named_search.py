@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solvers.parameters.searches.registry import DEFAULT, SEARCHES
+from solvers.parameters.configuration_search import SEARCHES
 from srgc.session import UsageFault
 
 
@@ -12,9 +12,9 @@ def named_search(name: str | None) -> str | None:
     Raises:
         UsageFault: there is no such search.
     """
-    if name is None or name.lower() == DEFAULT:
+    if name is None or name.lower() == SEARCHES[0]:
         return None
     if name.lower() not in SEARCHES:
-        known = ", ".join(SEARCHES)
+        known = " and ".join(f"`{each}`" for each in SEARCHES)
         raise UsageFault(f"there is no parameter search `{name}`; known are {known}")
     return name.lower()

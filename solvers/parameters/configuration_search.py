@@ -7,7 +7,6 @@ the cells that such a motion visits, and when, become the path that binds.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,17 +16,20 @@ from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, Effort
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import Entries
 from solvers.parameters.cell_timing import Timed, bound_to_cells
-from solvers.parameters.cube_point import cube_point
 from solvers.parameters.evaluation import Evaluator, best_of
 from solvers.parameters.parameter_space import ParameterSpace, parameter_space
 from solvers.parameters.sample import Sample
+from solvers.parameters.searches.bayesian_search import DESIGN, BayesianSearch
+from solvers.parameters.searches.cube import Cube
+from solvers.parameters.searches.nelder_mead import NelderMead
 from solvers.parameters.searches.parameter_search import ParameterSearch
-from solvers.parameters.searches.registry import DEFAULT, SEARCHES
 from solvers.parameters.solve_request import SolveRequest
 from solvers.progress import Conduct
 
+SEARCHES = ("gp-acb", "nelder-mead")
+"""The searches of parameters by name, the usual one first."""
 EVALUATIONS = 12
-"""Parameters that are evaluated for a path, shorter robots' not counted."""
+"""Parameters that are evaluated for a path."""
 BATCH = 2
 BASINS = 4
 """How many of the best evaluations are polished."""
@@ -53,13 +55,10 @@ class Configuration:
     samples: tuple[Sample, ...] = ()
 
 
-def search_configuration(
-    follower: Follower, label: str, conduct: Conduct, initial: Sequence[Sequence[float]] = ()
-) -> Configuration:
+def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal; ``initial`` are parameters (p,) that are
-    tried before all others.
+    ``label`` names the structure and path in the journal.
     """
     space = parameter_space(follower.model)
     evaluator = Evaluator(follower, conduct.workers, conduct.journal, label)
@@ -67,7 +66,7 @@ def search_configuration(
     if space.is_point:
         search.evaluate([np.full(len(space.lower), 0.5)], FULL)
     else:
-        search.run([cube_point(space, theta) for theta in initial])
+        search.run()
     entries = follower.waypoints()[1]
     top = _best(search.polished(entries), follower, entries, conduct)
     return Configuration(
@@ -89,6 +88,13 @@ def _best(
     return Timed(follower, replace(top, feasible=False), entries)
 
 
+def parameter_search(cube: Cube, seed: int, name: str | None = None) -> ParameterSearch:
+    """The search of a cube by its name; None: the usual one."""
+    if name == "nelder-mead":
+        return ParameterSearch(cube, seed, 1, NelderMead(seed))
+    return ParameterSearch(cube, seed, DESIGN, BayesianSearch(seed))
+
+
 class _Survey:
     """The evaluations of a path's parameters, with the motions that were found."""
 
@@ -100,23 +106,15 @@ class _Survey:
         """Points of the unit cube with the outcome of every seed there."""
         self.samples: list[Sample] = []
 
-    def run(self, first: list[Array]) -> None:
-        """Evaluate the first points, then what the search asks for."""
-        search = SEARCHES[self.conduct.search or DEFAULT](self.space.cube, self.conduct.seed)
-        if first:
-            self.tell(search, first, self.evaluate(first, SURVEY))
-        while len(self.samples) < EVALUATIONS + len(first):
+    def run(self) -> None:
+        """Evaluate what the search asks for."""
+        search = parameter_search(self.space.cube, self.conduct.seed, self.conduct.search)
+        while len(self.samples) < EVALUATIONS:
             points = search.ask(BATCH)
             if not points:
                 break
-            self.tell(search, points, self.evaluate(points, SURVEY))
-
-    def tell(
-        self, search: ParameterSearch, points: list[Array], outcomes: list[ControlOutcome]
-    ) -> None:
-        """Tell a search what it asked for."""
-        for point, outcome in zip(points, outcomes, strict=True):
-            search.tell(point, outcome.robustness)
+            for point, outcome in zip(points, self.evaluate(points, SURVEY), strict=True):
+                search.tell(point, outcome.robustness)
 
     def evaluate(self, points: list[Array], effort: Effort) -> list[ControlOutcome]:
         """The outcomes at points of the unit cube."""

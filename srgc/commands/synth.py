@@ -38,7 +38,7 @@ from srgc.time_limit import TimeLimit
     "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
 )
 @click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
-@click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default), or another.")
+@click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default) or nelder-mead.")
 @QUIET
 @click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
 @click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")

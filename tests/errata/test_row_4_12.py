@@ -6,7 +6,8 @@ from math import log, pi, sqrt
 
 import numpy as np
 
-from solvers.parameters.searches.acquisition import gp_acb, gp_ucb
+from benchmarks.search_methods import gp_ucb
+from solvers.parameters.searches.bayesian_search import gp_acb
 
 
 def printed_eta(mean: np.ndarray) -> np.ndarray:

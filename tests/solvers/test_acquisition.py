@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.parameters.searches.acquisition import exploration, gp_acb, gp_ucb
+from benchmarks.search_methods import gp_ucb
+from solvers.parameters.searches.bayesian_search import exploration, gp_acb
 
 MEANS = st.lists(st.floats(-5, 5), min_size=2, max_size=8)
 

@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.search_methods import COMPARED
+from solvers.parameters.configuration_search import SEARCHES, parameter_search
 from solvers.parameters.searches.cube import Cube
-from solvers.parameters.searches.registry import DEFAULT, SEARCHES
 
-NAMES = sorted(SEARCHES)
+NAMES = sorted(COMPARED)
 BRANIN = 310 - 0.397887
 
 
@@ -22,7 +23,7 @@ def continuous(axes: int) -> Cube:
 
 def maximise(name, f, cube, seed, budget, batch=1, initial=None):
     """The best value after each evaluation, and the points in order."""
-    search = SEARCHES[name](cube, seed, initial)
+    search = COMPARED[name](cube, seed, **({} if initial is None else {"initial": initial}))
     while len(search.points) < budget:
         points = search.ask(min(batch, budget - len(search.points)))
         if not points:
@@ -71,14 +72,27 @@ FUNCTIONS = {
 def test_the_names() -> None:
     expected = "gp-acb gp-ucb nelder-mead particle-swarm random simulated-annealing"
     assert expected.split() == NAMES
-    assert DEFAULT == "gp-acb"
+    assert SEARCHES == ("gp-acb", "nelder-mead")
+
+
+@pytest.mark.parametrize("name", SEARCHES)
+def test_a_run_searches_as_the_benchmark_does(name) -> None:
+    """So that what is measured is what `--search` takes."""
+    product, measured = parameter_search(continuous(2), 3, name), COMPARED[name](continuous(2), 3)
+    for _ in range(12):
+        first, second = product.ask(2), measured.ask(2)
+        np.testing.assert_array_equal(first, second)
+        for point in first:
+            product.tell(point, cliff(point))
+            measured.tell(point, cliff(point))
+    assert type(parameter_search(continuous(2), 3).method).__name__ == "BayesianSearch"
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("what", FUNCTIONS)
 @pytest.mark.parametrize(("axes", "batch"), [(1, 3), (2, 40), (6, 2)])
 def test_it_asks_for_different_points_of_the_cube(name, what, axes, batch) -> None:
-    search = SEARCHES[name](continuous(axes), 3)
+    search = COMPARED[name](continuous(axes), 3)
     asked = set()
     for _ in range(max(3, 30 // batch)):
         points = search.ask(batch)
@@ -105,7 +119,7 @@ def test_it_is_deterministic_and_the_seed_matters(name) -> None:
 @given(order=st.randoms(use_true_random=False))
 def test_the_order_of_telling_does_not_matter(name, order) -> None:
     """Values of points asked for at once; a Gaussian process differs by rounding only."""
-    plain, mixed = (SEARCHES[name](continuous(2), 1, 4) for _ in range(2))
+    plain, mixed = (COMPARED[name](continuous(2), 1, 4) for _ in range(2))
     for _ in range(8):
         first, second = plain.ask(3), mixed.ask(3)
         np.testing.assert_allclose(first, second, atol=1e-9)
@@ -117,7 +131,7 @@ def test_the_order_of_telling_does_not_matter(name, order) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_it_can_be_asked_again_before_it_is_told(name) -> None:
-    search = SEARCHES[name](continuous(2), 0, 3)
+    search = COMPARED[name](continuous(2), 0, 3)
     asked, waiting = [], []
     for turn in range(30):
         new = search.ask(2)
@@ -133,7 +147,7 @@ def test_it_can_be_asked_again_before_it_is_told(name) -> None:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_what_is_not_finite_is_refused(name, value) -> None:
-    search = SEARCHES[name](continuous(2), 0)
+    search = COMPARED[name](continuous(2), 0)
     (point,) = search.ask(1)
     with pytest.raises(ValueError, match="cannot be told"):
         search.tell(point, value)
@@ -145,15 +159,15 @@ def test_what_is_not_finite_is_refused(name, value) -> None:
 @pytest.mark.parametrize("point", [[0.5], [0.5, 1.01], [-1e-9, 0.5], [np.nan, 0.5]])
 def test_points_outside_the_cube_are_refused(point) -> None:
     with pytest.raises(ValueError, match="no point of the unit cube"):
-        SEARCHES["random"](continuous(2), 0).tell(np.array(point), 0.0)
+        COMPARED["random"](continuous(2), 0).tell(np.array(point), 0.0)
 
 
 def test_nonsense_is_refused() -> None:
-    search = SEARCHES["gp-acb"](continuous(2), 0)
+    search = COMPARED["gp-acb"](continuous(2), 0)
     with pytest.raises(ValueError, match="at least one"):
         search.ask(0)
     with pytest.raises(ValueError, match="one point at least"):
-        SEARCHES["gp-acb"](continuous(2), 0, 0)
+        COMPARED["gp-acb"](continuous(2), 0, 0)
     with pytest.raises(ValueError, match="without values"):
         Cube((None, 0))
     (point,) = search.ask(1)
@@ -166,7 +180,7 @@ def test_nonsense_is_refused() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_points_that_nobody_asked_for_are_taken_into_account(name) -> None:
-    search = SEARCHES[name](continuous(2), 4, 2)
+    search = COMPARED[name](continuous(2), 4, 2)
     best = np.array([0.31, 0.59])
     search.tell(best, sphere(best))
     for _ in range(25):
@@ -234,7 +248,7 @@ def test_violations_lead_to_what_is_feasible() -> None:
 
 
 def test_points_asked_for_together_are_apart() -> None:
-    search = SEARCHES["gp-acb"](continuous(2), 0)
+    search = COMPARED["gp-acb"](continuous(2), 0)
     for point in search.ask(8):
         search.tell(point, sphere(point))
     points = np.array(search.ask(5))

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import z3
 
-import solvers.handing_on
 import solvers.synthesis
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
@@ -35,7 +34,6 @@ from solvers.synthesis import NOT_COVERED, OUT_OF_TIME, Synthesis, synthesise
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.verification import verify_directory
 from tests.oracles import small_specs
-from tests.oracles.extended_arm import extended_arm
 from tests.oracles.formulas import program as program_of
 from tests.oracles.limits import Asked, asked_by
 from tests.solvers.test_smt import CIRCLE, HARD
@@ -244,24 +242,6 @@ def test_what_is_refuted_stays_so_without_a_second_proof() -> None:
     assert result.unfinished
     assert [record.verdict for record in result.records] == [r.verdict for r in whole.records]
     assert same(searched(BEYOND, cut), whole)
-
-
-def test_a_proved_design_is_kept_whatever_is_cut_next(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Out of time while the design of a shorter robot is handed on to the one that is proved."""
-    program = program_of(extended_arm("[0, 1]"))
-    (task,) = program.tasks.values()
-    given = solvers.handing_on.handed_on
-
-    def late(search: object, design: object) -> object:
-        if design is not None:
-            raise OutOfTimeError
-        return given(search, design)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(solvers.synthesis, "handed_on", late)
-    result = synthesise(program, task, Conduct())
-    assert (result.verdict, len(result.designs), result.unfinished) == ("found", 1, True)
-    assert result.records[-1].verdict == "found"
-    assert result.designs[0].counts["evaluations"] == result.counts["evaluations"]
 
 
 def test_states_are_as_fine_as_time_allows() -> None:

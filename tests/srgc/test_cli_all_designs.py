@@ -96,18 +96,18 @@ def test_a_time_limit_leaves_the_first_design_and_the_next_run_goes_on(
 ) -> None:
     """The limit is reached when the second structure begins; in the end all bytes are the same."""
     from compiler.time_limits.time_limit import OutOfTimeError
-    from solvers.inheritance import Inheritance
+    from solvers.structure_search import StructureSearch
 
     path, folder = designs_made / "arm.srg", tmp_path / "out"
-    given = Inheritance.of
+    given = StructureSearch.design
 
-    def late(self: Inheritance, *arguments):
-        if self.searched:
+    def late(self: StructureSearch, recorded: int):
+        if self.number:
             raise OutOfTimeError
-        return given(self, *arguments)
+        return given(self, recorded)
 
     with monkeypatch.context() as patched:
-        patched.setattr(Inheritance, "of", late)
+        patched.setattr(StructureSearch, "design", late)
         ran = srgc("synth", path, "--all", "-o", folder)
     assert ran.status == 0
     assert "not all structures were tried: the time limit was reached" in ran.out

@@ -1,4 +1,9 @@
-"""Bayesian optimisation: a Gaussian process of the values, and a rule that says where to look next.
+r"""Bayesian optimisation: a Gaussian process of the values, and a rule for where to look next.
+
+The rule is GP-ACB (Eqn. 8 of the paper, with correction 4.12) over a finite set of candidates:
+
+.. math:: m + \sqrt{\eta \beta_t}\, \sigma, \qquad
+    \beta_t = 2 \ln\bigl(|D| \pi^2 t^2 / (6 \delta)\bigr), \qquad \delta = e^{-3}.
 
 Several points at once: the mean is kept and the deviation is computed as if the points waited for
 had been seen (T. Desautels, A. Krause, J. W. Burdick, "Parallelizing exploration-exploitation
@@ -7,25 +12,49 @@ tradeoffs in Gaussian process bandit optimization", 2014).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 
 from compiler.discretisation.float_reading import Array
-from solvers.parameters.searches.acquisition import Acquisition
-from solvers.parameters.searches.cube import Cube
-from solvers.parameters.searches.gaussian_process import GaussianProcess, conditioned, fitted
-from solvers.parameters.searches.halton import Halton
+from solvers.parameters.searches.cube import Cube, Halton
+from solvers.parameters.searches.gaussian_process import (
+    GaussianProcess,
+    conditioned,
+    fitted,
+    standardised,
+)
 from solvers.parameters.searches.parameter_search import Record
-from solvers.parameters.searches.standard_values import standardised
 
+DESIGN = 8
+"""Initial points, unless told otherwise."""
 EVERYWHERE = 512
 """Candidates that fill the cube."""
 NEARBY = 64
 """Candidates about the best point, for each of the ranges."""
 RANGES = (0.1, 0.03, 0.01, 0.003)
 """Standard deviations of candidates about the best point, in units of the cube."""
+
+
+DELTA = float(np.exp(-3.0))
+
+Acquisition: TypeAlias = Callable[[Array, Array, int], Array]
+"""Mean (c,), standard deviation (c,) and step t from 1 to the values (c,) to be maximised."""
+
+
+def exploration(candidates: int, t: int) -> float:
+    """beta_t for ``candidates`` candidates at step ``t`` (from 1)."""
+    return 2 * float(np.log(candidates * np.pi**2 * t**2 / (6 * DELTA)))
+
+
+def gp_acb(mean: Array, deviation: Array, t: int) -> Array:
+    """The rule m + sqrt(eta beta) sigma; eta is the mean scaled to [0, 1], 1 where it is flat."""
+    spread = float(mean.max() - mean.min())
+    eta = (mean - mean.min()) / spread if spread > 0 else np.ones_like(mean)
+    return np.asarray(mean + np.sqrt(eta * exploration(len(mean), t)) * deviation)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +65,7 @@ class BayesianSearch:
     """
 
     seed: int
-    acquisition: Acquisition
+    acquisition: Acquisition = gp_acb
 
     def propose(self, count: int, record: Record) -> list[Array]:
         """The best candidates that are neither known nor waited for, one after the other."""

@@ -12,8 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from compiler.discretisation.float_reading import Array
-from solvers.parameters.searches.cube import Cube
-from solvers.parameters.searches.halton import Halton
+from solvers.parameters.searches.cube import Cube, Halton
 
 TRIES = 200
 """So many proposals in a row may be points that are known before others are taken."""
