@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.definiteness.mass_matrix_check import mass_matrix_check
 from compiler.discretisation.float_reading import FloatReading
+from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
 from compiler.robots.robot import RobotModel
 from solvers.motions.task_limits import parameter_bounds
 
