@@ -1,15 +1,27 @@
-"""What is found out about a robot before any motion is searched: refuted, inadmissible, or open."""
+"""What is found out about a robot before any motion is searched: refuted, inadmissible, or open.
+
+A robot without a regular mass matrix cannot be driven: it is *inadmissible*.  Samples raise the
+suspicion, a proof settles it.  Where M fails at single poses or parameters only (a length of zero,
+say), the robot is searched like any other: the certificate proves M along the motion.
+"""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
+import numpy as np
+
 from compiler.discretisation.float_reading import FloatReading
+from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
+from solvers.motions.task_limits import parameter_bounds
 from solvers.progress import Conduct, Recorded
-from solvers.refutation.admissibility import inadmissible
 from solvers.refutation.structure_refutation import Refutation, refute_structure
+
+SAMPLES = 4
+SINGULAR = 1e-12
+BOXES = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,3 +55,25 @@ def examine(
     refutation = refute_structure(model, reading, program, task, conduct)
     blocked = None if refutation.refuted else inadmissible(model, reading)
     return Examination(refutation, blocked)
+
+
+def inadmissible(model: RobotModel, reading: FloatReading) -> str | None:
+    """Why a robot cannot be driven, or None."""
+    if not model.dofs or not _singular_at_all_samples(model, reading):
+        return None
+    found = mass_matrix_check(model, budget=BOXES)
+    return None if found.status == "proved" else f"the mass matrix is {found.text}"
+
+
+def _singular_at_all_samples(model: RobotModel, reading: FloatReading) -> bool:
+    """Whether M is singular, indefinite or not finite at all of a few random points."""
+    rng = np.random.default_rng(0)
+    bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
+    for _ in range(SAMPLES):
+        theta = rng.uniform(bounds[:, 0], bounds[:, 1])
+        mass = reading.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
+        finite = mass[np.isfinite(mass).all(axis=(1, 2))]
+        eigenvalues = np.linalg.eigvalsh(finite)
+        if np.any(eigenvalues[:, 0] > SINGULAR * eigenvalues[:, -1]):
+            return False
+    return True

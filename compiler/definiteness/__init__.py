@@ -1,1 +1,1 @@
-"""Whether a matrix is positive definite over a whole box."""
+"""The interval and the exact reading of a graph."""

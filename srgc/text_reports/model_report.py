@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from compiler.definiteness.mass_matrix_check import mass_matrix_check
 from compiler.descriptions.document import Fact, Section, section_of_lines
 from compiler.descriptions.latex_document import to_latex
 from compiler.descriptions.model_reading import model_reading
@@ -16,6 +15,7 @@ from compiler.descriptions.text_document import to_text
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.tape import UndefinedValueError
 from compiler.encodings.model_script import model_script
+from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
 from compiler.robots.defined_scalars import scalars_are_defined
 from compiler.robots.robot import RodBody, SolidBody
 from compiler.semantics.neutral_parameters import neutral_parameters

@@ -5,18 +5,12 @@ from __future__ import annotations
 import random
 from fractions import Fraction
 
-import casadi as ca
 import mpmath as mp
-import numpy as np
 import pytest
 from flint import arb
 
-from compiler.definiteness.boxes import domain_side, range_side
-from compiler.definiteness.enclosed_matrix import EnclosedMatrix
 from compiler.definiteness.exact_reading import ExactArithmetic, NotExact, PiLinear, exact_closed
-from compiler.definiteness.identities import symmetric_entries
 from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, between
-from compiler.dynamics.tape import tape
 from grammar_lang import ir
 from tests.oracles.exact_chain import DIGITS, Multiprecision
 
@@ -98,17 +92,6 @@ def test_the_slopes_of_an_absolute_value() -> None:
         sign("cosh", Ends(arb(0), arb(1)))
 
 
-def test_a_kink_is_not_expanded_beyond_the_first_order() -> None:
-    # 1 - (|z| + z) is 1 left of zero and falls to -1 at z = 1; at the middle all slopes are 0.
-    z = ca.SX.sym("z")
-    matrix = EnclosedMatrix(1 - (ca.fabs(z) + z), z, ca.SX(0, 1), ())
-    one = np.eye(1)
-    for low, high, regular in ((-3, 1, False), (-5, 1, False), (-3, -1, True)):
-        box = (range_side(low, high),)
-        natural = matrix.enclosed([side.ends for side in box])
-        assert matrix.regular(box, one, one, natural, [0]) is regular
-
-
 def test_what_is_undefined_stays_so() -> None:
     run = IntervalArithmetic()
     undefined = run.unary("inv", between(Fraction(-1), Fraction(1)))
@@ -122,8 +105,8 @@ def test_what_is_undefined_stays_so() -> None:
 
 
 def test_a_wide_square_does_not_reach_below_zero() -> None:
-    run, side = IntervalArithmetic(), range_side(Fraction(1, 2), 5)
-    assert run.binary("mul", side.ends, side.ends).low == 0.25
+    run, side = IntervalArithmetic(), between(Fraction(1, 2), Fraction(5))
+    assert run.binary("mul", side, side).low == 0.25
 
 
 # --- the exact reading ----------------------------------------------------------------------------
@@ -169,46 +152,3 @@ def test_order_of_exact_numbers() -> None:
     assert pi.at_most(pi)
     assert pi.at_most(close)
     assert not close.at_most(pi)
-
-
-# --- sides of boxes -------------------------------------------------------------------------------
-
-
-def test_sides_contain_their_ends_and_nothing_else() -> None:
-    turn = domain_side(None, angle=True)
-    assert turn.contains(PiLinear(Fraction(0), Fraction(1)))
-    assert turn.contains(PiLinear(Fraction(0), Fraction(-1)))
-    assert not turn.contains(PiLinear(Fraction(22, 7)))
-    root = ir.Unary("sqrt", ir.Num(Fraction(2)))
-    side = domain_side(ir.Interval(root, ir.Num(Fraction(2))))
-    assert not side.contains(PiLinear(Fraction(141421356, 10**8)))
-    assert side.contains(PiLinear(Fraction(14143, 10**4)))
-
-
-def test_simple_values_and_halves() -> None:
-    assert range_side(Fraction(3, 10), Fraction(7, 10)).simple == PiLinear(Fraction(1, 2))
-    assert range_side(Fraction(-29, 10), Fraction(-21, 10)).simple == PiLinear(Fraction(-5, 2))
-    assert range_side(-1, 5).simple == PiLinear(Fraction(0))
-    assert range_side(1, 2, angle=True).simple == PiLinear(Fraction(0), Fraction(1, 2))
-    assert not range_side(2, 2).divisible()
-    chosen = domain_side(ir.Choices(tuple(ir.Num(Fraction(i)) for i in (1, 4, 9))))
-    left, right = chosen.halves()
-    assert [left.middle, len(right.elements)] == [1, 2]
-    assert not left.divisible()
-    unlimited = domain_side(None)
-    low, high = unlimited.halves()
-    assert (low.high, high.low) == (0, 0)
-    assert high.halves()[1].low == 1
-
-
-# --- identities -----------------------------------------------------------------------------------
-
-
-def test_symmetry_up_to_the_order_of_factors_is_shown() -> None:
-    x, y = ca.SX.sym("x"), ca.SX.sym("y")
-    left, right = (x + y) * (x + y) * ca.cos(x + y), (x**2 + 2 * y * x + y * y) * ca.cos(y + x)
-    for off, symmetric in ((right, True), (right + x * y - y * x, True), (right + x, False)):
-        matrix = ca.vertcat(ca.horzcat(1, left), ca.horzcat(off, 1))
-        function = ca.Function("f", [x, y], [ca.densify(matrix)])
-        assert symmetric_entries(function, 2) is symmetric
-    assert tape(function).outputs == 4
