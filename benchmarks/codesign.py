@@ -25,7 +25,7 @@ from codesign_starts import random_starts
 from control_cases import STEPS, fixed, follower
 from control_ipopt import ipopt_problem
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import ControlOutcome, ControlProblem
@@ -121,7 +121,7 @@ def graph_made(path: Follower, found: Configuration) -> float:
     """The seconds of our graph of the robot and of its first uses."""
     at, n = found.outcome.trajectory, path.reading.n
     started = time.perf_counter()
-    reading = FloatReading(robot_graph(path.model, path.task.gravity))
+    reading = NumericRobot(robot_graph(path.model, path.task.gravity))
     reading.step(at.x[:-1], at.u, at.theta, float(path.task.step), path.substeps)
     reading.simulate(at.x[0], at.u, at.theta, float(path.task.step), path.substeps)
     reading.points(at.x[:, :n], at.theta)

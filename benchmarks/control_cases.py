@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.languages.structures import derivations_of
@@ -91,7 +91,7 @@ def follower(links: int, steps: int = STEPS, *, turning: bool = False) -> Follow
     family = family_of(program, task)
     word = ("B", "eps", "JO", "eps", "L", *("eps", "JO", "eps", "L") * (links - 1), "eps", "EN")
     model = family.robot(next(iter(derivations_of(family.language, word))))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    reading = NumericRobot(robot_graph(model, task.gravity))
     task = replace(task, steps=steps, step=DURATION / steps)
     path = found.witness.paths[0].cells
     return Follower(reading, place, task, cells, 0, path, LEAST_MARGIN, 0)

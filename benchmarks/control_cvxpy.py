@@ -15,7 +15,7 @@ from typing import Any
 import cvxpy as cp
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, Linearisation
+from compiler.discretisation.numeric_robot import Array, Linearisation
 from solvers.motions.control_problem import ControlProblem, input_margin
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.step_question import Weights

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from tests.oracles.robots import constants_of
@@ -58,10 +58,10 @@ def _made(make: Callable[[], Callable[[], Jacobians]]) -> Competitor:
 
 
 def ours(model: RobotModel, at: Samples) -> Competitor:
-    """``FloatReading.step``: always with the Jacobian in theta."""
+    """``NumericRobot.step``: always with the Jacobian in theta."""
 
     def make() -> Callable[[], Jacobians]:
-        reading = FloatReading(robot_graph(model))
+        reading = NumericRobot(robot_graph(model))
 
         def call() -> Jacobians:
             found = reading.step(at.x, at.u, at.theta, DT, 1)

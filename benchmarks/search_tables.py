@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from timing import SPEC, seconds
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.planning.specification import planning_problem
@@ -41,7 +41,7 @@ def arm(links: int) -> Arm:
     (task,) = program.tasks.values()
     family = family_of(program, task)
     model = family.robot(family.replay(("tool", *("link", "joint") * links, "base")))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    reading = NumericRobot(robot_graph(model, task.gravity))
     cells = abstract(program.workspaces[task.workspace])
     planned = Planner(planning_problem(cells, task, 0, None)).next_plan()
     if not isinstance(planned, Holds):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.specifications.word_formula import SampledFormula
 from grammar_lang import ir
@@ -23,7 +23,7 @@ class PathTask:
 
     program: ir.Program
     task: ir.Task
-    reading: FloatReading
+    reading: NumericRobot
     formula: SampledFormula | None
     seed: int
     solver: str | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.progress import Conduct, Recorded
@@ -37,7 +37,7 @@ def examination_of(record: Recorded) -> Examination | None:
 
 
 def examine(
-    model: RobotModel, reading: FloatReading, program: ir.Program, task: ir.Task, conduct: Conduct
+    model: RobotModel, reading: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
 ) -> Examination:
     """Examine a robot; a refuted one is not looked at further."""
     refutation = refute_structure(model, reading, program, task, conduct)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from compiler.candidates.candidate import Candidate
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
@@ -51,7 +51,7 @@ class _Job:
 def _examined(job: _Job) -> tuple[int, Examination]:
     """A job: the number of a structure and its examination."""
     question = made_of(job.question, _Question.itself)
-    reading = FloatReading(robot_graph(job.model, question.task.gravity))
+    reading = NumericRobot(robot_graph(job.model, question.task.gravity))
     if len(_ASKED.values) > MOST_ASKED:
         _ASKED.values.clear()
     conduct = Conduct(question.seed, journal=_ASKED)
@@ -79,7 +79,7 @@ class LookAhead:
         self._fault: Exception | None = None
         self._parcel: Parcel[_Question] | None = None
         self._results: Iterator[tuple[int, Examination]] | None = None
-        self._reading: tuple[int, FloatReading] | None = None
+        self._reading: tuple[int, NumericRobot] | None = None
 
     def __iter__(self) -> Iterator[Candidate]:
         """All structures, once."""
@@ -92,7 +92,7 @@ class LookAhead:
             else:
                 return
 
-    def reading(self, candidate: Candidate) -> FloatReading:
+    def reading(self, candidate: Candidate) -> NumericRobot:
         """The equations of motion of the robot of a structure.
 
         Raises:
@@ -100,7 +100,7 @@ class LookAhead:
         """
         if self._reading is None or self._reading[0] != candidate.number:
             graph = robot_graph(_robot(candidate), self._question.task.gravity)
-            self._reading = candidate.number, FloatReading(graph)
+            self._reading = candidate.number, NumericRobot(graph)
         return self._reading[1]
 
     def examination(self, candidate: Candidate) -> Examination:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.bisection import halving
 from compiler.grammars.derivation import Derivation
@@ -72,7 +72,7 @@ class StructureSearch:
     formula: SampledFormula | None
     counts: dict[str, int]
     derivation: Derivation
-    reading: FloatReading
+    reading: NumericRobot
     number: int
     robot: str
     inherited: tuple[Inherited, ...] = ()
@@ -348,7 +348,7 @@ def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:
 
 
 def start_cells(
-    abstraction: Abstraction, task: ir.Task, reading: FloatReading
+    abstraction: Abstraction, task: ir.Task, reading: NumericRobot
 ) -> dict[int, tuple[int, ...]] | None:
     """By effector the cells it may start in, where a start pose is given; else None.
 

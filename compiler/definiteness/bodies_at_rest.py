@@ -22,13 +22,13 @@ import casadi as ca
 import numpy as np
 from flint import arb
 
-from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.definiteness.box_search import Examined, widest_effect
 from compiler.definiteness.boxes import Box
 from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
-from compiler.definiteness.interval_reading import Ends
 from compiler.dynamics.absolute_angles import own_coordinates
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics, kinematics, rotation
+from compiler.dynamics.kinematics import Kinematics, SymbolicEvaluator, kinematics, rotation
+from compiler.expressions.evaluators.intervals import Ends
+from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody, Turn
 
 SHARPEST = 1e-3
@@ -71,7 +71,7 @@ def body_motions(model: RobotModel) -> BodyMotions:
     """The velocities of the bodies of a robot as expressions in q, theta and the constants."""
     n = len(model.dofs)
     q, theta = ca.SX.sym("q", n), ca.SX.sym("theta", len(model.parameters))
-    constants = ConstantInputs()
+    constants = SymbolicEvaluator()
     at = kinematics(model, q, theta, constants, own_coordinates(model))
     velocities: list[Velocities] = []
     weights: list[ca.SX] = []
@@ -91,7 +91,7 @@ def body_motions(model: RobotModel) -> BodyMotions:
 
 
 def _of_body(
-    number: int, body: Body, at: Kinematics, q: ca.SX, constants: ConstantInputs
+    number: int, body: Body, at: Kinematics, q: ca.SX, constants: SymbolicEvaluator
 ) -> tuple[list[Velocities], list[ca.SX]]:
     d = at.model.dimension
 
@@ -120,7 +120,7 @@ def _of_body(
             return [shift, *turns], [mass, *signs]
 
 
-def _spin(at: Kinematics, frame: int, constants: ConstantInputs, q: ca.SX) -> ca.SX:
+def _spin(at: Kinematics, frame: int, constants: SymbolicEvaluator, q: ca.SX) -> ca.SX:
     """The angular velocity in the axes of a frame, shape (3, n), from the frame inwards."""
     columns, back = ca.SX.zeros(3, q.numel()), ca.SX.eye(3)
     for node in reversed(at.model.chain(frame)):

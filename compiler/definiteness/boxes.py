@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TypeAlias
 
-from compiler.arithmetic.balls import closed_ball
-from compiler.arithmetic.rational_enclosure import rational_bounds
-from compiler.definiteness.exact_reading import NotExact, PiLinear, exact_closed
-from compiler.definiteness.interval_reading import Ends, around, between
+from compiler.expressions.evaluators.balls import closed_ball
+from compiler.expressions.evaluators.exact import NotExact, PiLinear, exact_closed
+from compiler.expressions.evaluators.intervals import Ends, around, between
+from compiler.expressions.rational_enclosure import rational_bounds
 from grammar_lang import ir
 
 FARTHEST = Fraction(2**20)

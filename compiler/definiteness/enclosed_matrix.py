@@ -22,11 +22,11 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.definiteness.boxes import Box
-from compiler.definiteness.exact_reading import PiLinear, exact_constant
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
-from compiler.dynamics.tape import Tape, tape
+from compiler.expressions.evaluators.exact import PiLinear, exact_constant
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
+from compiler.expressions.scalars import Constant, PiConstant
+from compiler.expressions.tape import Tape, tape
 
 TERMS, LARGEST_ORDER = 24, 3
 """Of an expansion: the most derivatives of the highest order, and that order."""
@@ -93,7 +93,7 @@ class EnclosedMatrix:
 
     def enclosed(self, sides: Sequence[Ends]) -> list[Ends]:
         """The entries over a box, column by column."""
-        return self.values.run([*sides, *self._constants], IntervalArithmetic())
+        return self.values.evaluate([*sides, *self._constants], INTERVALS)
 
     def regular(
         self, box: Box, left: Array, right: Array, natural: list[Ends], rows: Sequence[int]
@@ -140,9 +140,9 @@ class EnclosedMatrix:
             centre = sides[i].ball().mid()
             point[i] = Ends(centre, centre)
             radii[i] = (sides[i].ball() - centre).abs_upper()
-        run = IntervalArithmetic()
-        found = expansion.inner.run([*point, *self._constants], run)
-        found += expansion.outer.run([*sides, *self._constants], run)
+        run = INTERVALS
+        found = expansion.inner.evaluate([*point, *self._constants], run)
+        found += expansion.outer.evaluate([*sides, *self._constants], run)
         total, size = arb_mat(0, 0), height * columns
         for number, powers in enumerate(expansion.powers):
             start = number * size
@@ -212,7 +212,7 @@ def _expansion(
             outer = tape(ca.Function("outer", inputs, [ca.cse(ca.vertcat(*layer.values()))]))
         except ValueError:  # derivatives with constants that are not integers
             break
-        if any(name == "sign" for name, _, _ in inner.instructions):
+        if inner.uses("sign"):
             break  # beyond a kink only the first order holds, with both slopes
         best = Expansion((*powers, *layer), inner, outer)
         known += layer.values()

@@ -17,15 +17,15 @@ import numpy as np
 
 from compiler.definiteness.boxes import Box, Side
 from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
-from compiler.definiteness.exact_reading import PiLinear
 from compiler.definiteness.indefiniteness import Refuter, Witness, integral
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.evaluators.exact import PiLinear
+from compiler.expressions.evaluators.trigonometric import CanonicalEvaluator, TooManyTerms
+from compiler.expressions.trigonometric_polynomial import (
     Pi,
     PolynomialRing,
     TrigonometricPolynomial,
     Variable,
 )
-from compiler.formulas.trigonometric_reading import CanonicalArithmetic, TooManyTerms
 
 POINTS = 400
 """The most natural points that are tried."""
@@ -89,11 +89,11 @@ class ExactWitnesses:
         inputs: Sequence[TrigonometricPolynomial],
     ) -> tuple[Fraction, ...] | None:
         """The first of some vectors with M v = 0 as an identity."""
-        if any(name == "sign" for name, _, _ in self.matrix.values.instructions):
+        if self.matrix.values.uses("sign"):
             return None
         constants = [_number(ring, item) for item in self.matrix.exact_constants]
         try:
-            entries = self.matrix.values.run([*inputs, *constants], CanonicalArithmetic(ring))
+            entries = self.matrix.values.evaluate([*inputs, *constants], CanonicalEvaluator(ring))
         except TooManyTerms:
             return None
         for vector in vectors:

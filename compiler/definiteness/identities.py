@@ -6,13 +6,15 @@ a difference shows nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TypeAlias
 
 import casadi as ca
 
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluator import Evaluator
+from compiler.expressions.tape import tape
 
 TERMS = 2000
 """The most monomials of a polynomial; beyond, no identity is shown."""
@@ -26,54 +28,80 @@ class TooManyTerms(ArithmeticError):
 
 
 @dataclass(slots=True)
-class PolynomialArithmetic:
-    """Polynomials in atoms, with sorted terms, as the numbers of a tape."""
+class PolynomialEvaluator(Evaluator[Polynomial]):
+    """Values are polynomials in atoms, with sorted terms."""
 
     atoms: dict[tuple[str, Polynomial], int] = field(
         default_factory=dict[tuple[str, Polynomial], int]
     )
 
-    def integer(self, value: int) -> Polynomial:
-        """A constant."""
+    def constant(self, value: Fraction | int) -> Polynomial:
+        """A rational."""
         return (((), Fraction(value)),) if value else ()
+
+    def pi(self) -> Polynomial:
+        """An atom."""
+        return self.atom("pi", ())
 
     def atom(self, name: str, argument: Polynomial) -> Polynomial:
         """A function of a polynomial as one atom."""
         number = self.atoms.setdefault((name, argument), len(self.atoms))
         return ((((number, 1),), Fraction(1)),)
 
-    def unary(self, name: str, argument: Polynomial) -> Polynomial:
-        """A function of one polynomial."""
-        match name:
-            case "neg":
-                return tuple((monomial, -factor) for monomial, factor in argument)
-            case "twice":
-                return tuple((monomial, 2 * factor) for monomial, factor in argument)
-            case "sq":
-                return self.binary("mul", argument, argument)
-            case _:
-                return self.atom(name, argument)
+    def neg(self, argument: Polynomial, /) -> Polynomial:
+        """The opposite."""
+        return tuple((monomial, -factor) for monomial, factor in argument)
 
-    def binary(self, name: str, left: Polynomial, right: Polynomial) -> Polynomial:
-        """An operation on two polynomials; a quotient is a product with an inverse."""
-        total: dict[Monomial, Fraction] = {}
-        if name == "div":
-            return self.binary("mul", left, self.atom("inv", right))
-        if name == "mul":
-            if len(left) * len(right) > TERMS * TERMS // 4:
-                raise TooManyTerms
-            for first, a in left:
-                for second, b in right:
-                    monomial = _times(first, second)
-                    total[monomial] = total.get(monomial, Fraction(0)) + a * b
-        else:
-            sign = 1 if name == "add" else -1
-            total = dict(left)
-            for monomial, factor in right:
-                total[monomial] = total.get(monomial, Fraction(0)) + sign * factor
-        if len(total) > TERMS:
+    def twice(self, argument: Polynomial, /) -> Polynomial:
+        """The double."""
+        return tuple((monomial, 2 * factor) for monomial, factor in argument)
+
+    def add(self, left: Polynomial, right: Polynomial, /) -> Polynomial:
+        """The sum."""
+        return _collected([*left, *right])
+
+    def mul(self, left: Polynomial, right: Polynomial, /) -> Polynomial:
+        """The product."""
+        if len(left) * len(right) > TERMS * TERMS // 4:
             raise TooManyTerms
-        return tuple(sorted((monomial, factor) for monomial, factor in total.items() if factor))
+        return _collected((_times(a, b), c * d) for a, c in left for b, d in right)
+
+    def inv(self, argument: Polynomial, /) -> Polynomial:
+        """An atom, and so are all functions."""
+        return self.atom("inv", argument)
+
+    def sqrt(self, argument: Polynomial, /) -> Polynomial:
+        """An atom."""
+        return self.atom("sqrt", argument)
+
+    def sin(self, argument: Polynomial, /) -> Polynomial:
+        """An atom."""
+        return self.atom("sin", argument)
+
+    def cos(self, argument: Polynomial, /) -> Polynomial:
+        """An atom."""
+        return self.atom("cos", argument)
+
+    def tan(self, argument: Polynomial, /) -> Polynomial:
+        """An atom."""
+        return self.atom("tan", argument)
+
+    def fabs(self, argument: Polynomial, /) -> Polynomial:
+        """An atom."""
+        return self.atom("fabs", argument)
+
+    def sign(self, argument: Polynomial, /) -> Polynomial:
+        """An atom."""
+        return self.atom("sign", argument)
+
+
+def _collected(terms: Iterable[tuple[Monomial, Fraction]]) -> Polynomial:
+    total: dict[Monomial, Fraction] = {}
+    for monomial, factor in terms:
+        total[monomial] = total.get(monomial, Fraction(0)) + factor
+    if len(total) > TERMS:
+        raise TooManyTerms
+    return tuple(sorted((monomial, factor) for monomial, factor in total.items() if factor))
 
 
 def _times(first: Monomial, second: Monomial) -> Monomial:
@@ -85,11 +113,11 @@ def _times(first: Monomial, second: Monomial) -> Monomial:
 
 def symmetric_entries(function: ca.Function, size: int) -> bool:
     """Whether the output, a dense square matrix, is shown to be symmetric for all inputs."""
-    arithmetic = PolynomialArithmetic()
+    evaluator = PolynomialEvaluator()
     count = sum(function.nnz_in(i) for i in range(function.n_in()))
-    inputs = [arithmetic.atom(f"input {i}", ()) for i in range(count)]
+    inputs = [evaluator.atom(f"input {i}", ()) for i in range(count)]
     try:
-        entries = tape(function).run(inputs, arithmetic)
+        entries = tape(function).evaluate(inputs, evaluator)
     except TooManyTerms:
         return False
     pairs = ((i, j) for i in range(size) for j in range(i))

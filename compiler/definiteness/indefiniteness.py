@@ -15,11 +15,11 @@ from math import gcd, lcm
 import numpy as np
 from flint import arb
 
-from compiler.arithmetic.balls import BallArithmetic, ball, working_precision
 from compiler.definiteness.boxes import Box, Side
 from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
-from compiler.definiteness.exact_reading import ExactArithmetic, NotExact, PiLinear
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic
+from compiler.expressions.evaluators.balls import BALLS, ball, working_precision
+from compiler.expressions.evaluators.exact import ExactEvaluator, NotExact, PiLinear
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends
 
 PRECISION = 128
 HALVINGS = 16
@@ -74,8 +74,8 @@ class Refuter:
     def _exact(self, point: Sequence[PiLinear]) -> Rationals | None:
         """The matrix at a point where it is rational."""
         try:
-            entries = self.matrix.values.run(
-                [*point, *self.matrix.exact_constants], ExactArithmetic()
+            entries = self.matrix.values.evaluate(
+                [*point, *self.matrix.exact_constants], ExactEvaluator()
             )
         except NotExact:
             return None
@@ -88,7 +88,7 @@ class Refuter:
         with working_precision(PRECISION):
             numbers = [*point, *self.matrix.exact_constants]
             inputs = [number.ball() for number in numbers]
-            entries = self.matrix.values.run(inputs, BallArithmetic())
+            entries = self.matrix.values.evaluate(inputs, BALLS)
             return _form([ball(item) for item in vector], entries)
 
     def extended(
@@ -110,15 +110,13 @@ class Refuter:
 
     def _throughout(self, box: Box, vector: Sequence[Fraction]) -> bool:
         entries = self.matrix.enclosed([side.ends for side in box])
-        arithmetic, n = IntervalArithmetic(), len(vector)
-        total = arithmetic.integer(0)
+        run, n = INTERVALS, len(vector)
+        total = run.constant(0)
         for i in range(n):
             for j in range(n):
                 weight = ball(vector[i] * vector[j])
-                term = arithmetic.binary(
-                    "mul", Ends(weight.lower(), weight.upper()), entries[j * n + i]
-                )
-                total = arithmetic.binary("add", total, term)
+                term = run.mul(Ends(weight.lower(), weight.upper()), entries[j * n + i])
+                total = run.add(total, term)
         return bool(total.high <= 0)
 
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from compiler.arithmetic.balls import working_precision
 from compiler.definiteness.bodies_at_rest import (
     BodyMotions,
     RestTest,
@@ -33,6 +32,7 @@ from compiler.definiteness.positive_definite import (
     definiteness,
 )
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.robot import RobotModel
 
 FEW, SHARE = 32, 8

@@ -16,14 +16,14 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from compiler.arithmetic.balls import working_precision
-from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.definiteness.box_search import Examined, Searched, search, widest_effect
 from compiler.definiteness.boxes import Box
 from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
 from compiler.definiteness.exact_witnesses import ExactWitnesses
 from compiler.definiteness.identities import symmetric_entries
 from compiler.definiteness.indefiniteness import Refuter, Witness
+from compiler.expressions.evaluators.balls import working_precision
+from compiler.expressions.scalars import Constant, PiConstant
 
 PRECISION = 64
 BOXES = 4096

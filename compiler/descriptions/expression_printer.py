@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
-from compiler.formulas.collected_terms import collected, monomial_order
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.trigonometric_polynomial import (
     COSINE,
     FLAT,
     ONE,
@@ -23,6 +22,7 @@ from compiler.formulas.trigonometric_polynomial import (
     Variable,
     Wave,
 )
+from compiler.formulas.collected_terms import collected, monomial_order
 from grammar_lang.ir.expression_text import number_text
 
 LARGEST_PLAIN_DENOMINATOR = 12

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 from compiler.descriptions.document import Equation, Item, Remark, Section
 from compiler.descriptions.expression_printer import ExpressionPrinter
 from compiler.descriptions.latex_notation import LatexNotation
-from compiler.descriptions.model_reading import ModelReading
+from compiler.descriptions.model_formulas import Formulas, ModelFormulas
 from compiler.descriptions.model_symbols import ModelSymbols, model_symbols
 from compiler.descriptions.text_notation import TextNotation
-from compiler.formulas.trigonometric_polynomial import TrigonometricPolynomial
-from compiler.formulas.trigonometric_reading import Formulas
+from compiler.expressions.trigonometric_polynomial import TrigonometricPolynomial
 from grammar_lang.ir.expression_text import number_text
 
 AXES = ("x", "y", "z")
@@ -44,7 +43,7 @@ class _Writer:
             yield equation(left, output)
 
 
-def motion_sections(reading: ModelReading) -> list[Section]:
+def motion_sections(reading: ModelFormulas) -> list[Section]:
     """M, c, g and the effectors' positions, then the intermediate results they are made of."""
     model, writer = reading.model, _Writer(model_symbols(reading.model))
     n = len(model.dofs)
@@ -66,7 +65,7 @@ def motion_sections(reading: ModelReading) -> list[Section]:
     return sections
 
 
-def _gravitational(reading: ModelReading, writer: _Writer) -> Iterator[Item]:
+def _gravitational(reading: ModelFormulas, writer: _Writer) -> Iterator[Item]:
     if not any(reading.gravity):
         yield Remark("none: g = 0")
         return

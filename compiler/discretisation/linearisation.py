@@ -5,7 +5,7 @@ r"""The linearisation of a robot about samples (Eqn. 5), and its exact discretis
     \Phi = \int_0^{\Delta t} e^{F s}\,\mathrm ds
 
 The affine map is exact for the linearised system with u held, so it needs F, G and H at the
-beginning of a step only.  The step map of the search (``FloatReading.step``) is another thing: it
+beginning of a step only.  The step map of the search (``NumericRobot.step``) is another thing: it
 follows the *nonlinear* flow, and its Jacobians are those of that flow along the arc of the step.
 Over a step of length h, values differ by O(h^3) and Jacobians by O(h^2), while the step map is off
 the flow by O(h^5): that is why the search uses it (docs/decisions/0021-linearisation.md).
@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading, Linearisation
+from compiler.discretisation.batched_function import BatchedFunction
 from compiler.discretisation.matrix_exponential import held
-from compiler.discretisation.sample_lanes import SampleLanes
+from compiler.discretisation.numeric_robot import Array, Linearisation, NumericRobot
 from compiler.dynamics.controlled_system import ControlledSystem
 
 
@@ -46,7 +46,7 @@ class AffineSystem:
         return Linearisation(self.about + value[:, :, 0], state, by_input, by_parameter)
 
 
-def linearise(reading: FloatReading, x: Array, u: Array, theta: Array) -> AffineSystem:
+def linearise(reading: NumericRobot, x: Array, u: Array, theta: Array) -> AffineSystem:
     """The controlled system about K states (K, N) and inputs (K, m) at parameters (p,)."""
     n, size, m = reading.n, reading.size, reading.m
     rates, slopes = reading.acceleration(x, u, theta)
@@ -84,7 +84,7 @@ def second_order_form(
     value = f(*symbols)
     slopes = ca.jacobian(value, ca.vertcat(*reversed(motion), parameters))
     both = ca.cse(ca.densify(ca.horzcat(value, slopes)))
-    form = SampleLanes.of(ca.Function("form", [*motion, ca.vertcat(parameters, k)], [both]))
+    form = BatchedFunction.of(ca.Function("form", [*motion, ca.vertcat(parameters, k)], [both]))
     found = form((q, v, a), np.concatenate([theta, system.constants]))
     bias, mass, damping, stiffness, parameter = np.split(
         found, [1, 1 + n, 1 + 2 * n, 1 + 3 * n], axis=2

@@ -20,13 +20,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.coordinate_change import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
 from compiler.dynamics.equations_of_motion import MADE, RobotGraph
 from compiler.dynamics.inverse_dynamics import inverse_dynamics
-from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.kinematics import SymbolicEvaluator, kinematics
 from compiler.dynamics.ldl import ldl_solve
+from compiler.expressions.scalars import Constant
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
 
@@ -69,7 +69,7 @@ def controlled_system(graph: RobotGraph) -> ControlledSystem:
         ca.SX.sym(name, size)
         for name, size in (("q", n), ("w", n + r), ("a", n), ("u", m), ("theta", p))
     )
-    v, constants = w[:n], ConstantInputs()
+    v, constants = w[:n], SymbolicEvaluator()
     at = kinematics(model, q, theta, constants, coordinates)
     inertial = inverse_dynamics(model, at, (q, v, a), graph.gravity, constants, coordinates)
     own = own_motion(coordinates, q), own_motion(coordinates, v)

@@ -16,13 +16,13 @@ from functools import cached_property
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.dynamics.absolute_angles import Coordinates, own_coordinates
 from compiler.dynamics.coordinate_change import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
-from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.kinematics import SymbolicEvaluator, kinematics
 from compiler.dynamics.ldl import ldl_solve
 from compiler.dynamics.rigid_bodies import centrifugal_forces, gravitational_forces, mass_matrix
+from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
@@ -199,8 +199,8 @@ def robot_graph(
     q, w, u = (ca.SX.sym(name, size) for name, size in (("q", n), ("w", n + r), ("u", m)))
     theta = ca.SX.sym("theta", len(model.parameters))
     # All constants are met here, so that every function has the same inputs k.
-    constants = ConstantInputs()
-    half = constants.read(Constant(Fraction(1, 2)))
+    constants = SymbolicEvaluator()
+    half = constants.constant(Fraction(1, 2))
     body = kinematics(model, q, theta, constants, coordinates)
     check_time(MADE)
     mass = mass_matrix(model, body, q, constants, coordinates)
@@ -236,7 +236,7 @@ def robot_graph(
     return RobotGraph(model, gravity, coordinates, symbols, tuple(hulls), divisors, parts)
 
 
-def _unfolded(matrix: ca.SX, constants: ConstantInputs) -> ca.SX:
+def _unfolded(matrix: ca.SX, constants: SymbolicEvaluator) -> ca.SX:
     """The matrix with its literal entries as inputs, so that quotients of them stay exact."""
     result = ca.SX(matrix)
     for i in range(matrix.size1()):

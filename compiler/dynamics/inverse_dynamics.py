@@ -15,9 +15,8 @@ from fractions import Fraction
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.absolute_angles import Coordinates
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics
+from compiler.dynamics.kinematics import Kinematics, SymbolicEvaluator
 from compiler.dynamics.rigid_bodies import angular_jacobian, inertia_of
 from compiler.robots.robot import PointBody, RobotModel
 
@@ -27,7 +26,7 @@ def inverse_dynamics(
     at: Kinematics,
     motion: tuple[ca.SX, ca.SX, ca.SX],
     gravity: tuple[Fraction, ...],
-    constants: ConstantInputs,
+    constants: SymbolicEvaluator,
     coordinates: Coordinates,
 ) -> ca.SX:
     """The generalised forces (n,) that cause accelerations; ``motion`` is (q, v, a)."""
@@ -35,7 +34,7 @@ def inverse_dynamics(
     d, forces = model.dimension, ca.SX.zeros(len(model.dofs))
     pull = ca.SX.zeros(d)
     if any(gravity):
-        pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
+        pull = ca.vertcat(*(constants.constant(value) for value in gravity))
     masses, coms = [], []
     for body in model.bodies:
         mass, com, inertia = inertia_of(body, at, constants)

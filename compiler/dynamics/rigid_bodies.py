@@ -9,16 +9,17 @@ from fractions import Fraction
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.absolute_angles import Coordinates
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics
+from compiler.dynamics.kinematics import Kinematics, SymbolicEvaluator
 from compiler.dynamics.planar_products import has_turned_columns, planar_products
 from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody
 
 
-def inertia_of(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.SX, ca.SX, ca.SX]:
+def inertia_of(
+    body: Body, at: Kinematics, constants: SymbolicEvaluator
+) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Mass, position of the com, and inertia about it in world axes."""
-    half, twelfth = (constants.read(Constant(Fraction(1, i))) for i in (2, 12))
+    half, twelfth = (constants.constant(Fraction(1, i)) for i in (2, 12))
     match body:
         case RodBody(frame, axis, sign, length, density, _):
             extent, mass = at.scalars[length], at.scalars[density] * at.scalars[length]
@@ -66,7 +67,7 @@ def mass_matrix(
     model: RobotModel,
     at: Kinematics,
     q: ca.SX,
-    constants: ConstantInputs,
+    constants: SymbolicEvaluator,
     coordinates: Coordinates,
 ) -> ca.SX:
     """M, the Hessian of the kinetic energy in the rates."""
@@ -127,7 +128,7 @@ def gravitational_forces(
     at: Kinematics,
     q: ca.SX,
     gravity: tuple[Fraction, ...],
-    constants: ConstantInputs,
+    constants: SymbolicEvaluator,
 ) -> ca.SX:
     """g, the gradient of the potential energy."""
     if not any(gravity):
@@ -136,10 +137,10 @@ def gravitational_forces(
 
 
 def potential_energy(
-    model: RobotModel, at: Kinematics, gravity: tuple[Fraction, ...], constants: ConstantInputs
+    model: RobotModel, at: Kinematics, gravity: tuple[Fraction, ...], constants: SymbolicEvaluator
 ) -> ca.SX:
     """The potential energy of all bodies in a uniform field of gravity, J."""
-    pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
+    pull = ca.vertcat(*(constants.constant(value) for value in gravity))
     potential = ca.SX(0)
     for body in model.bodies:
         mass, com, _ = inertia_of(body, at, constants)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.trigonometric_polynomial import (
     CONSTANT,
     FLAT,
     Monomial,

@@ -16,12 +16,12 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, constant_ball
 from compiler.coverings.covered_poses import NEAR
 from compiler.coverings.leaf_box import LeafBox
 from compiler.coverings.motion_demands import GivenPose, Passage
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import EnergyGraph, energy_graph
+from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.geometry.polytope import polytope_of
 from compiler.motion_bounds.drive_budget import Budget
 from compiler.motion_bounds.drive_levels import least, needed
@@ -192,7 +192,7 @@ def _damping(drive: DriveReach, tail: Sequence[Ends]) -> list[Ends]:
         return []
     zero = Ends(arb(0), arb(0))
     inputs = [zero] * len(drive.model.dofs)
-    return drive.graph.damping.run([*inputs, *tail], IntervalArithmetic())
+    return drive.graph.damping.evaluate([*inputs, *tail], INTERVALS)
 
 
 def _groups(model: RobotModel, task: ir.Task) -> tuple[EffortGroup, ...]:

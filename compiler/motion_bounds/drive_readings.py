@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 from flint import arb, fmpz
 
-from compiler.arithmetic.balls import ball
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import EnergyGraph
+from compiler.expressions.evaluators.balls import ball
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.motion_bounds.drive_measures import CoordinateMeasure, HeightMeasure, Measure
 from compiler.motion_bounds.drive_metric import (
     EffortGroup,
@@ -93,14 +93,14 @@ class BoxReader:
     def read(self, box: Sequence[arb]) -> Reading:
         """What is known on a box."""
         sides = [around(side) for side in box]
-        inertia, run = self._inertia(box, sides), IntervalArithmetic()
+        inertia, run = self._inertia(box, sides), INTERVALS
         net, potential, pull = inertia.inputs, Ends(ZERO, ZERO), list[Ends]()
         if self.graph.potential is not None and inertia.metric is not None and net is not None:
-            potential, *pull = self.graph.potential.run([*sides, *self.tail], run)
+            potential, *pull = self.graph.potential.evaluate([*sides, *self.tail], run)
             finite = all(item.finite for item in pull)
             size = inertia.metric.size([item.ball() for item in pull]) if finite else None
             net = None if size is None else (net + size).upper()
-        places = self.graph.effectors.run([*sides, *self.tail], run)
+        places = self.graph.effectors.evaluate([*sides, *self.tail], run)
         return Reading(
             tuple(self._course(item, sides, places, inertia.metric) for item in self.measures),
             potential,
@@ -145,15 +145,17 @@ class BoxReader:
 
     def _mass(self, inputs: list[Ends], size: int) -> EnclosedMass:
         """M over a box of coordinates and parameters, and its centred form."""
-        graph, run = self.graph, IntervalArithmetic()
-        over, middle, radii = graph.mass.run(inputs, run), list(inputs), list[arb]()
+        graph, run = self.graph, INTERVALS
+        over, middle, radii = graph.mass.evaluate(inputs, run), list(inputs), list[arb]()
         for i in graph.active:
             side = inputs[i].ball()
             middle[i] = around(side.mid())
             radii.append(side.rad())
-        slopes, count = graph.slopes.run(inputs, run), size * size
+        slopes, count = graph.slopes.evaluate(inputs, run), size * size
         parts = [slopes[k * count : (k + 1) * count] for k in range(len(radii))]
-        return EnclosedMass(over, graph.mass.run(middle, run), list(zip(parts, radii, strict=True)))
+        return EnclosedMass(
+            over, graph.mass.evaluate(middle, run), list(zip(parts, radii, strict=True))
+        )
 
     def _course(
         self, measure: Measure, sides: list[Ends], places: list[Ends], metric: Metric | None

@@ -22,7 +22,7 @@ import numpy as np
 from flint import arb
 
 from compiler.coverings.leaf_box import LeafBox
-from compiler.definiteness.interval_reading import Ends
+from compiler.expressions.evaluators.intervals import Ends
 from compiler.motion_bounds.drive_budget import Budget, Ramp, RateBounds, budget
 from compiler.motion_bounds.drive_climb import OneWay, Side, climb
 from compiler.motion_bounds.drive_levels import largest, least

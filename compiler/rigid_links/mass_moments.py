@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from flint import arb, arb_mat
 
-from compiler.arithmetic.balls import ball
+from compiler.expressions.evaluators.balls import ball
 from compiler.rigid_links.ball_pose import Pose, column, doubles, identity, nearest, unit
 from compiler.rigid_links.principal_axes import principal_axes
 from compiler.robots.robot import Body, PointBody, RodBody, SolidBody

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
 from compiler.candidates.kept_parameters import robot_in_task
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import body_scripts
@@ -50,11 +50,11 @@ def _posable(
         if key in seen:
             continue
         seen.add(key)
-        if _answered(FloatReading(robot_graph(model, posed.task.gravity)), posed, seed):
+        if _answered(NumericRobot(robot_graph(model, posed.task.gravity)), posed, seed):
             yield derivation
 
 
-def _answered(reading: FloatReading, posed: PosedTask, seed: int) -> bool:
+def _answered(reading: NumericRobot, posed: PosedTask, seed: int) -> bool:
     """Whether poses are found for every question."""
     workspace, task = posed.workspace, posed.task
     demands = body_demands(workspace, task)

@@ -8,7 +8,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading, scalar_floats
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import Body, RodBody
 from grammar_lang import ir
@@ -22,7 +23,7 @@ FAR = Fraction(1000)
 class Avoidances:
     """The demands of a task on a robot that bind all the time; points count effectors first."""
 
-    reading: FloatReading
+    reading: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.discretisation.numeric_robot import Array
 from solvers.motions.control_problem import (
     FULL,
     ControlOutcome,

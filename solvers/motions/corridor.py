@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import Array, FloatReading
-from compiler.discretisation.sample_lanes import MOST_LANES
+from compiler.discretisation.batched_function import MOST_LANES
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from solvers.motions.body_clearance import BodyClearance
 from solvers.motions.pose_samples import Pool, pool
 from solvers.motions.position_rows import ConvexSet
@@ -32,7 +32,7 @@ class Corridor:
     With ``start_is_given`` there is one pose to start from.
     """
 
-    reading: FloatReading
+    reading: NumericRobot
     theta: Array
     point: int
     cells: tuple[ConvexSet, ...]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.specifications.disturbance_radii import disturbance_radii
 from grammar_lang import ir
 from solvers.motions.trajectory import Trajectory
@@ -40,7 +40,7 @@ class DisturbanceSpread:
 
 
 def disturbance_spread(
-    reading: FloatReading, task: ir.Task, trajectory: Trajectory, substeps: int
+    reading: NumericRobot, task: ir.Task, trajectory: Trajectory, substeps: int
 ) -> DisturbanceSpread:
     """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
 

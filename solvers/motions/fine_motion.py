@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.time_limits.time_limit import is_late
 from solvers.motions.trajectory import Trajectory
 
@@ -16,7 +16,7 @@ SUBSTEPS = 4
 MOST_PARTS = 128
 
 
-def fine_motion(reading: FloatReading, trajectory: Trajectory, dt: float) -> Trajectory:
+def fine_motion(reading: NumericRobot, trajectory: Trajectory, dt: float) -> Trajectory:
     """The trajectory with its states integrated anew, by the same method in shorter steps.
 
     For tables and pictures, and whoever compares with another simulator; no proof rests on it, so
@@ -33,7 +33,7 @@ def fine_motion(reading: FloatReading, trajectory: Trajectory, dt: float) -> Tra
     return replace(trajectory, x=states)
 
 
-def _sampled(reading: FloatReading, trajectory: Trajectory, dt: float, parts: int) -> Array:
+def _sampled(reading: NumericRobot, trajectory: Trajectory, dt: float, parts: int) -> Array:
     """The states at the samples, each step divided into so many parts."""
     u = np.repeat(trajectory.u, parts, axis=0)
     x = reading.simulate(trajectory.x[0], u, trajectory.theta, dt / parts, SUBSTEPS)

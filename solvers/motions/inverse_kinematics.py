@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 
 ROUNDS = 60
 DAMPING = 1e-3
@@ -19,7 +19,7 @@ APART = 0.1
 
 
 def solve_positions(
-    reading: FloatReading,
+    reading: NumericRobot,
     starts: Array,
     theta: Array,
     point: int,
@@ -58,7 +58,7 @@ def solve_positions(
 
 
 def branches(
-    reading: FloatReading,
+    reading: NumericRobot,
     theta: Array,
     point: int,
     target: Array,
@@ -86,13 +86,13 @@ def branches(
     return np.array(chosen).reshape(-1, reading.n)
 
 
-def _turns(reading: FloatReading) -> NDArray[np.bool_]:
+def _turns(reading: NumericRobot) -> NDArray[np.bool_]:
     """Which coordinates are angles."""
     return np.array([dof.kind == "revolute" for dof in reading.graph.model.dofs], dtype=bool)
 
 
 def sampled_box(
-    reading: FloatReading, box: tuple[Array, Array], distance: float
+    reading: NumericRobot, box: tuple[Array, Array], distance: float
 ) -> tuple[Array, Array]:
     """A bounded part (n,), (n,) of the box of coordinates, to draw them from.
 
@@ -108,7 +108,7 @@ def sampled_box(
     return np.maximum(lower, low), np.minimum(upper, high)
 
 
-def apart(reading: FloatReading, q: Array, other: Array) -> bool:
+def apart(reading: NumericRobot, q: Array, other: Array) -> bool:
     """Whether two poses (n,) are of different branches."""
     return _gap(q - other, _turns(reading)) > APART
 

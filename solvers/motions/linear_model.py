@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading, Linearisation, Points
+from compiler.discretisation.numeric_robot import Array, Linearisation, NumericRobot, Points
 from solvers.motions.step_layout import Indices
 from solvers.motions.trajectory import Trajectory
 
@@ -39,7 +39,7 @@ class Model:
     fictitious: Array
 
 
-def fictitious_inputs(reading: FloatReading, trajectory: Trajectory, dt: float) -> Array:
+def fictitious_inputs(reading: NumericRobot, trajectory: Trajectory, dt: float) -> Array:
     """B' of C.2, shape (k, N, N): a unit slack is the effort that causes it within a step.
 
     An effort f held for dt moves a coordinate by dt^2/2 M^-1 f and its rate by dt M^-1 f.  A state

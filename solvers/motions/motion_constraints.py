@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import polytope_of
 from compiler.robots.robot import RobotModel
@@ -30,7 +30,7 @@ ON_FACET = 1e-9
 class MotionConstraints:
     """A robot in a task; ``effector`` follows ``cells``, ``recorded`` starts and reaches."""
 
-    reading: FloatReading
+    reading: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
     abstraction: Abstraction

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.robots.robot import RobotModel
 from compiler.specifications.obligations import Obligation, obligations
@@ -68,7 +68,7 @@ class Follower:
     the convex steps, None: our own programs.
     """
 
-    reading: FloatReading
+    reading: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
     abstraction: Abstraction

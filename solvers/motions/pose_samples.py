@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions
 from solvers.motions.position_rows import ConvexSet
 
@@ -27,7 +27,7 @@ class Pool:
 
 
 def pool(
-    reading: FloatReading,
+    reading: NumericRobot,
     theta: Array,
     box: tuple[Array, Array],
     reach: float,
@@ -40,7 +40,7 @@ def pool(
 
 
 def poses_in(
-    reading: FloatReading,
+    reading: NumericRobot,
     theta: Array,
     drawn: Pool,
     box: tuple[Array, Array],

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.task_limits import parameter_bounds
 
 STABLE = 2.0
@@ -16,7 +16,7 @@ SAMPLES = 8
 MOST = 256
 
 
-def stable_parts(reading: FloatReading, dt: float, least: int) -> int:
+def stable_parts(reading: NumericRobot, dt: float, least: int) -> int:
     """At least ``least`` parts, more where the linearised robot has fast modes at random poses."""
     n, size = reading.n, reading.size
     rng = np.random.default_rng(0)

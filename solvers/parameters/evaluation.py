@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from solvers.execution.in_process import InProcess
@@ -40,7 +40,7 @@ class Recipe:
         """The follower."""
         task = self.settings["task"]
         gravity = getattr(task, "gravity", ())
-        reading = FloatReading(robot_graph(self.model, gravity))
+        reading = NumericRobot(robot_graph(self.model, gravity))
         return Follower(reading=reading, **self.settings)  # type: ignore[arg-type]
 
 

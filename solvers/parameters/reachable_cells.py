@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions
 from solvers.motions.task_limits import state_limits
@@ -22,7 +22,7 @@ CHUNK = 1 << 22
 
 
 def reachable_cells(
-    reading: FloatReading, abstraction: Abstraction, effector: int, seed: int
+    reading: NumericRobot, abstraction: Abstraction, effector: int, seed: int
 ) -> NDArray[np.bool_]:
     """Per cell whether a pose was found with the effector (from 0) in it, shape (cells,)."""
     space, cells = parameter_space(reading.graph.model), _Stacked(abstraction)

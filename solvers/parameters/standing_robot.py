@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.specifications.monitor import AtomKey, key
@@ -25,7 +25,7 @@ KEPT = 4
 
 
 def standing_configurations(
-    reading: FloatReading,
+    reading: NumericRobot,
     workspace: ir.Workspace,
     task: ir.Task,
     abstraction: Abstraction,
@@ -86,7 +86,7 @@ def _worth(shapes: Mapping[str, Polytope], task: ir.Task, points: Array) -> floa
     return min((formula.robustness(trace) or 0.0 for formula in formulas), default=float("inf"))
 
 
-def _motionless(reading: FloatReading, task: ir.Task, theta: Array) -> Configuration:
+def _motionless(reading: NumericRobot, task: ir.Task, theta: Array) -> Configuration:
     k = task.steps
     groups = input_groups(reading.graph.model, task)
     inputs = resting_inputs(groups, k, reading.m)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from compiler.definiteness.mass_matrix_check import mass_matrix_check
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.robot import RobotModel
 from solvers.motions.task_limits import parameter_bounds
 
@@ -19,7 +19,7 @@ SINGULAR = 1e-12
 BOXES = 256
 
 
-def inadmissible(model: RobotModel, reading: FloatReading) -> str | None:
+def inadmissible(model: RobotModel, reading: NumericRobot) -> str | None:
     """Why a robot cannot be driven, or None."""
     if not model.dofs or not _singular_at_all_samples(model, reading):
         return None
@@ -27,7 +27,7 @@ def inadmissible(model: RobotModel, reading: FloatReading) -> str | None:
     return None if found.status == "proved" else f"the mass matrix is {found.text}"
 
 
-def _singular_at_all_samples(model: RobotModel, reading: FloatReading) -> bool:
+def _singular_at_all_samples(model: RobotModel, reading: NumericRobot) -> bool:
     """Whether M is singular, indefinite or not finite at all of a few random points."""
     rng = np.random.default_rng(0)
     bounds = np.array(parameter_bounds(model)).reshape(-1, 2)

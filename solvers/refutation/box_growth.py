@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from compiler.coverings.box_tree import CoordinateTree
-from compiler.discretisation.float_reading import Array
+from compiler.discretisation.numeric_robot import Array
 from solvers.refutation.box_demands import BoxDemands, Judged
 from solvers.refutation.coordinate_cover import CoordinateCover, Flags, Numbers, Side
 

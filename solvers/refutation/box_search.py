@@ -25,7 +25,7 @@ from compiler.coverings.sides import (
     enclosures,
     parameter_sides,
 )
-from compiler.discretisation.float_reading import Array
+from compiler.discretisation.numeric_robot import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from solvers.refutation.box_demands import NEAR, BoxDemands
 from solvers.refutation.box_growth import BoxGrowth, Covered, Divide, Hopeless

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.encodings.body_smt import Poses
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import Pose
@@ -33,7 +33,7 @@ STRICT = 1e-6
 
 
 def clear_poses(
-    reading: FloatReading,
+    reading: NumericRobot,
     workspace: ir.Workspace,
     task: ir.Task,
     question: PoseQuestion,
@@ -54,7 +54,7 @@ class _Search:
     """What stays the same for all parameters."""
 
     def __init__(
-        self, reading: FloatReading, workspace: ir.Workspace, task: ir.Task, question: PoseQuestion
+        self, reading: NumericRobot, workspace: ir.Workspace, task: ir.Task, question: PoseQuestion
     ) -> None:
         self.reading, self.question = reading, question
         self.poses: Poses = ("target",) if question.start is None else ("start", "target")
@@ -103,7 +103,7 @@ class _Search:
         return max((float(np.max(end)) for end in ends), default=0.0)
 
 
-def designs(reading: FloatReading, rng: np.random.Generator) -> Iterator[Array]:
+def designs(reading: NumericRobot, rng: np.random.Generator) -> Iterator[Array]:
     """Parameters (p,) drawn from their domains."""
     domains = [parameter.domain for parameter in reading.graph.model.parameters]
     bounds = np.array(parameter_bounds(reading.graph.model)).reshape(-1, 2)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.coverings.box_tree import LEAF, CoordinateTree
-from compiler.discretisation.float_reading import Array
+from compiler.discretisation.numeric_robot import Array
 from compiler.time_limits.time_limit import check_time
 
 Flags: TypeAlias = NDArray[np.bool_]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.arithmetic.balls import working_precision
 from compiler.coverings.box_tree import (
     MOST_VARIABLES,
     BoxTreeError,
@@ -21,6 +20,7 @@ from compiler.coverings.box_tree import (
 from compiler.coverings.covered_poses import CoveredPoses
 from compiler.coverings.motion_demands import motion_demands
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir

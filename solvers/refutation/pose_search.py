@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import closed_ball
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
+from compiler.expressions.evaluators.balls import closed_ball
 from grammar_lang import ir
 
 RESTARTS = 12
@@ -60,7 +60,7 @@ class _Pose:
     region: _Region
 
 
-def find_poses(reading: FloatReading, question: PoseQuestion, seed: int) -> PoseWitness | None:
+def find_poses(reading: NumericRobot, question: PoseQuestion, seed: int) -> PoseWitness | None:
     """Poses that answer a question positively, for some effector; None: not found.
 
     Honours joint limits and parameter ranges; both poses share the parameters.  The same
@@ -74,7 +74,7 @@ def find_poses(reading: FloatReading, question: PoseQuestion, seed: int) -> Pose
 
 
 def find_poses_of(
-    reading: FloatReading, question: PoseQuestion, effectors: tuple[int, int], seed: int
+    reading: NumericRobot, question: PoseQuestion, effectors: tuple[int, int], seed: int
 ) -> PoseWitness | None:
     """The same for one choice of the starting and the reaching effector."""
     poses = [_Pose(effectors[1], _region(question.target, question.bounds))]
@@ -107,7 +107,7 @@ def _float(expression: ir.Expr) -> float:
     return float(closed_ball(expression).mid())
 
 
-def _joint_box(reading: FloatReading, poses: list[_Pose]) -> tuple[Array, Array]:
+def _joint_box(reading: NumericRobot, poses: list[_Pose]) -> tuple[Array, Array]:
     """Limits of the coordinates (n,); unlimited ones get a range that loses nothing of use."""
     reach = 2 * max(float(np.max(np.abs(pose.region.offsets))) for pose in poses)
     lower, upper = [], []
@@ -118,7 +118,7 @@ def _joint_box(reading: FloatReading, poses: list[_Pose]) -> tuple[Array, Array]
     return np.array(lower), np.array(upper)
 
 
-def _designs(reading: FloatReading, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+def _designs(reading: NumericRobot, rng: np.random.Generator) -> tuple[Array, Array, Array]:
     """Parameters to start from, and the boxes they may move in, each (RESTARTS, p).
 
     Choices are drawn and stay.
@@ -138,7 +138,7 @@ def _designs(reading: FloatReading, rng: np.random.Generator) -> tuple[Array, Ar
 
 
 def _best_samples(
-    reading: FloatReading,
+    reading: NumericRobot,
     poses: list[_Pose],
     theta: Array,
     box: tuple[Array, Array],
@@ -159,7 +159,7 @@ def _best_samples(
 
 
 def _descend(
-    reading: FloatReading,
+    reading: NumericRobot,
     poses: list[_Pose],
     q: Array,
     box: tuple[Array, Array],
@@ -228,7 +228,7 @@ def _step(x: Array, at: _Residual, box: tuple[Array, Array], damping: Array) -> 
     return -np.linalg.solve(normal, (gradient * free)[:, :, None])[:, :, 0]
 
 
-def _residual(reading: FloatReading, poses: list[_Pose], x: Array) -> _Residual:
+def _residual(reading: NumericRobot, poses: list[_Pose], x: Array) -> _Residual:
     """The violations of designs x (R, poses * n + p)."""
     n, width, count = reading.n, reading.n * len(poses), len(x)
     q = x[:, :width].reshape(count * len(poses), n)

@@ -13,7 +13,7 @@ from itertools import islice
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
@@ -64,7 +64,7 @@ class Refutation:
 
 
 def refute_structure(
-    model: RobotModel, reading: FloatReading, program: ir.Program, task: ir.Task, conduct: Conduct
+    model: RobotModel, reading: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
 ) -> Refutation:
     """Try to prove that a structure cannot bring effectors from the start to where they must be."""
     asked = _Asked(model, reading, program.workspaces[task.workspace], task, conduct)
@@ -87,7 +87,7 @@ class _Asked:
     """What was asked about a robot so far; ``witnesses`` has the poses found for each question."""
 
     model: RobotModel
-    reading: FloatReading
+    reading: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
     conduct: Conduct

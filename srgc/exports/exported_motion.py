@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from solvers.motions.fine_motion import fine_motion
@@ -86,7 +86,7 @@ def exported_motion(design: FoundDesign) -> ExportedMotion:
 def _integrated(design: FoundDesign) -> ExportedMotion:
     model, step = design.model, design.task.step
     graph = robot_graph(model, design.task.gravity)
-    reading = FloatReading(graph)
+    reading = NumericRobot(graph)
     planned = planned_inputs(design)
     count, n = len(planned.u), len(model.dofs)
     moved = fine_motion(reading, planned, float(step))
@@ -132,7 +132,7 @@ def _quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, .
 
 def _efforts(
     design: FoundDesign,
-    reading: FloatReading,
+    reading: NumericRobot,
     x: Array,
     acceleration: Array,
     held: Array,

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.maps.obstacle_pieces import expanded
 from solvers.design_follower import PathTask
@@ -108,7 +108,7 @@ def follower_of(found: FoundDesign, record: FoundRecord) -> Follower:
     if not found.model.dofs:
         raise UsageFault("the robot cannot move: it has no motion whose robustness could vary")
     program, task = expanded(found.program, found.task)
-    reading = FloatReading(robot_graph(found.model, task.gravity))
+    reading = NumericRobot(robot_graph(found.model, task.gravity))
     place = PathTask(program, task, reading, task_on_samples(task), record.seed)
     effector, path = found.claim.effector, found.claim.path
     follower = place.along(record.cells, effector, record.leader, path)

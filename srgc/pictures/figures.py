@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.polytope import polytope_of
 from compiler.robots.input_bounds import input_bounds
@@ -37,7 +37,7 @@ def workspace_figure(
     """
     trajectory = design.configuration.outcome.trajectory
     n = len(design.model.dofs)
-    reading = FloatReading(robot_graph(design.model, task.gravity))
+    reading = NumericRobot(robot_graph(design.model, task.gravity))
     points = reading.points(trajectory.x[:, :n], trajectory.theta).value[..., :2]
     with figure_settings():
         figure = Figure(figsize=(6.6, 6.2))
@@ -148,7 +148,7 @@ def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
         )  # fmt: skip
 
 
-def _effector_line(design: Design, reading: FloatReading, step: float) -> Array:
+def _effector_line(design: Design, reading: NumericRobot, step: float) -> Array:
     """The way of the leading effector, (K, 2), between the samples by Hermite's cubic.
 
     Chords would cut corners, and with few samples go through obstacles that the motion avoids.
@@ -170,7 +170,7 @@ def _skeletons(design: Design, task: ir.Task) -> list[Array]:
     model, trajectory = design.model, design.configuration.outcome.trajectory
     # The same robot with every frame as an effector: its points are the origins.
     jointed = replace(model, effectors=tuple(range(len(model.frames))))
-    reading = FloatReading(robot_graph(jointed, task.gravity))
+    reading = NumericRobot(robot_graph(jointed, task.gravity))
     q = trajectory.x[:, : len(model.dofs)]
     origins = reading.points(q, trajectory.theta).value[..., :2]
     ends = dict.fromkeys([*model.effectors, *(body.frame for body in model.bodies)])
@@ -194,7 +194,7 @@ def _draw_skeleton(axes: Axes, chains: list[Array]) -> None:
             axes.plot(*chain[sample].T, color=ARM, alpha=alpha, lw=0.7, zorder=3)
 
 
-def _draw_ghosts(axes: Axes, points: Array, design: Design, reading: FloatReading) -> None:
+def _draw_ghosts(axes: Axes, points: Array, design: Design, reading: NumericRobot) -> None:
     """Poses of the robot at equally spaced samples, the last one strong."""
     effectors = len(design.model.effectors)
     for sample, alpha in _ghost_samples(len(points)):

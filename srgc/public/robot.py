@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from compiler.discretisation.float_reading import FloatReading
+    from compiler.discretisation.numeric_robot import NumericRobot
     from compiler.robots.robot import RobotParameter
 
     Array: TypeAlias = NDArray[np.float64]
@@ -66,11 +66,11 @@ class Robot:
         return tuple(dof.kind for dof in self.chosen.model.dofs)
 
     @cached_property
-    def _reading(self) -> FloatReading:
-        from compiler.discretisation.float_reading import FloatReading
+    def _reading(self) -> NumericRobot:
+        from compiler.discretisation.numeric_robot import NumericRobot
         from compiler.dynamics.equations_of_motion import robot_graph
 
-        return FloatReading(robot_graph(self.chosen.model, self.chosen.gravity))
+        return NumericRobot(robot_graph(self.chosen.model, self.chosen.gravity))
 
     @cached_property
     def _values(self) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from srgc.exports.planned_inputs import planned_inputs
 from srgc.faults import UsageFault
@@ -32,7 +32,7 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         UsageFault: it has numbers that are no doubles, or the method finds no steps.
     """
     planned = planned_inputs(design)
-    reading = FloatReading(robot_graph(design.model, design.task.gravity))
+    reading = NumericRobot(robot_graph(design.model, design.task.gravity))
     n, step = len(design.model.dofs), design.task.step
 
     def rate(_time: float, x: Array, u: Array) -> Array:

@@ -10,7 +10,7 @@ from flint import arb
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, doubles, nearest
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import WORLD, FrameNode, RobotModel, Turn
 from tests.oracles.lagrangian import PointCloud, rod_points
 from tests.oracles.mass_points import mass_points

@@ -12,9 +12,9 @@ import pytest
 import z3
 from pysmt.smtlib.parser import SmtLibParser
 
-from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.model_script import model_script
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir
 from tests.oracles.random_robots import random_robot

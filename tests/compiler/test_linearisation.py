@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
 from compiler.discretisation.linearisation import linearise, second_order_form
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.controlled_system import controlled_system
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
@@ -26,7 +26,7 @@ PULL = (Fraction(1, 3), Fraction(-981, 100))
 
 def test_the_two_forms_of_the_linearisation_agree() -> None:
     """F, G and H are -M^-1 K, -M^-1 C, M^-1 and -M^-1 H about a free motion."""
-    reading = FloatReading(robot_graph(rod_chain(3), PULL))
+    reading = NumericRobot(robot_graph(rod_chain(3), PULL))
     rng = np.random.default_rng(1)
     x, u, theta = rng.uniform(-1, 1, (4, 6)), rng.uniform(-3, 3, (4, 3)), rng.uniform(1, 2, 3)
     affine = linearise(reading, x, u, theta)
@@ -46,7 +46,7 @@ def test_the_two_forms_of_the_linearisation_agree() -> None:
 
 def test_the_affine_map_is_the_flow_of_the_linearised_system() -> None:
     """An accurate integrator of x' = f0 + F dx + G du + H dtheta, away from the sample."""
-    reading = FloatReading(robot_graph(driven(rod_chain(2)), PULL))
+    reading = NumericRobot(robot_graph(driven(rod_chain(2)), PULL))
     rng = np.random.default_rng(2)
     x, u, theta = rng.uniform(-1, 1, (3, 5)), rng.uniform(-2, 2, (3, 2)), rng.uniform(1, 2, 2)
     affine = linearise(reading, x, u, theta)
@@ -70,7 +70,7 @@ def test_the_hold_is_exact_for_a_linear_robot() -> None:
     builder = Builder()
     slide = builder.joint(WORLD, "x", "prismatic")
     builder.point(slide, builder.number(Fraction(5, 2)))
-    reading = FloatReading(robot_graph(builder.build(), (Fraction(2), Fraction(0))))
+    reading = NumericRobot(robot_graph(builder.build(), (Fraction(2), Fraction(0))))
     x, u = np.array([[0.3, -0.7]]), np.array([[4.0]])
     found, dt = linearise(reading, x, u, np.zeros(0)).discretised(0.5), 0.5
     rate = 4.0 / 2.5 + 2.0
@@ -83,7 +83,7 @@ def test_the_hold_is_exact_for_a_linear_robot() -> None:
 @pytest.mark.parametrize("links", [1, 2, 3])
 def test_how_the_hold_and_the_step_map_differ(links: int) -> None:
     """Halving the step divides the differences by 8 (values) and by 4 (Jacobians), about."""
-    reading = FloatReading(robot_graph(rod_chain(links), PULL))
+    reading = NumericRobot(robot_graph(rod_chain(links), PULL))
     rng = np.random.default_rng(links)
     x, u = rng.uniform(-1, 1, (20, 2 * links)), rng.uniform(-3, 3, (20, links))
     theta = rng.uniform(1, 2, links)

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import closed_ball
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.balls import closed_ball
 from compiler.robots.normalise import normalise
 from compiler.robots.robot import WORLD, FrameNode, Joint, RobotModel
 from compiler.robots.robot_key import robot_key

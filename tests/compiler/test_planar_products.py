@@ -8,11 +8,16 @@ import numpy as np
 import pytest
 from flint import arb
 
-from compiler.arithmetic.balls import BallArithmetic, ball, constant_ball, working_precision
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.planar_products import has_turned_columns
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import (
+    BallEvaluator,
+    ball,
+    constant_ball,
+    working_precision,
+)
+from compiler.expressions.tape import tape
 from compiler.robots.robot import WORLD
 from tests.oracles.mixed_robots import mixed_robot
 from tests.oracles.robots import Builder, evaluate, rod_chain
@@ -41,7 +46,7 @@ def test_over_a_box_only_cosines_of_differences_are_wide() -> None:
         lengths = [ball(Fraction(13, 10)), ball(1), ball(Fraction(7, 10))]
         tail = [*lengths, *(constant_ball(constant) for constant in graph.constants)]
         wide = [arb("0.2", "0.5"), arb("0.4", "0.5"), arb("2", "0.5")]
-        flat = tape(graph.mass_matrix).run([*wide, *tail], BallArithmetic())
+        flat = tape(graph.mass_matrix).evaluate([*wide, *tail], BallEvaluator())
         apart = [(wide[0] - wide[1]).cos(), (wide[0] - wide[2]).cos(), (wide[1] - wide[2]).cos()]
     for i in range(3):
         assert float(flat[4 * i].rad()) < 1e-15

@@ -12,14 +12,14 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.definiteness.boxes import Box, Side, domain_side, range_side
-from compiler.definiteness.exact_reading import PiLinear
 from compiler.definiteness.indefiniteness import indefinite_vector
 from compiler.definiteness.mass_matrix_check import mass_matrix_check, robot_box
 from compiler.definiteness.positive_definite import Definiteness, positive_definite
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.exact import PiLinear
+from compiler.expressions.scalars import Constant, PiConstant
+from compiler.expressions.tape import tape
 from compiler.robots.robot import WORLD, Joint, RobotModel
 from grammar_lang import ir
 from tests.oracles import robots
@@ -152,7 +152,7 @@ def confirmed(model: RobotModel, found: Definiteness) -> None:
     )
     with mp.workdps(DIGITS):
         inputs = [*map(number, witness.point), *map(exact, graph.constants)]
-        entries = tape(graph.mass_matrix).run(inputs, Multiprecision())
+        entries = tape(graph.mass_matrix).evaluate(inputs, Multiprecision())
         vector = [fraction(item) for item in witness.vector]
         form = sum(vector[i] * vector[j] * entries[j * n + i] for i in range(n) for j in range(n))
         assert form <= mp.mpf(10) ** (15 - DIGITS)

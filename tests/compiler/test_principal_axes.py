@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat
 
-from compiler.arithmetic.balls import working_precision
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.rigid_links.principal_axes import principal_axes
 from compiler.rigid_links.rigid_tree import PRECISION
 

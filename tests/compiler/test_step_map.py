@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.controlled_system import controlled_system
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -32,7 +32,7 @@ def robot(dimension: int, joints: int, *, tree: bool) -> RobotModel:
     return mixed_robot(1, dimension, joints, tree=tree)
 
 
-def samples(reading: FloatReading, count: int) -> tuple[Array, Array, Array]:
+def samples(reading: NumericRobot, count: int) -> tuple[Array, Array, Array]:
     rng = np.random.default_rng(reading.size)
     x, u = rng.uniform(-1, 1, (count, reading.size)), rng.uniform(-3, 3, (count, reading.m))
     return x, u, rng.uniform(0.8, 1.6, reading.p)
@@ -44,7 +44,7 @@ def test_jacobians_of_random_robots_with_dynamics_of_their_own(
 ) -> None:
     """Differences of order four in every direction of (x, u, theta)."""
     model = driven(robot(dimension, joints, tree=tree))
-    reading = FloatReading(robot_graph(model, PULL[dimension]))
+    reading = NumericRobot(robot_graph(model, PULL[dimension]))
     assert reading.r == 1
     assert reading.m == joints
     x, u, theta = samples(reading, 3)
@@ -77,7 +77,7 @@ def test_forces_and_accelerations_are_those_of_the_validated_graph(
     model = driven(robot(dimension, joints, tree=tree))
     for coordinates in (None, absolute_angles(model)):
         graph = robot_graph(model, PULL[dimension], coordinates)
-        reading, system = FloatReading(graph), controlled_system(graph)
+        reading, system = NumericRobot(graph), controlled_system(graph)
         x, u, theta = samples(reading, 4)
         rates, _ = reading.acceleration(x, u, theta)
         n, rng = reading.n, np.random.default_rng(7)
@@ -96,7 +96,7 @@ def test_forces_and_accelerations_are_those_of_the_validated_graph(
 def test_energy_of_random_robots_is_conserved(dimension: int, joints: int, tree: bool) -> None:
     """Accelerations integrated to 12 digits; energies of point masses, without a mass matrix."""
     model, pull = robot(dimension, joints, tree=tree), PULL[dimension]
-    reading = FloatReading(robot_graph(model, pull))
+    reading = NumericRobot(robot_graph(model, pull))
     x, _, theta = samples(reading, 1)
     u, n = np.zeros((1, reading.m)), reading.n
 
@@ -115,7 +115,7 @@ def test_energy_of_random_robots_is_conserved(dimension: int, joints: int, tree:
 
 
 def test_the_rollout_is_the_step_repeated() -> None:
-    reading = FloatReading(robot_graph(driven(rod_chain(3)), PULL[2]))
+    reading = NumericRobot(robot_graph(driven(rod_chain(3)), PULL[2]))
     x, u, theta = samples(reading, 5)
     states = reading.simulate(x[0], u, theta, 0.125, 3)
     assert states.shape == (6, 7)

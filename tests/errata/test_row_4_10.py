@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import FULL, ControlProblem, Effort
@@ -42,7 +42,7 @@ def two_links() -> tuple[ControlProblem, Trajectory]:
         np.array([STEPS, STEPS]), np.array([0, 0]), np.array([[0.0, -1.0], [1.0, 0.0]]),
         np.array([-0.9, 0.8]),
     )  # fmt: skip
-    reading = FloatReading(robot_graph(rod_chain(2)))
+    reading = NumericRobot(robot_graph(rod_chain(2)))
     groups = (InputGroup((0, 1), -10.0, 10.0, norm2=False),)
     x = np.zeros((STEPS + 1, 4))
     x[:, :2] = np.linspace([0, 0], [0.9, 0.6], STEPS + 1)

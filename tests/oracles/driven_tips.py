@@ -12,9 +12,9 @@ import shapely
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import ball, constant_ball
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, constant_ball
+from compiler.expressions.tape import tape
 from compiler.geometry.polytope import Polytope
 from compiler.robots.robot import WORLD, RobotModel
 from compiler.specifications.monitor import AtomKey

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import scalar_floats
+from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.robot import Joint, Offset, PointBody, RobotModel, RodBody, SolidBody, Turn
 from tests.oracles.lagrangian import PointCloud
 

@@ -9,8 +9,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant, ScalarTable
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.scalars import Constant, ScalarTable
 from compiler.robots.robot import (
     WORLD,
     Body,

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from grammar_lang import ir
 from solvers.motions.avoidances import Avoidances
@@ -19,12 +19,12 @@ from tests.oracles.planes import box
 from tests.oracles.tasks import task
 
 
-def arm() -> FloatReading:
+def arm() -> NumericRobot:
     """Two links, a bend and a slide; the free length is a parameter."""
     built = ArmBuilder().revolute()
     built.link(built.parameter(Fraction(1, 2), 2)).revolute()
     built.turn(built.degrees(30)).link(1).prismatic(0, (0, 1)).link("1/2").effector()
-    return FloatReading(robot_graph(built.model()))
+    return NumericRobot(robot_graph(built.model()))
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -58,7 +58,7 @@ def test_the_least_distance_of_any_rod_from_any_obstacle(seed: int) -> None:
 def test_bounds_bind_effectors_and_bodies_where_the_task_says_so() -> None:
     """The elbow of an arm of one and one metre is out by 0.2, the effector in by 0.4."""
     built = ArmBuilder().revolute().link(1).revolute().link(1).effector()
-    reading = FloatReading(robot_graph(built.model()))
+    reading = NumericRobot(robot_graph(built.model()))
     workspace = ir.Workspace("W", 2, box("bounds", "bounds", (-1, "1.4"), ("-0.5", "0.8")), ())
     q = np.array([[np.pi / 2, -np.pi / 2], [0.0, 0.0]])
     positions = reading.points(q, np.zeros(0)).value

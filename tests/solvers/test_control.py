@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import shortfall, synthesise_control
 from solvers.motions.control_problem import (
@@ -132,7 +132,7 @@ def least_fictitious(steps: int, bound: float, reach: float) -> float:
 
 @pytest.mark.parametrize("norm2", [False, True])
 def test_two_links_reach_a_height_at_rest(norm2: bool) -> None:
-    reading, steps = FloatReading(robot_graph(rod_chain(2))), 16
+    reading, steps = NumericRobot(robot_graph(rod_chain(2))), 16
     rows = PositionRows(
         np.array([steps, steps]), np.array([0, 0]), np.array([[0.0, -1.0], [1.0, 0.0]]),
         np.array([-0.9, 0.8]),

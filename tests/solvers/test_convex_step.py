@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.backends.conic import NotSolved, Status
 from solvers.motions.convex_step import ConvexStep
@@ -23,8 +23,8 @@ from tests.oracles.robots import rod_chain
 Array = NDArray[np.float64]
 DT = 0.125
 STEPS = 6
-READING = FloatReading(robot_graph(rod_chain(2)))
-THREE = FloatReading(robot_graph(rod_chain(3)))
+READING = NumericRobot(robot_graph(rod_chain(2)))
+THREE = NumericRobot(robot_graph(rod_chain(3)))
 ACCURACY = 1e-9
 FREE = MotionLimits(
     lower=np.full(2, -np.inf),
@@ -41,7 +41,7 @@ NONE = PositionRows(
 )
 
 
-def linearised(seed: int, reading: FloatReading = READING) -> Model:
+def linearised(seed: int, reading: NumericRobot = READING) -> Model:
     """About a random trajectory that obeys no dynamics."""
     rng, n = np.random.default_rng(seed), reading.n
     x = np.concatenate(

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import Array, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.disturbance_spread import disturbance_spread
 from solvers.motions.trajectory import Trajectory
@@ -19,7 +19,7 @@ SUBSTEPS = 8
 
 def moved(labels: Sequence[str], disturbances: str, start: Array, u: Array):
     where = scene(labels, spec(len(u), disturbances))
-    reading = FloatReading(robot_graph(where.model, where.task.gravity))
+    reading = NumericRobot(robot_graph(where.model, where.task.gravity))
     theta = np.zeros(0)
     x = reading.simulate(start, u, theta, float(where.task.step), SUBSTEPS)
     return where, reading, Trajectory(x, u, theta)

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import working_precision
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
 from compiler.specifications.rest import REST_RATE

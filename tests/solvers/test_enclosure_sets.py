@@ -12,17 +12,17 @@ import pytest
 from flint import arb, arb_mat
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import (
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.absolute_angles import absolute_angles
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.expressions.evaluators.balls import (
     BALLS,
-    BallArithmetic,
+    BallEvaluator,
     ball,
     constant_ball,
     working_precision,
 )
-from compiler.discretisation.float_reading import FloatReading
-from compiler.dynamics.absolute_angles import absolute_angles
-from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
@@ -217,7 +217,7 @@ def test_other_disturbed_robots_stay_in_their_tube(kind: str) -> None:
     model = spatial() if space else driven(rod_chain(2))
     pull = (Fraction(0), Fraction(0), Fraction("-9.81")) if space else (Fraction(0), Fraction(-3))
     graph = robot_graph(model, pull)
-    reading = FloatReading(graph)
+    reading = NumericRobot(graph)
     theta = [Fraction(5, 4), Fraction(3, 4)]
     size, m = reading.size, reading.m
     state = [Fraction(int(1000 * x), 1000) for x in rng.uniform(-0.9, 0.9, size)]
@@ -283,7 +283,7 @@ def test_a_plan_computes_what_its_tape_does() -> None:
         for function in (graph.balance, graph.variation, graph.points):
             program = tape(function)
             inputs = [arb(float(x)) for x in rng.uniform(-1, 1, function.nnz_in())]
-            plain = program.run(inputs, BallArithmetic())
+            plain = program.evaluate(inputs, BallEvaluator())
             for count in (program.outputs, 2):
                 found = program.first(count).evaluate(inputs, BALLS)
                 assert len(found) == count

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
 from solvers.motions.inverse_kinematics import branches, solve_positions
 from tests.oracles.robots import Builder, rod_chain
 
 Array = NDArray[np.float64]
-TWO = FloatReading(robot_graph(rod_chain(2)))
-THREE = FloatReading(robot_graph(rod_chain(3)))
+TWO = NumericRobot(robot_graph(rod_chain(2)))
+THREE = NumericRobot(robot_graph(rod_chain(3)))
 LENGTHS = np.array([1.0, 0.5])
 
 
@@ -98,13 +98,13 @@ def test_other_points_than_the_effector() -> None:
     assert q[0, 0] == pytest.approx(0.7)
 
 
-def slider(low: float, high: float) -> tuple[FloatReading, tuple[Array, Array]]:
+def slider(low: float, high: float) -> tuple[NumericRobot, tuple[Array, Array]]:
     """A turret with a slide."""
     builder = Builder()
     slide = builder.joint(builder.joint(WORLD), "x", "prismatic")
     builder.effector(slide)
     limits = np.array([-np.pi, low]), np.array([np.pi, high])
-    return FloatReading(robot_graph(builder.build())), limits
+    return NumericRobot(robot_graph(builder.build())), limits
 
 
 def test_slides_start_within_their_range() -> None:
@@ -135,7 +135,7 @@ def test_slide_positions_a_turn_apart_are_two_branches() -> None:
     builder = Builder()
     slide = builder.joint(WORLD, "x", "prismatic")
     builder.effector(builder.move(builder.joint(slide), "x", builder.number(4)))
-    reading = FloatReading(robot_graph(builder.build()))
+    reading = NumericRobot(robot_graph(builder.build()))
     # The tip on the axis at x = 0 + 4 cos q: height h leaves two slides, 2 sqrt(16 - h^2) apart.
     height = np.sqrt(16 - np.pi**2)
     limits = np.array([-9.0, 0.0]), np.array([9.0, np.pi])

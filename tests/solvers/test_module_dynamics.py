@@ -14,10 +14,10 @@ import pytest
 from flint import arb
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import ball, constant_ball, working_precision
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
+from compiler.expressions.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
@@ -46,7 +46,7 @@ NONE = PositionRows(
 
 @pytest.mark.parametrize("free", [False, True])
 def test_the_optimum_is_that_of_the_readable_formulation(*, free: bool) -> None:
-    reading = FloatReading(robot_graph(driven(rod_chain(2))))
+    reading = NumericRobot(robot_graph(driven(rod_chain(2))))
     assert (reading.size, reading.m) == (5, 2)
     rng = np.random.default_rng(3)
     x = np.concatenate(
@@ -141,7 +141,7 @@ def test_the_tube_contains_the_exact_motion_of_a_motor() -> None:
 def test_the_tube_contains_the_motion_of_a_driven_arm() -> None:
     """Against scipy's DOP853 at 1e-12 on the float graph, friction in |rate| included."""
     model = driven(rod_chain(2))
-    graph, reading = robot_graph(model), FloatReading(robot_graph(model))
+    graph, reading = robot_graph(model), NumericRobot(robot_graph(model))
     theta, start = np.array([1.25, 0.75]), np.array([0.5, -0.25, 0.75, 1.5, -0.5])
     inputs = np.array([[3.0, -2.0], [-4.0, 1.0]])
     assert len(robot_states(model)) == 1

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import solvers.motions.path_following
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
@@ -33,7 +33,7 @@ def follower(tmp_path, *changes):
     workspace = program.workspaces[task.workspace]
     family = family_of(program, task)
     model = family.robot(family.replay(WORD))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    reading = NumericRobot(robot_graph(model, task.gravity))
     cells = abstract(workspace)
     return Follower(reading, workspace, task, cells, 0, (cells.index("S"),), 2e-3, 0)
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from compiler.discretisation.float_reading import Points
+from compiler.discretisation.numeric_robot import Points
 from solvers.motions.position_rows import (
     ConvexSet,
     Dwell,

@@ -10,7 +10,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.polytope import polytope_of
 from grammar_lang import ir
@@ -38,7 +38,7 @@ def corridor(
     built = ArmBuilder()
     for length in lengths:
         built.revolute().link(length)
-    reading = FloatReading(robot_graph(built.effector().model()))
+    reading = NumericRobot(robot_graph(built.effector().model()))
     regions = (hull("O", "obstacle", *obstacle),)
     workspace = ir.Workspace("W", 2, box("bounds", "bounds", (-4, 4), (-4, 4)), regions)
     avoided = task(ir.Avoid(("O",), "body", Fraction(1, 50)))
@@ -143,7 +143,7 @@ def test_a_way_of_one_pose_stands_still() -> None:
 def test_an_arm_in_space() -> None:
     """About z and then twice about y; points of its links against the rows of a tilted block."""
     built = ArmBuilder(3).revolute().revolute(axis=1).link(1).revolute(axis=1).link("0.8")
-    reading = FloatReading(robot_graph(built.effector().model()))
+    reading = NumericRobot(robot_graph(built.effector().model()))
     rows = (
         row(1, 1, 1, "1.6"), row(-1, -1, -1, "-0.8"), row(1, -1, 0, "0.5"), row(-1, 1, 0, "0.7"),
         row(1, 1, -2, "1"), row(-1, -1, 2, "1.5"),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
@@ -28,7 +28,7 @@ def follower(spec: str) -> Follower:
     (task,) = program.tasks.values()
     workspace = program.workspaces[task.workspace]
     family = family_of(program, task)
-    reading = FloatReading(robot_graph(family.robot(family.replay(WORD)), task.gravity))
+    reading = NumericRobot(robot_graph(family.robot(family.replay(WORD)), task.gravity))
     cells = abstract(workspace)
     graph = nx.Graph(
         (i, j)

@@ -12,7 +12,7 @@ import z3
 
 import solvers.handing_on
 import solvers.synthesis
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.geometry.bisection import bisections
@@ -61,8 +61,8 @@ class Robot:
         return robot_graph(self.model)
 
     @property
-    def reading(self) -> FloatReading:
-        return FloatReading(self.graph)
+    def reading(self) -> NumericRobot:
+        return NumericRobot(self.graph)
 
 
 TURNER, BEYOND = Robot(small_specs.TURNER), Robot(small_specs.BEYOND_REACH)

@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import working_precision
+from compiler.expressions.evaluators.balls import working_precision
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.finding import Finding, inside
 from solvers.verifier.proofs.initial_set import InitialSet

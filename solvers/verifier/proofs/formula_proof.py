@@ -14,7 +14,7 @@ from itertools import pairwise, product
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball
+from compiler.expressions.evaluators.balls import ball
 from compiler.specifications.attained_until import attained
 from compiler.specifications.boolean_parts import boolean_parts, boolean_value
 from compiler.specifications.monitor import AtomKey, Verdicts, key

@@ -7,8 +7,8 @@ disturbances, along another one that holds all disturbed motions.
 
 from __future__ import annotations
 
-from compiler.arithmetic.balls import working_precision
-from compiler.dynamics.tape import UndefinedValueError
+from compiler.expressions.evaluators.balls import working_precision
+from compiler.expressions.tape import UndefinedValueError
 from compiler.specifications.task_formula import missing_effector
 from solvers.verifier.proofs.cell_path import cell_path
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample

@@ -19,8 +19,9 @@ from heapq import heappop, heappush
 
 from flint import arb, arb_series, ctx
 
-from compiler.arithmetic.balls import BALLS, SERIES, ball
-from compiler.dynamics.tape import Tape
+from compiler.expressions.evaluators.balls import BALLS, ball
+from compiler.expressions.evaluators.series import SERIES
+from compiler.expressions.tape import Tape
 from compiler.geometry.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.vector_field import VectorField

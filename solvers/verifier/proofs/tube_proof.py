@@ -8,8 +8,8 @@ from textwrap import shorten
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, constant_ball
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
+from compiler.expressions.tape import tape
 from compiler.robots.parameter_values import value_ball
 from compiler.robots.state_and_input import robot_states
 from compiler.specifications.formula_text import formula_text

@@ -7,7 +7,6 @@ touch one after the other.  No solver and no float is believed.
 
 from __future__ import annotations
 
-from compiler.arithmetic.balls import working_precision
 from compiler.coverings.box_tree import (
     MOST_VARIABLES,
     BoxTreeError,
@@ -17,6 +16,7 @@ from compiler.coverings.box_tree import (
 )
 from compiler.coverings.covered_poses import Cover, CoveredPoses
 from compiler.coverings.motion_demands import Passage, motion_demands
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir

@@ -13,9 +13,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant
-from compiler.discretisation.float_reading import FloatReading, scalar_floats
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.floats import scalar_floats
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import (
     WORLD,
     FrameNode,
@@ -64,7 +65,7 @@ class DrawnRobot:
     ``bones`` lead from frame to frame, where these are apart; ``effectors`` are in their order.
     """
 
-    reading: FloatReading
+    reading: NumericRobot
     theta: Array
     rods: tuple[DrawnRod, ...]
     masses: tuple[DrawnMass, ...]
@@ -81,7 +82,7 @@ def drawn_robot(model: RobotModel, theta: Sequence[Fraction]) -> DrawnRobot:
     """The parts of a robot whose parameters have these values (SI)."""
     values = np.array([float(value) for value in theta])
     marked, tips = _marked(model)
-    reading = FloatReading(robot_graph(marked))
+    reading = NumericRobot(robot_graph(marked))
     scalars = scalar_floats(marked.scalars, values)
     rods, masses = [], []
     for body, hull in zip(model.bodies, reading.graph.hulls, strict=True):

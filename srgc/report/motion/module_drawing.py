@@ -15,7 +15,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotDof, RodBody
 from grammar_lang import ir
@@ -84,7 +84,7 @@ def module_drawing(
     theta: Sequence[Fraction],
 ) -> ModuleDrawing:
     """The drawing of a robot whose parameters have these values (SI)."""
-    reading = FloatReading(robot_graph(robot.model))
+    reading = NumericRobot(robot_graph(robot.model))
     values = np.array([float(value) for value in theta])
     poses = _poses(robot.model.dofs)
     points = reading.points(poses, values).value

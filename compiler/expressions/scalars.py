@@ -1,7 +1,7 @@
 """Scalar expressions over a robot's parameters, as a hash-consed table without recursion.
 
 A scalar is its index in the table; equal expressions have equal indices, and arguments precede
-the nodes that use them, so every reading is one loop.
+the nodes that use them, so that evaluation is one loop.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias
 
-Value = TypeVar("Value")
+from compiler.expressions.evaluator import METHODS, Evaluator, Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,16 +114,26 @@ class ScalarTable:
         return self.add(Apply(operation, (left, right)))
 
 
-def read_scalars(
-    nodes: Sequence[ScalarNode],
-    leaf: Callable[[Constant | PiConstant | ParameterLeaf], Value],
-    apply: Callable[[Apply, list[Value]], Value],
+def evaluate_constant(constant: Constant | PiConstant, evaluator: Evaluator[Value]) -> Value:
+    """The value of a constant of a graph."""
+    return evaluator.constant(constant.value) if isinstance(constant, Constant) else evaluator.pi()
+
+
+def evaluate_scalars(
+    nodes: Sequence[ScalarNode], evaluator: Evaluator[Value], parameters: Sequence[Value]
 ) -> list[Value]:
-    """The value of every node, given a reading of leaves and of operations."""
+    """The value of every node at values of the parameters."""
+    operations: dict[str, Callable[..., Value]] = {
+        operation: getattr(evaluator, name) for operation, name in METHODS.items()
+    }
     values: list[Value] = []
     for node in nodes:
-        if isinstance(node, Apply):
-            values.append(apply(node, [values[i] for i in node.arguments]))
+        if isinstance(node, ParameterLeaf):
+            values.append(parameters[node.index])
+        elif not isinstance(node, Apply):
+            values.append(evaluate_constant(node, evaluator))
+        elif node.operation == "^":
+            values.append(evaluator.power(values[node.arguments[0]], node.exponent))
         else:
-            values.append(leaf(node))
+            values.append(operations[node.operation](*(values[i] for i in node.arguments)))
     return values

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.dynamics.tape import CONSTANT, INPUT, OUTPUT
+from compiler.expressions.tape import CONSTANT, INPUT, OUTPUT
 from compiler.time_limits.time_limit import check_time
 
 Array: TypeAlias = NDArray[np.float64]
@@ -24,7 +24,7 @@ MOST_LANES = 128
 """More samples go in blocks, so that the work vectors stay in the processor's cache."""
 
 
-class SampleLanes:
+class BatchedFunction:
     """Evaluates a program that is made for a number of samples when that is first asked for.
 
     Args:
@@ -38,7 +38,7 @@ class SampleLanes:
         self._programs: dict[int, tuple[Any, Callable[[], None]]] = {}
 
     @classmethod
-    def of(cls, function: ca.Function) -> SampleLanes:
+    def of(cls, function: ca.Function) -> BatchedFunction:
         """A function of one sample with a dense output."""
         shape = function.size1_out(0), function.size2_out(0)
         return cls(lambda lanes: on_lanes(function, lanes), shape)

@@ -1,12 +1,10 @@
-"""The floating-point reading of a robot's graph, over all steps at once.
+"""A robot in doubles: its equations of motion and points, over all steps at once.
 
 The discrete step and its exact derivatives are those of ``step_map.py``.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -15,18 +13,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import (
-    Apply,
-    Constant,
-    ParameterLeaf,
-    PiConstant,
-    ScalarNode,
-    read_scalars,
-)
-from compiler.discretisation.sample_lanes import SampleLanes
+from compiler.discretisation.batched_function import BatchedFunction
 from compiler.discretisation.step_map import rates_of_change, step_map, value_map
 from compiler.dynamics.controlled_system import ControlledSystem, controlled_system
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.scalars import Constant
 from compiler.robots.state_and_input import robot_inputs, robot_states
 
 Array: TypeAlias = NDArray[np.float64]
@@ -59,7 +50,7 @@ class Points:
     by_theta: Array
 
 
-class FloatReading:
+class NumericRobot:
     """Evaluates a robot's graph in doubles; not for proofs.
 
     A state x has N = 2n + r entries: n coordinates, n rates and the r states of the modules' own;
@@ -86,42 +77,42 @@ class FloatReading:
         return controlled_system(self.graph)
 
     @cached_property
-    def _rates(self) -> SampleLanes:
-        return SampleLanes.of(rates_of_change(self._system))
+    def _rates(self) -> BatchedFunction:
+        return BatchedFunction.of(rates_of_change(self._system))
 
     @cached_property
-    def _step(self) -> SampleLanes:
+    def _step(self) -> BatchedFunction:
         system, width = self._system, 1 + self.size + self.m + self.p
-        return SampleLanes(lambda lanes: step_map(system, lanes), (self.size, width))
+        return BatchedFunction(lambda lanes: step_map(system, lanes), (self.size, width))
 
     @cached_property
     def _points(self) -> ca.Function:
         return _with_jacobians(self.graph.points, (0, 1))
 
     @cached_property
-    def _points_on_lanes(self) -> SampleLanes:
+    def _points_on_lanes(self) -> BatchedFunction:
         """Positions with their derivatives in q and theta, a row per coordinate of a point."""
         p, k = self._points.size1_in(1), self._points.size1_in(2)
         q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
         value, *jacobians = self._points(q, *ca.vertsplit(shared, [0, p, p + k]))
         rows = ca.densify(ca.horzcat(value, *jacobians))
-        return SampleLanes.of(ca.Function("points", [q, shared], [ca.cse(rows)]))
+        return BatchedFunction.of(ca.Function("points", [q, shared], [ca.cse(rows)]))
 
     @cached_property
-    def _points_of_designs(self) -> SampleLanes:
+    def _points_of_designs(self) -> BatchedFunction:
         """The same with parameters of its own for every sample."""
         q, theta, k = (ca.SX.sym(f"i{i}", self._points.size1_in(i)) for i in range(3))
         rows = ca.densify(ca.horzcat(*self._points(q, theta, k)))
-        return SampleLanes.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))
+        return BatchedFunction.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))
 
     @cached_property
-    def _mass_matrix(self) -> SampleLanes:
+    def _mass_matrix(self) -> BatchedFunction:
         """M column by column, so that a row of results is one column of it."""
         p, k = self.graph.mass_matrix.size1_in(1), self.graph.mass_matrix.size1_in(2)
         q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
         mass = self.graph.mass_matrix(q, *ca.vertsplit(shared, [0, p, p + k]))
         square = ca.reshape(ca.densify(mass), self.n, self.n)
-        return SampleLanes.of(ca.Function("mass", [q, shared], [ca.cse(square)]))
+        return BatchedFunction.of(ca.Function("mass", [q, shared], [ca.cse(square)]))
 
     def acceleration(self, x: Array, u: Array, theta: Array) -> tuple[Array, Array]:
         """The derivative of rates and own states (K, n + r), its Jacobian in (x, u, theta)."""
@@ -184,32 +175,6 @@ class FloatReading:
     def mass_matrix(self, q: Array, theta: Array) -> Array:
         """M at K samples, shape (K, n, n)."""
         return self._mass_matrix((q,), np.concatenate([theta, self.constants]))
-
-
-def scalar_floats(nodes: Sequence[ScalarNode], theta: Array) -> list[float]:
-    """The value of every scalar of a robot at parameters theta (p,), SI."""
-    functions: Mapping[str, Callable[..., float]] = {
-        "neg": lambda a: -a, "abs": abs, "sqrt": math.sqrt,
-        "sin": math.sin, "cos": math.cos, "tan": math.tan,
-        "+": lambda a, b: a + b, "-": lambda a, b: a - b,
-        "*": lambda a, b: a * b, "/": lambda a, b: a / b,
-    }  # fmt: skip
-
-    def leaf(node: Constant | PiConstant | ParameterLeaf) -> float:
-        match node:
-            case Constant(value):
-                return float(value)
-            case PiConstant():
-                return math.pi
-            case ParameterLeaf(index):
-                return float(theta[index])
-
-    def apply(node: Apply, arguments: list[float]) -> float:
-        if node.operation == "^":
-            return float(arguments[0] ** node.exponent)
-        return float(functions[node.operation](*arguments))
-
-    return read_scalars(nodes, leaf, apply)
 
 
 def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Function:

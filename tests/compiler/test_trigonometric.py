@@ -9,14 +9,14 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from compiler.arithmetic.scalars import Constant
 from compiler.descriptions.expression_printer import ExpressionPrinter
+from compiler.descriptions.model_formulas import Formulas, formulas, symbols_of
 from compiler.descriptions.model_symbols import model_symbols
 from compiler.descriptions.text_notation import TextNotation
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.formulas import trigonometric_reading
-from compiler.formulas.trigonometric_polynomial import CONSTANT, COSINE, Abbreviation, Variable
-from compiler.formulas.trigonometric_reading import Formulas, formulas, symbols_of
+from compiler.expressions.evaluators import trigonometric
+from compiler.expressions.scalars import Constant
+from compiler.expressions.trigonometric_polynomial import CONSTANT, COSINE, Abbreviation, Variable
 from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.polynomial_values import value
 from tests.oracles.random_robots import random_robot
@@ -90,7 +90,7 @@ def test_random_robots_read_as_their_graphs(
     expected = point.floats(graph, name)
     scale = max(1.0, float(np.abs(expected).max()))
     for products in (10_000, 0):
-        monkeypatch.setattr(trigonometric_reading, "MOST_PRODUCTS", products)
+        monkeypatch.setattr(trigonometric, "MOST_PRODUCTS", products)
         found = formulas(graph, getattr(graph, name))
         np.testing.assert_allclose(values(found, point), expected, rtol=0, atol=1e-12 * scale)
         read = printed_values(found, model, point)
@@ -121,7 +121,7 @@ def test_what_is_no_polynomial_is_kept(name: str, monkeypatch: pytest.MonkeyPatc
     graph, point = robot_graph(model, PULL[:2]), Point(model, 7)
     expected = point.floats(graph, name)
     for products in (10_000, 0):
-        monkeypatch.setattr(trigonometric_reading, "MOST_PRODUCTS", products)
+        monkeypatch.setattr(trigonometric, "MOST_PRODUCTS", products)
         found = formulas(graph, getattr(graph, name))
         np.testing.assert_allclose(values(found, point), expected, rtol=1e-12, atol=1e-12)
         read = printed_values(found, model, point)
@@ -161,14 +161,14 @@ def test_five_rods_are_canonical_and_seven_joints_in_space_a_listing() -> None:
     assert formulas(five, five.mass_matrix).named == ()
     bias = formulas(five, five.centrifugal)
     assert bias.named == ()
-    assert max(len(output.terms) for output in bias.outputs) <= trigonometric_reading.MOST_TERMS
+    assert max(len(output.terms) for output in bias.outputs) <= trigonometric.MOST_TERMS
     point = Point(five.model, 1)
     np.testing.assert_allclose(values(bias, point), point.floats(five, "centrifugal"), rtol=1e-10)
     seven = robot_graph(random_robot(2, 3, 7))
     mass = formulas(seven, seven.mass_matrix)
     assert mass.named
     lengths = [len(item.value.terms) for item in mass.named] + [len(o.terms) for o in mass.outputs]
-    assert max(lengths) <= 4 * trigonometric_reading.MOST_TERMS_NAMED
+    assert max(lengths) <= 4 * trigonometric.MOST_TERMS_NAMED
     corner = formulas(seven, seven.mass_matrix, [48])
     assert corner.outputs == mass.outputs[48:]
     assert 0 < len(corner.named) < len(mass.named)

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
 from tests.oracles.planar_chain import chain_dynamics, chain_energy
@@ -20,8 +20,8 @@ PULL = (Fraction(0), Fraction("-9.81"))
 DT = 0.125
 
 
-def reading(links: int, pull: tuple[Fraction, ...] = PULL) -> FloatReading:
-    return FloatReading(robot_graph(rod_chain(links), pull))
+def reading(links: int, pull: tuple[Fraction, ...] = PULL) -> NumericRobot:
+    return NumericRobot(robot_graph(rod_chain(links), pull))
 
 
 def flow(x: Array, u: Array, theta: Array, time: float, pull: tuple[float, float]) -> Array:
@@ -155,7 +155,7 @@ def test_a_robot_without_parameters() -> None:
     builder = Builder(dimension=3)
     frame = builder.link(builder.joint(WORLD, "y"), builder.number(2))
     builder.effector(frame)
-    robot = FloatReading(robot_graph(builder.build()))
+    robot = NumericRobot(robot_graph(builder.build()))
     x, u, theta = np.array([[0.3, 0.7], [0.1, 0.2]]), np.array([[1.0], [2.0]]), np.zeros(0)
     step = robot.step(x, u, theta, DT, 1)
     # A double integrator of inertia l^3 / 3 = 8 / 3.

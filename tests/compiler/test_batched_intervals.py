@@ -1,4 +1,4 @@
-"""Interval arithmetic on lanes against samples, and against extrema that are known."""
+"""Interval arithmetic in batches against samples, and against extrema that are known."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solvers.refutation.interval_lanes import LaneArithmetic, Lanes
+from compiler.expressions.evaluators.batched_intervals import (
+    BatchedIntervalEvaluator,
+    IntervalBatch,
+)
 
 Array = NDArray[np.float64]
 SLACK = 1e-12
@@ -23,16 +26,16 @@ BINARY: dict[str, Callable[[Array, Array], Array]] = {
 }  # fmt: skip
 
 
-def intervals(seed: int, count: int = 400) -> tuple[Lanes, Array]:
+def intervals(seed: int, count: int = 400) -> tuple[IntervalBatch, Array]:
     """Random intervals, narrow and wide, and samples of each (S, K), ends included."""
     rng = np.random.default_rng(seed)
     low = rng.uniform(-8, 8, count)
     high = low + 10 ** rng.uniform(-3, 1, count)
     t = np.concatenate([[0.0, 1.0], rng.uniform(size=200)])[:, None]
-    return Lanes(low, high), np.clip(low + t * (high - low), low, high)
+    return IntervalBatch(low, high), np.clip(low + t * (high - low), low, high)
 
 
-def check(found: Lanes, values: Array) -> None:
+def check(found: IntervalBatch, values: Array) -> None:
     known = ~np.isnan(found.low)
     assert known.any()
     low, high = found.low[known], found.high[known]
@@ -44,7 +47,7 @@ def check(found: Lanes, values: Array) -> None:
 @pytest.mark.parametrize("name", UNARY)
 def test_functions_hold_all_values(name: str) -> None:
     argument, samples = intervals(1)
-    found = LaneArithmetic().unary(name, argument)
+    found = getattr(BatchedIntervalEvaluator(), name)(argument)
     check(found, UNARY[name](samples))
     if name in ("inv", "tan", "sqrt"):
         # Exactly what has a pole, or leaves the domain, is not known.
@@ -61,16 +64,16 @@ def test_functions_hold_all_values(name: str) -> None:
 @pytest.mark.parametrize("name", BINARY)
 def test_operations_hold_all_values(name: str) -> None:
     (left, a), (right, b) = intervals(2), intervals(3)
-    found = LaneArithmetic().binary(name, left, right)
+    found = getattr(BatchedIntervalEvaluator(), name)(left, right)
     check(found, BINARY[name](a, np.random.default_rng(4).permuted(b, axis=0)))
     check(found, BINARY[name](a, b[::-1]))
 
 
 def test_waves_are_as_sharp_as_they_can_be() -> None:
     ends = [(0.1, 0.2), (-0.1, 0.3), (3.0, 3.3), (1.0, 2.0), (-4.0, -2.0), (0.0, 7.0), (9.0, 10.0)]
-    lanes = Lanes(np.array([a for a, _ in ends]), np.array([b for _, b in ends]))
+    batch = IntervalBatch(np.array([a for a, _ in ends]), np.array([b for _, b in ends]))
     for name, function in (("cos", math.cos), ("sin", math.sin)):
-        found = LaneArithmetic().unary(name, lanes)
+        found = getattr(BatchedIntervalEvaluator(), name)(batch)
         for i, (a, b) in enumerate(ends):
             values = [function(a + (b - a) * k / 20_000) for k in range(20_001)]
             assert found.low[i] == pytest.approx(min(values), abs=1e-6)
@@ -78,9 +81,9 @@ def test_waves_are_as_sharp_as_they_can_be() -> None:
 
 
 def test_what_is_not_known_stays_unknown() -> None:
-    run = LaneArithmetic()
-    hole = run.unary("inv", Lanes(np.array([-1.0, 1.0]), np.array([1.0, 2.0])))
-    total = run.binary("add", run.integer(3), run.unary("sq", hole))
+    run = BatchedIntervalEvaluator()
+    hole = run.inv(IntervalBatch(np.array([-1.0, 1.0]), np.array([1.0, 2.0])))
+    total = run.add(run.constant(3), run.sq(hole))
     assert np.isnan(total.low[0])
     assert np.isnan(total.high[0])
     assert (total.low[1], total.high[1]) == (3.25, 4.0)

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from compiler.arithmetic.balls import closed_ball
+from compiler.expressions.evaluators.balls import closed_ball
 from grammar_lang import ir
 from grammar_lang.constants import MagnitudeError, monomial
 
