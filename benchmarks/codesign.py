@@ -19,13 +19,15 @@ from statistics import median
 import numpy as np
 from timing import ROOT, SPEC, SRGC, machine, process
 
+from compiler.arrays import Array
+
 sys.path.insert(0, str(ROOT))
 
 from codesign_starts import random_starts
 from control_cases import STEPS, fixed, follower
 from control_ipopt import ipopt_problem
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import ControlOutcome, ControlProblem

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.motions.convex_step import Trajectory
 from solvers.motions.inverse_kinematics import branches
 from solvers.motions.path_following import Follower

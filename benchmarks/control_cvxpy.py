@@ -15,7 +15,8 @@ from typing import Any
 import cvxpy as cp
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, Linearisation
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import Linearisation
 from solvers.motions.control_problem import ControlProblem, input_margin
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.step_question import Weights

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import ControlProblem
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.step_program import rate_bounds

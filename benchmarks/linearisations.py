@@ -10,14 +10,13 @@ from typing import Any, TypeAlias
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from tests.oracles.robots import constants_of
 
-Array: TypeAlias = NDArray[np.float64]
 Jacobians: TypeAlias = tuple[Array, ...]
 """Value (K, N), then Jacobians in x, u and, where computed, theta: (K, N, columns)."""
 

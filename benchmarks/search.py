@@ -27,7 +27,7 @@ from search_functions import (
 from search_tables import table
 from timing import ROOT, machine
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.cube import Cube
 from solvers.parameters.searches.registry import SEARCHES
 

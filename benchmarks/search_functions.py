@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.halton import Halton
 
 SHARE = 0.95

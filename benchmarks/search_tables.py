@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from timing import SPEC, seconds
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.planning.specification import planning_problem

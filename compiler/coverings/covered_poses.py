@@ -13,10 +13,11 @@ from fractions import Fraction
 import numpy as np
 from flint import arb
 
+from compiler.arrays import Array
 from compiler.coverings.box_tree import BoxTreeError, CoordinateTree, Part, Parts, coordinate_boxes
 from compiler.coverings.leaf_box import LeafBox
 from compiler.coverings.motion_demands import GivenPose, MotionDemands, Passage, PointIn
-from compiler.coverings.point_enclosure import Array, EnclosedPoints, PointTapes
+from compiler.coverings.point_enclosure import EnclosedPoints, PointTapes
 from compiler.coverings.sides import RangeSide, coordinate_sides, enclosures, parameter_sides
 from compiler.coverings.touching import Flags, TouchingBoxes
 from compiler.coverings.violations import Violation, at_any_instant, elsewhere

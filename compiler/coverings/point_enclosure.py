@@ -18,8 +18,8 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.dynamics.absolute_angles import own_coordinates
 from compiler.dynamics.kinematics import SymbolicEvaluator, kinematics
 from compiler.expressions.evaluators.balls import BALLS, ball, constant_ball
@@ -29,7 +29,6 @@ from compiler.expressions.tape import Tape, tape
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 
-Array = NDArray[np.float64]
 ZERO = arb(0)
 
 

@@ -22,9 +22,10 @@ import casadi as ca
 import numpy as np
 from flint import arb
 
+from compiler.arrays import Array
 from compiler.definiteness.box_search import Examined, widest_effect
 from compiler.definiteness.boxes import Box
-from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
+from compiler.definiteness.enclosed_matrix import EnclosedMatrix
 from compiler.dynamics.absolute_angles import own_coordinates
 from compiler.dynamics.kinematics import Kinematics, SymbolicEvaluator, kinematics, rotation
 from compiler.expressions.evaluators.intervals import Ends

@@ -20,8 +20,8 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 from flint import arb, arb_mat
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.definiteness.boxes import Box
 from compiler.expressions.evaluators.exact import PiLinear, exact_constant
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
@@ -32,8 +32,6 @@ TERMS, LARGEST_ORDER = 24, 3
 """Of an expansion: the most derivatives of the highest order, and that order."""
 UNBOUNDED = 1e30
 """Stands for an infinite radius where enclosures are compared."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

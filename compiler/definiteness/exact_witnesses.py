@@ -15,8 +15,9 @@ from itertools import combinations, islice
 
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.definiteness.boxes import Box, Side
-from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
+from compiler.definiteness.enclosed_matrix import EnclosedMatrix
 from compiler.definiteness.indefiniteness import Refuter, Witness, integral
 from compiler.expressions.evaluators.exact import PiLinear
 from compiler.expressions.evaluators.trigonometric import CanonicalEvaluator, TooManyTerms

@@ -15,8 +15,9 @@ from math import gcd, lcm
 import numpy as np
 from flint import arb
 
+from compiler.arrays import Array
 from compiler.definiteness.boxes import Box, Side
-from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
+from compiler.definiteness.enclosed_matrix import EnclosedMatrix
 from compiler.expressions.evaluators.balls import BALLS, ball, working_precision
 from compiler.expressions.evaluators.exact import ExactEvaluator, NotExact, PiLinear
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends

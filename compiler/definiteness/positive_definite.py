@@ -16,9 +16,10 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.definiteness.box_search import Examined, Searched, search, widest_effect
 from compiler.definiteness.boxes import Box
-from compiler.definiteness.enclosed_matrix import Array, EnclosedMatrix
+from compiler.definiteness.enclosed_matrix import EnclosedMatrix
 from compiler.definiteness.exact_witnesses import ExactWitnesses
 from compiler.definiteness.identities import symmetric_entries
 from compiler.definiteness.indefiniteness import Refuter, Witness

@@ -9,16 +9,14 @@ inputs alone is computed once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.expressions.tape import CONSTANT, INPUT, OUTPUT
 from compiler.time_limits.time_limit import check_time
-
-Array: TypeAlias = NDArray[np.float64]
 
 MOST_LANES = 128
 """More samples go in blocks, so that the work vectors stay in the processor's cache."""

@@ -18,9 +18,10 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.discretisation.batched_function import BatchedFunction
 from compiler.discretisation.matrix_exponential import held
-from compiler.discretisation.numeric_robot import Array, Linearisation, NumericRobot
+from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from compiler.dynamics.controlled_system import ControlledSystem
 
 

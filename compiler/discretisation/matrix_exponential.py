@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from math import comb, factorial
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+from compiler.arrays import Array
 
 DEGREE = 13
 LARGEST_NORM = 5.371920351148152

@@ -7,20 +7,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.batched_function import BatchedFunction
 from compiler.discretisation.step_map import rates_of_change, step_map, value_map
 from compiler.dynamics.controlled_system import ControlledSystem, controlled_system
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.scalars import Constant
 from compiler.robots.state_and_input import robot_inputs, robot_states
-
-Array: TypeAlias = NDArray[np.float64]
 
 TRACKING_ROUNDS = 4
 TRACKING_DAMPING = 1e-4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.robot import WORLD, Joint, Offset, RobotModel
 

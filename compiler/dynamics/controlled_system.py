@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.dynamics.coordinate_change import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
 from compiler.dynamics.equations_of_motion import MADE, RobotGraph
@@ -47,7 +47,7 @@ class ControlledSystem:
     states: int
     inputs: int
     parameters: int
-    constants: NDArray[np.float64]
+    constants: Array
     forces: ca.Function
     differential: ca.Function
     inertial: ca.Function

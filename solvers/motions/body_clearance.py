@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
 from solvers.motions.avoidances import Avoidances
 from solvers.motions.position_rows import Dwell, Separation, separating_planes

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.motions.corridor import Corridor
 from solvers.motions.joint_timing import timed
 from solvers.motions.path_timing import Entries

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.convex_step import ConvexStep
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.motion_limits import InputGroup, MotionLimits, effort_scale

@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.batched_function import MOST_LANES
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.body_clearance import BodyClearance
 from solvers.motions.pose_samples import Pool, pool
 from solvers.motions.position_rows import ConvexSet

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.specifications.disturbance_radii import disturbance_radii
 from grammar_lang import ir
 from solvers.motions.trajectory import Trajectory

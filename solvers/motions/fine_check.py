@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from compiler.geometry.polytope import polytope_of
 from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.subformulas import atoms

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.time_limits.time_limit import is_late
 from solvers.motions.trajectory import Trajectory
 

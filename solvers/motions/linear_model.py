@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, Linearisation, NumericRobot, Points
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import Linearisation, NumericRobot, Points
 from solvers.motions.step_layout import Indices
 from solvers.motions.trajectory import Trajectory
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import ControlProblem, input_margin
 from solvers.motions.linear_model import Model, PositionRows, fictitious_inputs
 from solvers.motions.motion_limits import MotionLimits

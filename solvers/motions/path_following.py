@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.robots.robot import RobotModel
 from compiler.specifications.obligations import Obligation, obligations

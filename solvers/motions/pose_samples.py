@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions
 from solvers.motions.position_rows import ConvexSet
 

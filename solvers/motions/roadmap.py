@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.motions.corridor import Corridor, Flags, Layers
 from solvers.motions.inverse_kinematics import apart
 from solvers.motions.pose_samples import Pool, poses_in

@@ -14,7 +14,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from solvers.execution.in_process import InProcess

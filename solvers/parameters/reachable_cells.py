@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions
 from solvers.motions.task_limits import state_limits

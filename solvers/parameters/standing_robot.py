@@ -7,7 +7,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.specifications.monitor import AtomKey, key

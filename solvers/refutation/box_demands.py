@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.coverings.motion_demands import GivenPose, MotionDemands, Obstacle, Passage
 from compiler.coverings.violations import FRACTIONS
-from compiler.discretisation.numeric_robot import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import closed_ball
 from compiler.expressions.evaluators.batched_intervals import TURN

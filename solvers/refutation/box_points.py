@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import constant_ball
 from compiler.expressions.evaluators.batched_intervals import (

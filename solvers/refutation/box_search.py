@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.coverings.box_tree import (
     LEAF,
     MOST_VARIABLES,
@@ -25,7 +26,6 @@ from compiler.coverings.sides import (
     enclosures,
     parameter_sides,
 )
-from compiler.discretisation.numeric_robot import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from solvers.refutation.box_demands import NEAR, BoxDemands
 from solvers.refutation.box_growth import BoxGrowth, Covered, Divide, Hopeless

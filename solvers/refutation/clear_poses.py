@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.body_smt import Poses
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import Pose

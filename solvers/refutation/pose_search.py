@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.expressions.evaluators.balls import closed_ball
 from grammar_lang import ir

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.claimed_task import claimed_task, read_claim
@@ -26,8 +26,6 @@ from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
 from solvers.verifier.proofs.tube_checks import PointReading
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
-
-Array = NDArray[np.float64]
 
 FLOAT_BITS = 53
 """Bounds at an instant are floats: more bits do not make them narrower than that."""

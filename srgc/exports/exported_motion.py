@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.state_and_input import robot_inputs, robot_states
@@ -22,8 +22,6 @@ from srgc.exports.friction import dampings, left_out
 from srgc.exports.planned_inputs import free_inputs, planned_inputs
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
-
-Array = NDArray[np.float64]
 
 POSITION_UNITS = {"revolute": "rad", "prismatic": "m"}
 EFFORT_UNITS = {"revolute": "N*m", "prismatic": "N"}

@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array, NumericRobot
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.maps.obstacle_pieces import expanded
 from solvers.design_follower import PathTask

@@ -16,13 +16,12 @@ from srgc.public.spoken_faults import spoken
 from srgc.public.words import symbols
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from compiler.arrays import Array
     from compiler.discretisation.numeric_robot import NumericRobot
     from compiler.robots.robot import RobotParameter
 
-    Array: TypeAlias = NDArray[np.float64]
 
 Values: TypeAlias = "Mapping[str, float] | Sequence[float]"
 """Parameters by their names, as in ``{"4.length": 2.23}``, or all of them in order; in SI units."""

@@ -13,11 +13,12 @@ import numpy as np
 import scipy
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from srgc.exports.planned_inputs import planned_inputs
 from srgc.faults import UsageFault
-from srgc.replays.replayed_motion import Array, ReplayedMotion
+from srgc.replays.replayed_motion import ReplayedMotion
 from srgc.results.found_design import FoundDesign
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-15

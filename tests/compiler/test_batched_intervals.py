@@ -7,14 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.expressions.evaluators.batched_intervals import (
     BatchedIntervalEvaluator,
     IntervalBatch,
 )
 
-Array = NDArray[np.float64]
 SLACK = 1e-12
 UNARY: dict[str, Callable[[Array], Array]] = {
     "neg": lambda x: -x, "sq": lambda x: x * x, "sqrt": np.sqrt, "sin": np.sin, "cos": np.cos,

@@ -9,9 +9,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from compiler.discretisation.linearisation import linearise, second_order_form
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.controlled_system import controlled_system
@@ -20,7 +20,6 @@ from compiler.robots.robot import WORLD
 from tests.oracles.driven_robots import driven
 from tests.oracles.robots import Builder, rod_chain
 
-Array = NDArray[np.float64]
 PULL = (Fraction(1, 3), Fraction(-981, 100))
 
 

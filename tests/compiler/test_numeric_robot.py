@@ -6,16 +6,15 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
 from tests.oracles.planar_chain import chain_dynamics, chain_energy
 from tests.oracles.robots import Builder, rod_chain
 
-Array = NDArray[np.float64]
 PULL = (Fraction(0), Fraction("-9.81"))
 DT = 0.125
 

@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.expressions.scalars import Constant
 from compiler.rigid_links.ball_pose import WORLD_POSE, doubles
@@ -16,7 +16,6 @@ from compiler.rigid_links.rigid_tree import PRECISION, RigidTreeError, axis_of, 
 from compiler.robots.robot import WORLD, RobotModel, SolidBody
 from tests.oracles.robots import Builder, interval
 
-Array = NDArray[np.float64]
 TINY = Fraction(1, 10**9)
 
 

@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.controlled_system import controlled_system
@@ -19,7 +19,6 @@ from tests.oracles.mass_points import energy, mass_points
 from tests.oracles.mixed_robots import mixed_robot
 from tests.oracles.robots import evaluate, rod_chain
 
-Array = NDArray[np.float64]
 PULL = {
     2: (Fraction(1, 3), Fraction(-981, 100)),
     3: (Fraction(1, 3), Fraction(-2, 7), Fraction(-981, 100)),

@@ -9,6 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from compiler.arrays import Array
 from compiler.descriptions.expression_printer import ExpressionPrinter
 from compiler.descriptions.model_formulas import Formulas, formulas, symbols_of
 from compiler.descriptions.model_symbols import model_symbols
@@ -20,7 +21,7 @@ from compiler.expressions.trigonometric_polynomial import CONSTANT, COSINE, Abbr
 from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.polynomial_values import value
 from tests.oracles.random_robots import random_robot
-from tests.oracles.robots import Array, Builder, rod_chain
+from tests.oracles.robots import Builder, rod_chain
 
 NAMES = ("mass_matrix", "centrifugal", "gravitational", "effectors")
 PULL = (Fraction("1.5"), Fraction("-9.81"), Fraction("0.7"))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import synthesise_control
@@ -19,7 +19,6 @@ from tests.oracles.robots import rod_chain
 from tests.oracles.turning_link import DT, limits
 from tests.oracles.two_rods import rates, tip
 
-Array = NDArray[np.float64]
 LENGTHS = np.array([1.0, 0.5])
 STEPS = 16
 ONCE = Effort(1, 1e-5, 1e-9, 0)

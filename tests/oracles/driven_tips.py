@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import ball, constant_ball
 from compiler.expressions.tape import tape
@@ -28,7 +28,6 @@ from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder
 from tests.oracles.tasks import task
 
-Array = NDArray[np.float64]
 F = Fraction
 ACCURACY = Accuracy(10, 96, 1e-10)
 LENGTHS = (F(13, 10), F(9, 10))

@@ -9,9 +9,9 @@ from math import cos, sin
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control_problem import ControlProblem
@@ -20,7 +20,6 @@ from solvers.motions.motion_limits import InputGroup, MotionLimits
 from solvers.motions.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
 
-Array = NDArray[np.float64]
 DT = 0.125
 LENGTH = 1.5
 INERTIA = LENGTH**3 / 3

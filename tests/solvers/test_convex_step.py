@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.backends.conic import NotSolved, Status
@@ -20,7 +20,6 @@ from solvers.motions.trajectory import Trajectory
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain
 
-Array = NDArray[np.float64]
 DT = 0.125
 STEPS = 6
 READING = NumericRobot(robot_graph(rod_chain(2)))

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
 from solvers.motions.inverse_kinematics import branches, solve_positions
 from tests.oracles.robots import Builder, rod_chain
 
-Array = NDArray[np.float64]
 TWO = NumericRobot(robot_graph(rod_chain(2)))
 THREE = NumericRobot(robot_graph(rod_chain(3)))
 LENGTHS = np.array([1.0, 0.5])

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.polytope import polytope_of
@@ -24,8 +24,6 @@ from tests.oracles.arms import ArmBuilder, effector_positions, frames_of
 from tests.oracles.planar_bodies import bodies_of, depth
 from tests.oracles.planes import box, box_rows, hull, row
 from tests.oracles.tasks import task
-
-Array = NDArray[np.float64]
 
 CELLS = [((1, 2), (-2, 0)), ((0, 2), (0, 1)), ((-1, 1), (1, 2))]
 """From the right, around a tilted obstacle, to above the base."""

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.expressions.evaluator import Evaluator
-
-Array = NDArray[np.float64]
 
 HALF_TURN = np.pi
 TURN = 2 * np.pi

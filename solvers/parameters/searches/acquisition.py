@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 
 DELTA = float(np.exp(-3.0))
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.acquisition import Acquisition
 from solvers.parameters.searches.cube import Cube
 from solvers.parameters.searches.gaussian_process import GaussianProcess, conditioned, fitted

@@ -7,7 +7,7 @@ from math import prod
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from itertools import count, islice
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 
 BITS = 52
 """Digits are used as long as all of them together are an exact double."""

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.cube import Cube
 from solvers.parameters.searches.halton import Halton
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import working_precision
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.finding import Finding, inside
@@ -26,8 +25,6 @@ from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import Slice, Status
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot, follow
 from solvers.verifier.proofs.watch import Watch
-
-Array: TypeAlias = NDArray[np.float64]
 
 SUBSTEPS = 4
 """Of Runge and Kutta's method, per step of the task."""

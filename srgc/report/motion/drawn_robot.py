@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.floats import scalar_floats
@@ -28,8 +28,6 @@ from compiler.robots.robot import (
     Step,
 )
 from grammar_lang import ir
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from itertools import product
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotDof, RodBody
@@ -22,8 +22,6 @@ from grammar_lang import ir
 from grammar_lang.constants import to_float
 from srgc.report.motion.module_marks import MarkedRobot
 from srgc.report.motion.view import NAMED, sight
-
-Array = NDArray[np.float64]
 
 BENDS = tuple(radians(angle) for angle in (20, 35, 50, 70, -35, -50))
 SLIDES = (0.35, 0.7, 1.0)

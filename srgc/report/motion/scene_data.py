@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from srgc.report.motion.motion_scene import MotionScene, RobotMotion
 from srgc.report.motion.scene_marks import THINNEST_CAPSULE
 from srgc.report.motion.tube_boxes import TubeBoxes
 from srgc.report.motion.view import NAMED, View, sight
-
-Array = NDArray[np.float64]
 
 GRID = 0.04
 """Width of the grid in units of the picture."""
