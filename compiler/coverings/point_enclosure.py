@@ -21,7 +21,8 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.dynamics.absolute_angles import own_coordinates
-from compiler.dynamics.kinematics import SymbolicEvaluator, kinematics
+from compiler.dynamics.kinematics import kinematics
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluators.balls import BALLS, ball, constant_ball
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.expressions.scalars import Constant, PiConstant

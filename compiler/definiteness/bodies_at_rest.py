@@ -27,7 +27,8 @@ from compiler.definiteness.box_search import Examined, widest_effect
 from compiler.definiteness.boxes import Box
 from compiler.definiteness.enclosed_matrix import EnclosedMatrix
 from compiler.dynamics.absolute_angles import own_coordinates
-from compiler.dynamics.kinematics import Kinematics, SymbolicEvaluator, kinematics, rotation
+from compiler.dynamics.kinematics import Kinematics, kinematics, rotation
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluators.intervals import Ends
 from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody, Turn

@@ -19,7 +19,8 @@ from fractions import Fraction
 
 import casadi as ca
 
-from compiler.dynamics.kinematics import Kinematics, SymbolicEvaluator, rotation
+from compiler.dynamics.kinematics import Kinematics, rotation
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.robots.robot import (
     WORLD,
     Body,

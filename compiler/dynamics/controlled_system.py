@@ -20,12 +20,13 @@ import casadi as ca
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.dynamics.coordinate_change import generalised_forces, own_motion
+from compiler.dynamics.absolute_angles import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
 from compiler.dynamics.equations_of_motion import MADE, RobotGraph
 from compiler.dynamics.inverse_dynamics import inverse_dynamics
-from compiler.dynamics.kinematics import SymbolicEvaluator, kinematics
+from compiler.dynamics.kinematics import kinematics
 from compiler.dynamics.ldl import ldl_solve
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from compiler.dynamics.kinematics import SymbolicEvaluator
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluator import evaluate_expression
 from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import RobotModel

@@ -15,8 +15,9 @@ import casadi as ca
 from compiler.dynamics.absolute_angles import own_coordinates
 from compiler.dynamics.composite_bodies import composite_mass_matrix
 from compiler.dynamics.drive import Motion, drive
-from compiler.dynamics.kinematics import SymbolicEvaluator, kinematics
+from compiler.dynamics.kinematics import kinematics
 from compiler.dynamics.rigid_bodies import potential_energy
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant, PiConstant
 from compiler.expressions.tape import Tape, tape
 from compiler.robots.robot import RobotModel

@@ -16,12 +16,17 @@ from functools import cached_property
 
 import casadi as ca
 
-from compiler.dynamics.absolute_angles import Coordinates, own_coordinates
-from compiler.dynamics.coordinate_change import generalised_forces, own_motion
+from compiler.dynamics.absolute_angles import (
+    Coordinates,
+    generalised_forces,
+    own_coordinates,
+    own_motion,
+)
 from compiler.dynamics.drive import Motion, drive
-from compiler.dynamics.kinematics import SymbolicEvaluator, kinematics
+from compiler.dynamics.kinematics import kinematics
 from compiler.dynamics.ldl import ldl_solve
 from compiler.dynamics.rigid_bodies import centrifugal_forces, gravitational_forces, mass_matrix
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states

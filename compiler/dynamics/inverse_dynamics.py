@@ -16,8 +16,9 @@ from fractions import Fraction
 import casadi as ca
 
 from compiler.dynamics.absolute_angles import Coordinates
-from compiler.dynamics.kinematics import Kinematics, SymbolicEvaluator
+from compiler.dynamics.kinematics import Kinematics
 from compiler.dynamics.rigid_bodies import angular_jacobian, inertia_of
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.robots.robot import PointBody, RobotModel
 
 

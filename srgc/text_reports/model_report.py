@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from compiler.definiteness.mass_matrix_check import mass_matrix_check
-from compiler.descriptions.document import Fact, Section, section_of_lines
-from compiler.descriptions.latex_document import to_latex
-from compiler.descriptions.model_formulas import model_formulas
-from compiler.descriptions.model_sections import motion_sections
+from compiler.descriptions.document import Fact, Section, section_of_lines, to_latex, to_text
+from compiler.descriptions.model_formulas import model_formulas, motion_sections
 from compiler.descriptions.robot_sections import robot_sections
-from compiler.descriptions.text_document import to_text
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.model_script import model_script
 from compiler.expressions.tape import UndefinedValueError

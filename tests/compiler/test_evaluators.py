@@ -16,7 +16,7 @@ from flint import arb
 
 from compiler.definiteness.identities import PolynomialEvaluator
 from compiler.discretisation.batched_function import BatchedFunction
-from compiler.dynamics.kinematics import SymbolicEvaluator
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.encodings.graph_terms import TermEvaluator
 from compiler.encodings.real_terms import RealScript
 from compiler.expressions.evaluator import METHODS, Evaluator, evaluate_expression

@@ -7,17 +7,27 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.descriptions.document import Entry, Equation, Fact, Remark, Section, section_of_lines
+from compiler.descriptions.document import (
+    TEXT_WIDTH,
+    Entry,
+    Equation,
+    Fact,
+    Remark,
+    Section,
+    section_of_lines,
+    to_latex,
+    to_text,
+)
 from compiler.descriptions.domain_text import domain_text
-from compiler.descriptions.expression_printer import ExpressionPrinter, Notation
-from compiler.descriptions.latex_document import to_latex
-from compiler.descriptions.latex_notation import LatexNotation
-from compiler.descriptions.model_formulas import model_formulas
-from compiler.descriptions.model_sections import motion_sections
+from compiler.descriptions.expression_printer import (
+    ExpressionPrinter,
+    LatexNotation,
+    Notation,
+    TextNotation,
+)
+from compiler.descriptions.model_formulas import model_formulas, motion_sections
 from compiler.descriptions.model_symbols import model_symbols
 from compiler.descriptions.robot_sections import robot_sections
-from compiler.descriptions.text_document import WIDTH, to_text
-from compiler.descriptions.text_notation import TextNotation
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.trigonometric_polynomial import (
     Abbreviation,
@@ -197,7 +207,7 @@ def test_documents() -> None:
     assert "name    50 %\nlonger  a_b\n" in text
     assert "q1  first  in {1, 2}\nthat is #1\n" in text
     assert "y = -a + b - xxx" in text
-    assert max(map(len, text.splitlines())) <= WIDTH
+    assert max(map(len, text.splitlines())) <= TEXT_WIDTH
     assert "M > 0\ndone\n" in text
     assert r"\section*{Facts \& more}" in latex
     assert r"name & 50 \% \\" in latex

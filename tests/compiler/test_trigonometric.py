@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from compiler.arrays import Array
-from compiler.descriptions.expression_printer import ExpressionPrinter
+from compiler.descriptions.expression_printer import ExpressionPrinter, TextNotation
 from compiler.descriptions.model_formulas import Formulas, formulas, symbols_of
 from compiler.descriptions.model_symbols import model_symbols
-from compiler.descriptions.text_notation import TextNotation
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.expressions.evaluators import trigonometric
 from compiler.expressions.scalars import Constant

@@ -10,7 +10,7 @@ from flint import arb
 
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.planar_products import has_turned_columns
+from compiler.dynamics.rigid_bodies import has_turned_columns
 from compiler.expressions.evaluators.balls import (
     BallEvaluator,
     ball,

@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.rigid_links.viscous_friction import viscous_friction
 from compiler.robots.own_dynamics import OwnDynamics
 from grammar_lang import ir
+from srgc.exports.friction import viscous_friction
 
 U, RATE = ir.EffortOf(ir.THIS, "q"), ir.RateOf(ir.THIS, "q")
 TENTH = ir.Num(Fraction(1, 10))

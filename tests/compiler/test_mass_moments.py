@@ -7,7 +7,7 @@ import pytest
 from flint import arb, arb_mat
 
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.rigid_links.principal_axes import principal_axes
+from compiler.rigid_links.mass_moments import principal_axes
 from compiler.rigid_links.rigid_tree import PRECISION
 
 
