@@ -121,13 +121,13 @@ def planned_timing(path: Follower, near: Trajectory) -> tuple[Run, ControlOutcom
 
 def graph_made(path: Follower, found: Configuration) -> float:
     """The seconds of our graph of the robot and of its first uses."""
-    at, n = found.outcome.trajectory, path.reading.n
+    at, n = found.outcome.trajectory, path.numeric.n
     started = time.perf_counter()
-    reading = NumericRobot(robot_graph(path.model, path.task.gravity))
-    reading.step(at.x[:-1], at.u, at.theta, float(path.task.step), path.substeps)
-    reading.simulate(at.x[0], at.u, at.theta, float(path.task.step), path.substeps)
-    reading.points(at.x[:, :n], at.theta)
-    reading.mass_matrix(at.x[:, :n], at.theta)
+    numeric = NumericRobot(robot_graph(path.model, path.task.gravity))
+    numeric.step(at.x[:-1], at.u, at.theta, float(path.task.step), path.substeps)
+    numeric.simulate(at.x[0], at.u, at.theta, float(path.task.step), path.substeps)
+    numeric.points(at.x[:, :n], at.theta)
+    numeric.mass_matrix(at.x[:, :n], at.theta)
     return time.perf_counter() - started
 
 

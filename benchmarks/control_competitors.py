@@ -42,8 +42,8 @@ def ours(one: Case, problem: ControlProblem, name: str = "ours") -> Competitor:
     """``synthesise_control``; made: the robot's graph and programs from it."""
     started = time.perf_counter()
     follower, seed = one.follower, one.seed
-    reading = NumericRobot(robot_graph(follower.model, follower.task.gravity))
-    fresh = replace(problem, reading=reading)
+    numeric = NumericRobot(robot_graph(follower.model, follower.task.gravity))
+    fresh = replace(problem, numeric=numeric)
     synthesise_control(fresh, seed)
     made = time.perf_counter() - started
     started = time.perf_counter()

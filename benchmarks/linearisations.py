@@ -60,10 +60,10 @@ def ours(model: RobotModel, at: Samples) -> Competitor:
     """``NumericRobot.step``: always with the Jacobian in theta."""
 
     def make() -> Callable[[], Jacobians]:
-        reading = NumericRobot(robot_graph(model))
+        numeric = NumericRobot(robot_graph(model))
 
         def call() -> Jacobians:
-            found = reading.step(at.x, at.u, at.theta, DT, 1)
+            found = numeric.step(at.x, at.u, at.theta, DT, 1)
             return found.value, found.state, found.input, found.parameter
 
         return call

@@ -72,8 +72,8 @@ def measure_convex_step(runs: int) -> list[Line]:
     found = Planner(planning_problem(cells, task, 0)).next_plan()
     if not isinstance(found, Holds):
         raise SystemExit("the case study has no path")
-    reading = NumericRobot(robot_graph(model, task.gravity))
-    follower = Follower(reading, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0)
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    follower = Follower(numeric, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0)
     problem = follower.problem(follower.waypoints()[1])
     about = measured(problem, follower.seeds(np.array([3.0, 2.5]))[0])
     if about is None:

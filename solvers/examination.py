@@ -37,9 +37,9 @@ def examination_of(record: Recorded) -> Examination | None:
 
 
 def examine(
-    model: RobotModel, reading: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
+    model: RobotModel, numeric: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
 ) -> Examination:
     """Examine a robot; a refuted one is not looked at further."""
-    refutation = refute_structure(model, reading, program, task, conduct)
-    blocked = None if refutation.refuted else inadmissible(model, reading)
+    refutation = refute_structure(model, numeric, program, task, conduct)
+    blocked = None if refutation.refuted else inadmissible(model, numeric)
     return Examination(refutation, blocked)

@@ -78,7 +78,7 @@ def _begun(search: StructureSearch, inherited: Inherited) -> tuple[Follower, Con
         return None
     follower = search.place.along(design.abstraction, design.effector, design.leader, design.path)
     motion = design.configuration.outcome.trajectory
-    if follower is None or motion.x.shape[1] != search.reading.size:
+    if follower is None or motion.x.shape[1] != search.numeric.size:
         search.obstacle = "; the two robots do not move alike"
         return None
     trajectory = Trajectory(motion.x, motion.u, np.array(inherited.theta))

@@ -196,7 +196,7 @@ class _Run:
         inherited = self.inheritance.of(derivation, model)
         search = StructureSearch(
             self.program, self.task, self.conduct, self.abstraction, self.formula, self.counts,
-            derivation, ahead.reading(candidate), candidate.number, key, inherited,
+            derivation, ahead.numeric(candidate), candidate.number, key, inherited,
         )  # fmt: skip
         self.search = search
         try:

@@ -40,7 +40,7 @@ class CoveredPoses:
     To be used at one working precision.
 
     Raises:
-        ValueError: the rules of the robot have no exact reading.
+        ValueError: the rules of the robot have no exact value.
         BoxTreeError: a prismatic joint has no range, so that its coordinate cannot be covered.
     """
 

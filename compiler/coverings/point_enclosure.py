@@ -50,7 +50,7 @@ class PointTapes:
     """The points of a robot as programs in (q, theta), in the joints' own coordinates.
 
     Raises:
-        ValueError: the rules have no exact reading.
+        ValueError: the rules have no exact value.
     """
 
     def __init__(self, model: RobotModel) -> None:
@@ -89,7 +89,7 @@ def _repeated(column: ca.DM, count: int) -> ca.DM:
 
 
 def _slopes(value: ca.SX, variables: ca.SX, inputs: list[ca.SX]) -> Tape | None:
-    """The derivatives, those of one variable together; None where they have no exact reading."""
+    """The derivatives, those of one variable together; None where they have no exact value."""
     if not variables.numel() or not value.numel():
         return None
     columns = ca.vec(ca.densify(ca.jacobian(value, variables)))

@@ -140,7 +140,7 @@ def positive_definite(
         budget: the most boxes to examine.
 
     Raises:
-        ValueError: the function has no exact reading.
+        ValueError: the function has no exact value.
     """
     z, k = (ca.SX.sym(name, function.size1_in(i)) for i, name in enumerate("zk"))
     matrix = ca.densify(function(z, k))

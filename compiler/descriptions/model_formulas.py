@@ -169,21 +169,21 @@ class _Writer:
             yield equation(left, output)
 
 
-def motion_sections(reading: ModelFormulas) -> list[Section]:
+def motion_sections(described: ModelFormulas) -> list[Section]:
     """M, c, g and the effectors' positions, then the intermediate results they are made of."""
-    model, writer = reading.model, _Writer(model_symbols(reading.model))
+    model, writer = described.model, _Writer(model_symbols(described.model))
     n = len(model.dofs)
     sections: list[Section] = []
     if n:
-        mass = writer.equations(reading.mass, _mass_names(n))
-        bias = writer.equations(reading.centrifugal, _vector_names("c", n))
+        mass = writer.equations(described.mass, _mass_names(n))
+        bias = writer.equations(described.centrifugal, _vector_names("c", n))
         remark = Remark("symmetric: the entries on and above the diagonal")
         sections += [
             Section("Mass matrix M", (remark, *mass)),
             Section("Centrifugal and Coriolis forces c", tuple(bias)),
-            Section("Gravitational forces g", tuple(_gravitational(reading, writer))),
+            Section("Gravitational forces g", tuple(_gravitational(described, writer))),
         ]
-    tips = writer.equations(reading.effectors, _tip_names(model.dimension, len(model.effectors)))
+    tips = writer.equations(described.effectors, _tip_names(model.dimension, len(model.effectors)))
     positions = tuple(tips) or (Remark("none"),)
     sections.append(Section("Positions of the effectors, in m", positions))
     if writer.results:
@@ -191,14 +191,14 @@ def motion_sections(reading: ModelFormulas) -> list[Section]:
     return sections
 
 
-def _gravitational(reading: ModelFormulas, writer: _Writer) -> Iterator[Item]:
-    if not any(reading.gravity):
+def _gravitational(described: ModelFormulas, writer: _Writer) -> Iterator[Item]:
+    if not any(described.gravity):
         yield Remark("none: g = 0")
         return
-    pull = ", ".join(number_text(value) for value in reading.gravity)
+    pull = ", ".join(number_text(value) for value in described.gravity)
     yield Remark(f"for gravity ({pull}) m/s^2")
-    names = _vector_names("g", len(reading.model.dofs))
-    yield from writer.equations(reading.gravitational, names)
+    names = _vector_names("g", len(described.model.dofs))
+    yield from writer.equations(described.gravitational, names)
 
 
 def _mass_names(n: int) -> list[tuple[str, str]]:

@@ -47,11 +47,11 @@ class AffineSystem:
         return Linearisation(self.about + value[:, :, 0], state, by_input, by_parameter)
 
 
-def linearise(reading: NumericRobot, x: Array, u: Array, theta: Array) -> AffineSystem:
+def linearise(numeric: NumericRobot, x: Array, u: Array, theta: Array) -> AffineSystem:
     """The controlled system about K states (K, N) and inputs (K, m) at parameters (p,)."""
-    n, size, m = reading.n, reading.size, reading.m
-    rates, slopes = reading.acceleration(x, u, theta)
-    jacobian = np.zeros((len(x), size, size + m + reading.p))
+    n, size, m = numeric.n, numeric.size, numeric.m
+    rates, slopes = numeric.acceleration(x, u, theta)
+    jacobian = np.zeros((len(x), size, size + m + numeric.p))
     jacobian[:, :n, n : 2 * n] = np.eye(n)
     jacobian[:, n:, :] = slopes
     state, by_input, by_parameter = np.split(jacobian, [size, size + m], axis=2)

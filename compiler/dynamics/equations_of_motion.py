@@ -71,7 +71,7 @@ class RobotGraph:
     - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,); floats have a
       cheaper way (``controlled_system.py``);
     - ``balance(q, w, u, theta, k)``: M column by column (n * n,), then tau - c - g (n,), then the
-      derivatives of the own states (r,): the parts that a validated reading solves itself,
+      derivatives of the own states (r,): the parts that a validated evaluator solves itself,
       without the graph's own divisions;
     - ``variation(q, w, a, u, theta, k)``: the Jacobian of (tau - c - g - M a, own derivatives) in
       (q, w) for given accelerations a, column by column ((n + r) * (2n + r),);

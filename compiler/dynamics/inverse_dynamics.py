@@ -6,7 +6,7 @@ r"""Inverse dynamics of rigid bodies by Newton's and Euler's laws and virtual po
 with the coms p_b, J = dp/dq, angular velocities omega = W v and gravity gamma (Featherstone, *Rigid
 Body Dynamics Algorithms*, 2008, ch. 5).  Two forward sweeps of differentiation and a reverse one
 make it a recursion from the base to the tips and back, linear in the number of bodies, where
-Christoffel symbols take the cube of it.  Floats read this; validated readings read those.
+Christoffel symbols take the cube of it.  Floats use this; validated evaluators use those.
 """
 
 from __future__ import annotations

@@ -155,8 +155,8 @@ class ConflictSearch:
             model = robot_in_task(family, posed.task.origin, derivation)
         except SemanticsError:
             return False
-        reading = NumericRobot(robot_graph(model, posed.task.gravity))
-        answer = refute_structure(model, reading, posed.program, posed.task, self.conduct)
+        numeric = NumericRobot(robot_graph(model, posed.task.gravity))
+        answer = refute_structure(model, numeric, posed.program, posed.task, self.conduct)
         if answer.refuted or not late:
             return answer.refuted
         candidate, conduct = (

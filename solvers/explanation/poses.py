@@ -54,16 +54,16 @@ def _posable(
             yield derivation
 
 
-def _answered(reading: NumericRobot, posed: PosedTask, seed: int) -> bool:
+def _answered(numeric: NumericRobot, posed: PosedTask, seed: int) -> bool:
     """Whether poses are found for every question."""
     workspace, task = posed.workspace, posed.task
     demands = body_demands(workspace, task)
     for question in pose_questions(workspace, task):
-        if find_poses(reading, question, seed) is None:
+        if find_poses(numeric, question, seed) is None:
             return False
         if demands is None:
             continue
-        known = clear_poses(reading, workspace, task, question, seed)
+        known = clear_poses(numeric, workspace, task, question, seed)
         if any(poses not in known for poses in body_scripts(question)):
             return False
     return True

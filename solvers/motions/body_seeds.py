@@ -35,7 +35,7 @@ def body_seeds(
     order = sorted(range(len(tracked)), key=lambda i: (not follow[i], -clearances[i]))
     clear = [tracked[i] for i in order if follow[i] and clearances[i] > TOUCHING][:count]
     wanted = min(count - len(clear), WAYS)
-    redundant = corridor.reading.n > corridor.reading.d
+    redundant = corridor.numeric.n > corridor.numeric.d
     if wanted and (redundant or not clear):
         clear += roadmap_motions(corridor, tracked[0], entries, wanted, seed)
     return clear or [tracked[i] for i in order[:HOPELESS]]

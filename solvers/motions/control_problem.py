@@ -29,7 +29,7 @@ class ControlProblem:
     ``steps`` makes what solves the convex steps.
     """
 
-    reading: NumericRobot
+    numeric: NumericRobot
     dt: float
     substeps: int
     limits: MotionLimits

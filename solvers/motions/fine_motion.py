@@ -17,7 +17,7 @@ SUBSTEPS = 4
 MOST_PARTS = 128
 
 
-def fine_motion(reading: NumericRobot, trajectory: Trajectory, dt: float) -> Trajectory:
+def fine_motion(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Trajectory:
     """The trajectory with its states integrated anew, by the same method in shorter steps.
 
     For tables and pictures, and whoever compares with another simulator; no proof rests on it, so
@@ -25,7 +25,7 @@ def fine_motion(reading: NumericRobot, trajectory: Trajectory, dt: float) -> Tra
     """
     states, parts = trajectory.x, 1
     while parts <= MOST_PARTS and not is_late():
-        finer = _sampled(reading, trajectory, dt, parts)
+        finer = _sampled(numeric, trajectory, dt, parts)
         change = float(np.max(np.abs(finer - states), initial=0.0))
         states = finer
         if change <= AGREEMENT and parts > 1:
@@ -34,8 +34,8 @@ def fine_motion(reading: NumericRobot, trajectory: Trajectory, dt: float) -> Tra
     return replace(trajectory, x=states)
 
 
-def _sampled(reading: NumericRobot, trajectory: Trajectory, dt: float, parts: int) -> Array:
+def _sampled(numeric: NumericRobot, trajectory: Trajectory, dt: float, parts: int) -> Array:
     """The states at the samples, each step divided into so many parts."""
     u = np.repeat(trajectory.u, parts, axis=0)
-    x = reading.simulate(trajectory.x[0], u, trajectory.theta, dt / parts, SUBSTEPS)
+    x = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt / parts, SUBSTEPS)
     return x[::parts]

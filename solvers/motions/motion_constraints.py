@@ -30,7 +30,7 @@ ON_FACET = 1e-9
 class MotionConstraints:
     """A robot in a task; ``effector`` follows ``cells``, ``recorded`` starts and reaches."""
 
-    reading: NumericRobot
+    numeric: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
     abstraction: Abstraction
@@ -41,12 +41,12 @@ class MotionConstraints:
     @property
     def model(self) -> RobotModel:
         """The robot."""
-        return self.reading.graph.model
+        return self.numeric.graph.model
 
     @property
     def avoidances(self) -> Avoidances:
         """What binds positions all the time."""
-        return Avoidances(self.reading, self.workspace, self.task)
+        return Avoidances(self.numeric, self.workspace, self.task)
 
     @property
     def start_effector(self) -> int:

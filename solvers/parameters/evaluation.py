@@ -41,14 +41,14 @@ class Recipe:
         """The follower."""
         task = self.settings["task"]
         gravity = getattr(task, "gravity", ())
-        reading = NumericRobot(robot_graph(self.model, gravity))
-        return Follower(reading=reading, **self.settings)  # type: ignore[arg-type]
+        numeric = NumericRobot(robot_graph(self.model, gravity))
+        return Follower(numeric=numeric, **self.settings)  # type: ignore[arg-type]
 
 
 def recipe(follower: Follower) -> Recipe:
     """The plain data of a follower."""
     settings = {f.name: getattr(follower, f.name) for f in fields(follower)}
-    del settings["reading"]
+    del settings["numeric"]
     return Recipe(follower.model, settings)
 
 

@@ -19,21 +19,21 @@ SINGULAR = 1e-12
 BOXES = 256
 
 
-def inadmissible(model: RobotModel, reading: NumericRobot) -> str | None:
+def inadmissible(model: RobotModel, numeric: NumericRobot) -> str | None:
     """Why a robot cannot be driven, or None."""
-    if not model.dofs or not _singular_at_all_samples(model, reading):
+    if not model.dofs or not _singular_at_all_samples(model, numeric):
         return None
     found = mass_matrix_check(model, budget=BOXES)
     return None if found.status == "proved" else f"the mass matrix is {found.text}"
 
 
-def _singular_at_all_samples(model: RobotModel, reading: NumericRobot) -> bool:
+def _singular_at_all_samples(model: RobotModel, numeric: NumericRobot) -> bool:
     """Whether M is singular, indefinite or not finite at all of a few random points."""
     rng = np.random.default_rng(0)
     bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
     for _ in range(SAMPLES):
         theta = rng.uniform(bounds[:, 0], bounds[:, 1])
-        mass = reading.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
+        mass = numeric.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
         finite = mass[np.isfinite(mass).all(axis=(1, 2))]
         eigenvalues = np.linalg.eigvalsh(finite)
         if np.any(eigenvalues[:, 0] > SINGULAR * eigenvalues[:, -1]):

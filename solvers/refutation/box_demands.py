@@ -1,4 +1,4 @@
-"""What a task asks on boxes of coordinates and parameters, in floats: a reading of its demands.
+"""What a task asks on boxes of coordinates and parameters, in floats.
 
 What is found here guides a search, and proves nothing: the verifier reads the same demands exactly.
 """
@@ -110,7 +110,7 @@ class BoxDemands:
     """The demands on a robot, for the passages of one question.
 
     Raises:
-        ValueError: the robot's rules have no reading over boxes.
+        ValueError: the robot's rules have no value over boxes.
     """
 
     def __init__(

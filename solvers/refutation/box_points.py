@@ -60,7 +60,7 @@ class BoxPoints:
     """Some points of a robot, numbered as in ``RobotGraph.points``, read over boxes of (q, theta).
 
     Raises:
-        ValueError: the rules or their derivatives have no exact reading.
+        ValueError: the rules or their derivatives have no exact value.
     """
 
     def __init__(self, graph: RobotGraph, points: Sequence[int]) -> None:

@@ -93,7 +93,7 @@ class Search:
     """The search for one question, which has ``passages``.
 
     Raises:
-        ValueError: the robot's rules have no reading over boxes, or its range is unlimited.
+        ValueError: the robot's rules have no value over boxes, or its range is unlimited.
     """
 
     def __init__(

@@ -60,7 +60,7 @@ def drive_refutation(
     with working_precision(PRECISION):
         try:
             search = _DriveSearch(model, graph, workspace, task)
-        except (ValueError, BoxTreeError):  # no exact reading, or an unlimited range
+        except (ValueError, BoxTreeError):  # no exact value, or an unlimited range
             return None
         found = search.covering(effort)
     if found is None or why_not(found.boxes, model, workspace, task) is not None:

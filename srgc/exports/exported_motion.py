@@ -84,15 +84,15 @@ def exported_motion(design: FoundDesign) -> ExportedMotion:
 def _integrated(design: FoundDesign) -> ExportedMotion:
     model, step = design.model, design.task.step
     graph = robot_graph(model, design.task.gravity)
-    reading = NumericRobot(graph)
+    numeric = NumericRobot(graph)
     planned = planned_inputs(design)
     count, n = len(planned.u), len(model.dofs)
-    moved = fine_motion(reading, planned, float(step))
+    moved = fine_motion(numeric, planned, float(step))
     held = planned.u[[*range(count), count - 1]]
-    rates = reading.acceleration(moved.x, held, planned.theta)[0]
+    rates = numeric.acceleration(moved.x, held, planned.theta)[0]
     q, v = moved.x[:, :n], moved.x[:, n : 2 * n]
-    tips = reading.points(q, planned.theta).value[:, : len(model.effectors)]
-    effort = _efforts(design, reading, moved.x, rates[:, :n], held, planned.theta)
+    tips = numeric.points(q, planned.theta).value[:, : len(model.effectors)]
+    effort = _efforts(design, numeric, moved.x, rates[:, :n], held, planned.theta)
     names = design_names(design, design_tree(design))
     kinds = [dof.kind for dof in model.dofs]
     return ExportedMotion(
@@ -130,7 +130,7 @@ def _quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, .
 
 def _efforts(
     design: FoundDesign,
-    reading: NumericRobot,
+    numeric: NumericRobot,
     x: Array,
     acceleration: Array,
     held: Array,
@@ -146,11 +146,11 @@ def _efforts(
     q, v = x[:, :n], x[:, n : 2 * n]
     bias: Array = np.array(
         [
-            np.asarray(reading.graph.bias(*sample, theta, reading.constants).full())[:, 0]
+            np.asarray(numeric.graph.bias(*sample, theta, numeric.constants).full())[:, 0]
             for sample in zip(q, v, strict=True)
         ]
     )
-    mass = reading.mass_matrix(q, theta)
+    mass = numeric.mass_matrix(q, theta)
     inertial: Array = (mass @ acceleration[:, :, None])[:, :, 0]
     friction: Array = np.array(dampings(design)) * v
     return inertial + bias + friction

@@ -33,11 +33,11 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         UsageFault: it has numbers that are no doubles, or the method finds no steps.
     """
     planned = planned_inputs(design)
-    reading = NumericRobot(robot_graph(design.model, design.task.gravity))
+    numeric = NumericRobot(robot_graph(design.model, design.task.gravity))
     n, step = len(design.model.dofs), design.task.step
 
     def rate(_time: float, x: Array, u: Array) -> Array:
-        rest = reading.acceleration(x[None, :], u[None, :], planned.theta)[0][0]
+        rest = numeric.acceleration(x[None, :], u[None, :], planned.theta)[0][0]
         return np.concatenate([x[n : 2 * n], rest])
 
     within = np.linspace(0.0, float(step), INSTANTS + 1)
@@ -52,7 +52,7 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         states += list(solution.y.T)
         times += [float((number + i / Fraction(INSTANTS)) * step) for i in range(1, INSTANTS + 1)]
     found = np.array(states)
-    tips = reading.points(found[:, :n], planned.theta).value[:, : len(design.model.effectors)]
+    tips = numeric.points(found[:, :n], planned.theta).value[:, : len(design.model.effectors)]
     return ReplayedMotion(
         "SciPy", scipy.__version__, "DOP853", None, np.array(times), found[:, : 2 * n], tips,
         INSTANTS,

@@ -219,8 +219,8 @@ def trajectory_csv(design: Design, task: ir.Task) -> str:
     trajectory = design.configuration.outcome.trajectory
     n, d = len(design.model.dofs), design.model.dimension
     states, inputs_of = robot_states(design.model), robot_inputs(design.model)
-    reading = NumericRobot(robot_graph(design.model, task.gravity))
-    tips = reading.points(trajectory.x[:, :n], trajectory.theta).value
+    numeric = NumericRobot(robot_graph(design.model, task.gravity))
+    tips = numeric.points(trajectory.x[:, :n], trajectory.theta).value
     effectors = len(design.model.effectors)
     head = ["t", *(f"q{i + 1}" for i in range(n)), *(f"qd{i + 1}" for i in range(n))]
     head += [f"s{i + 1}" for i in range(len(states))]

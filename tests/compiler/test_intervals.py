@@ -1,4 +1,4 @@
-"""The interval and the exact reading of a graph against mpmath at random points of the box."""
+"""Intervals and exact numbers of a graph against mpmath at random points of the box."""
 
 from __future__ import annotations
 

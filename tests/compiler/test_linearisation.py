@@ -31,11 +31,11 @@ PULL = (Fraction(1, 3), Fraction(-981, 100))
 
 def test_the_two_forms_of_the_linearisation_agree() -> None:
     """F, G and H are -M^-1 K, -M^-1 C, M^-1 and -M^-1 H about a free motion."""
-    reading = NumericRobot(robot_graph(rod_chain(3), PULL))
+    numeric = NumericRobot(robot_graph(rod_chain(3), PULL))
     rng = np.random.default_rng(1)
     x, u, theta = rng.uniform(-1, 1, (4, 6)), rng.uniform(-3, 3, (4, 3)), rng.uniform(1, 2, 3)
-    affine = linearise(reading, x, u, theta)
-    system = controlled_system(reading.graph)
+    affine = linearise(numeric, x, u, theta)
+    system = controlled_system(numeric.graph)
     form = second_order_form(system, x[:, :3], x[:, 3:], affine.drift[:, 3:], theta)
     np.testing.assert_allclose(form.bias, u, rtol=1e-9, atol=1e-9)
     for found, right in (
@@ -51,10 +51,10 @@ def test_the_two_forms_of_the_linearisation_agree() -> None:
 
 def test_the_affine_map_is_the_flow_of_the_linearised_system() -> None:
     """An accurate integrator of x' = f0 + F dx + G du + H dtheta, away from the sample."""
-    reading = NumericRobot(robot_graph(driven(rod_chain(2)), PULL))
+    numeric = NumericRobot(robot_graph(driven(rod_chain(2)), PULL))
     rng = np.random.default_rng(2)
     x, u, theta = rng.uniform(-1, 1, (3, 5)), rng.uniform(-2, 2, (3, 2)), rng.uniform(1, 2, 2)
-    affine = linearise(reading, x, u, theta)
+    affine = linearise(numeric, x, u, theta)
     dx, du, dtheta = rng.uniform(-1, 1, (3, 5)), rng.uniform(-1, 1, (3, 2)), rng.uniform(-1, 1, 2)
     found = affine.discretised(0.125)
     for row in range(3):
@@ -75,9 +75,9 @@ def test_the_hold_is_exact_for_a_linear_robot() -> None:
     builder = Builder()
     slide = builder.joint(WORLD, "x", "prismatic")
     builder.point(slide, builder.number(Fraction(5, 2)))
-    reading = NumericRobot(robot_graph(builder.build(), (Fraction(2), Fraction(0))))
+    numeric = NumericRobot(robot_graph(builder.build(), (Fraction(2), Fraction(0))))
     x, u = np.array([[0.3, -0.7]]), np.array([[4.0]])
-    found, dt = linearise(reading, x, u, np.zeros(0)).discretised(0.5), 0.5
+    found, dt = linearise(numeric, x, u, np.zeros(0)).discretised(0.5), 0.5
     rate = 4.0 / 2.5 + 2.0
     expected = [0.3 - 0.7 * dt + rate * dt**2 / 2, -0.7 + rate * dt]
     np.testing.assert_allclose(found.value[0], expected, rtol=1e-13)
@@ -88,14 +88,14 @@ def test_the_hold_is_exact_for_a_linear_robot() -> None:
 @pytest.mark.parametrize("links", [1, 2, 3])
 def test_how_the_hold_and_the_step_map_differ(links: int) -> None:
     """Halving the step divides the differences by 8 (values) and by 4 (Jacobians), about."""
-    reading = NumericRobot(robot_graph(rod_chain(links), PULL))
+    numeric = NumericRobot(robot_graph(rod_chain(links), PULL))
     rng = np.random.default_rng(links)
     x, u = rng.uniform(-1, 1, (20, 2 * links)), rng.uniform(-3, 3, (20, links))
     theta = rng.uniform(1, 2, links)
     gaps = []
     for dt in (1 / 64, 1 / 128):
-        hold = linearise(reading, x, u, theta).discretised(dt)
-        flow = reading.step(x, u, theta, dt, 1)
+        hold = linearise(numeric, x, u, theta).discretised(dt)
+        flow = numeric.step(x, u, theta, dt, 1)
         pairs = ((hold.value, flow.value), (hold.state, flow.state))
         gaps.append([float(np.abs(a - b).max()) for a, b in pairs])
     ratios = np.array(gaps[0]) / np.array(gaps[1])

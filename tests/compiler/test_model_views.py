@@ -230,9 +230,9 @@ def balanced(latex: str) -> bool:
 def test_every_symbol_of_the_equations_is_in_the_legend(seed: int, dimension: int) -> None:
     model = random_robot(seed, dimension, 3 if dimension == 2 else 2)
     word = ["X"] * 40
-    reading = model_formulas(model, (Fraction(1), Fraction(2), Fraction(3))[:dimension])
-    sections = [*robot_sections(model, word, None), *motion_sections(reading)]
-    for latex in (to_latex(sections), to_latex(motion_sections(reading))):
+    described = model_formulas(model, (Fraction(1), Fraction(2), Fraction(3))[:dimension])
+    sections = [*robot_sections(model, word, None), *motion_sections(described)]
+    for latex in (to_latex(sections), to_latex(motion_sections(described))):
         assert balanced(latex)
     entries = [item for s in sections for item in s.items if isinstance(item, Entry)]
     equations = [item for s in sections for item in s.items if isinstance(item, Equation)]

@@ -19,7 +19,7 @@ PULL = (Fraction(0), Fraction("-9.81"))
 DT = 0.125
 
 
-def reading(links: int, pull: tuple[Fraction, ...] = PULL) -> NumericRobot:
+def numeric(links: int, pull: tuple[Fraction, ...] = PULL) -> NumericRobot:
     return NumericRobot(robot_graph(rod_chain(links), pull))
 
 
@@ -43,7 +43,7 @@ def samples(links: int, count: int) -> tuple[Array, Array, Array]:
 
 @pytest.mark.parametrize("links", [1, 2, 3])
 def test_the_step_converges_to_the_solution_with_order_four(links: int) -> None:
-    robot, (x, u, theta) = reading(links), samples(links, 3)
+    robot, (x, u, theta) = numeric(links), samples(links, 3)
     exact = np.array([flow(a, b, theta, DT, (0, -9.81)) for a, b in zip(x, u, strict=True)])
     errors = [
         float(np.abs(robot.step(x, u, theta, DT, count).value - exact).max())
@@ -56,7 +56,7 @@ def test_the_step_converges_to_the_solution_with_order_four(links: int) -> None:
 @pytest.mark.parametrize("links", [1, 2, 3])
 def test_jacobians_are_those_of_the_discrete_step(links: int) -> None:
     """Central differences of the same map, so that only the sensitivities are judged."""
-    robot, (x, u, theta) = reading(links), samples(links, 4)
+    robot, (x, u, theta) = numeric(links), samples(links, 4)
     found, h = robot.step(x, u, theta, DT, 2), 1e-5
 
     def difference(dx: Array, du: Array, dtheta: Array) -> Array:
@@ -77,7 +77,7 @@ def test_jacobians_are_those_of_the_discrete_step(links: int) -> None:
 
 def test_jacobians_converge_to_those_of_the_flow() -> None:
     links, h = 2, 1e-4
-    robot, (x, u, theta) = reading(links), samples(links, 1)
+    robot, (x, u, theta) = numeric(links), samples(links, 1)
     found = robot.step(x, u, theta, DT, 32)
 
     def moved(j: int, size: float) -> Array:
@@ -93,7 +93,7 @@ def test_jacobians_converge_to_those_of_the_flow() -> None:
 
 @pytest.mark.parametrize("links", [1, 2, 3, 4])
 def test_energy_is_conserved_without_input(links: int) -> None:
-    robot, (x, _, theta) = reading(links), samples(links, 1)
+    robot, (x, _, theta) = numeric(links), samples(links, 1)
     u = np.zeros((1, links))
     pull, ones = (0.0, -9.81), np.ones(links)
     before = chain_energy(theta, ones, x[0, :links], x[0, links:], pull)
@@ -105,7 +105,7 @@ def test_energy_is_conserved_without_input(links: int) -> None:
 
 def test_acceleration_and_its_jacobian() -> None:
     links, h = 3, 1e-6
-    robot, (x, u, theta) = reading(links), samples(links, 5)
+    robot, (x, u, theta) = numeric(links), samples(links, 5)
     value, jacobian = robot.acceleration(x, u, theta)
     assert value.shape == (5, 3)
     assert jacobian.shape == (5, 3, 12)
@@ -124,7 +124,7 @@ def test_acceleration_and_its_jacobian() -> None:
 def test_points_and_their_jacobians() -> None:
     """The joints of a planar chain by complex numbers: p_j = sum of l_i exp(i phi_i)."""
     links = 3
-    robot, (x, _, theta) = reading(links), samples(links, 4)
+    robot, (x, _, theta) = numeric(links), samples(links, 4)
     q = x[:, :links]
     points = robot.points(q, theta)
     phases = np.exp(1j * np.cumsum(q, axis=1))
@@ -143,7 +143,7 @@ def test_points_and_their_jacobians() -> None:
 
 
 def test_mass_matrices_at_many_samples() -> None:
-    robot, (x, _, theta) = reading(2), samples(2, 6)
+    robot, (x, _, theta) = numeric(2), samples(2, 6)
     found = robot.mass_matrix(x[:, :2], theta)
     for row in range(6):
         mass, _, _ = chain_dynamics(theta, np.ones(2), x[row, :2], np.zeros(2), (0, 0))

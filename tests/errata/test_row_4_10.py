@@ -41,12 +41,12 @@ def two_links() -> tuple[ControlProblem, Trajectory]:
         np.array([STEPS, STEPS]), np.array([0, 0]), np.array([[0.0, -1.0], [1.0, 0.0]]),
         np.array([-0.9, 0.8]),
     )  # fmt: skip
-    reading = NumericRobot(robot_graph(rod_chain(2)))
+    numeric = NumericRobot(robot_graph(rod_chain(2)))
     groups = (InputGroup((0, 1), -10.0, 10.0, norm2=False),)
     x = np.zeros((STEPS + 1, 4))
     x[:, :2] = np.linspace([0, 0], [0.9, 0.6], STEPS + 1)
     seed = Trajectory(x, np.zeros((STEPS, 2)), LENGTHS)
-    return ControlProblem(reading, DT, 16, limits(2, 0.0), groups, lambda _: rows), seed
+    return ControlProblem(numeric, DT, 16, limits(2, 0.0), groups, lambda _: rows), seed
 
 
 def simulated_end(at: Trajectory) -> Array:

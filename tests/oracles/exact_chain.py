@@ -1,4 +1,4 @@
-"""Sums and products at 60 digits: mpmath readings of constants, tapes and the one-rod arm."""
+"""Sums and products at 60 digits: mpmath values of constants, tapes and the one-rod arm."""
 
 from __future__ import annotations
 

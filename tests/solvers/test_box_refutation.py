@@ -61,8 +61,8 @@ def answer(
     clauses: str, regions: str, arms: str, changes: tuple[tuple[str, str], ...] = ()
 ) -> Refutation:
     found, task, model = robot(clauses, regions, arms, changes)
-    reading = NumericRobot(robot_graph(model, task.gravity))
-    return refute_structure(model, reading, found, task, Conduct(seed=0))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    return refute_structure(model, numeric, found, task, Conduct(seed=0))
 
 
 @pytest.mark.parametrize(

@@ -216,9 +216,9 @@ def test_other_disturbed_robots_stay_in_their_tube(kind: str) -> None:
     model = spatial() if space else driven(rod_chain(2))
     pull = (Fraction(0), Fraction(0), Fraction("-9.81")) if space else (Fraction(0), Fraction(-3))
     graph = robot_graph(model, pull)
-    reading = NumericRobot(graph)
+    numeric = NumericRobot(graph)
     theta = [Fraction(5, 4), Fraction(3, 4)]
-    size, m = reading.size, reading.m
+    size, m = numeric.size, numeric.m
     state = [Fraction(int(1000 * x), 1000) for x in rng.uniform(-0.9, 0.9, size)]
     inputs = [[Fraction(int(100 * x), 100) for x in rng.uniform(-4, 4, m)] for _ in range(2)]
     radius, effort = Fraction(1, 10**5), Fraction(1, 100)
@@ -237,8 +237,8 @@ def test_other_disturbed_robots_stay_in_their_tube(kind: str) -> None:
                 u = np.array([float(v) for v in row]) * (1 + float(effort) * rng.choice([-1, 1], m))
 
                 def slope(_: float, at: np.ndarray, u: np.ndarray = u) -> np.ndarray:
-                    value, _ = reading.acceleration(at[None, :], u[None, :], values)
-                    n = reading.n
+                    value, _ = numeric.acceleration(at[None, :], u[None, :], values)
+                    n = numeric.n
                     return np.concatenate([at[n : 2 * n], value[0]])
 
                 span = (0, float(part))

@@ -108,9 +108,9 @@ def slider(low: float, high: float) -> tuple[NumericRobot, tuple[Array, Array]]:
 
 def test_slides_start_within_their_range() -> None:
     """A range that holds no number between -pi and pi."""
-    reading, limits = slider(5.0, 10.0)
+    numeric, limits = slider(5.0, 10.0)
     target = 7.5 * np.array([np.cos(2.0), np.sin(2.0)])
-    found = branches(reading, np.zeros(0), 0, target, limits, 1, 4)
+    found = branches(numeric, np.zeros(0), 0, target, limits, 1, 4)
     np.testing.assert_allclose(found[0], [2.0, 7.5], atol=1e-6)
     assert np.all((found[:, 1] >= 5.0) & (found[:, 1] <= 10.0))
 
@@ -134,11 +134,11 @@ def test_slide_positions_a_turn_apart_are_two_branches() -> None:
     builder = Builder()
     slide = builder.joint(WORLD, "x", "prismatic")
     builder.effector(builder.move(builder.joint(slide), "x", builder.number(4)))
-    reading = NumericRobot(robot_graph(builder.build()))
+    numeric = NumericRobot(robot_graph(builder.build()))
     # The tip on the axis at x = 0 + 4 cos q: height h leaves two slides, 2 sqrt(16 - h^2) apart.
     height = np.sqrt(16 - np.pi**2)
     limits = np.array([-9.0, 0.0]), np.array([9.0, np.pi])
-    found = branches(reading, np.zeros(0), 0, np.array([0.0, height]), limits, 1, 6)
+    found = branches(numeric, np.zeros(0), 0, np.array([0.0, height]), limits, 1, 6)
     slides = sorted(round(float(q[0]), 4) for q in found)
     assert slides[0] == pytest.approx(-np.pi, abs=1e-4)
     assert slides[-1] == pytest.approx(np.pi, abs=1e-4)

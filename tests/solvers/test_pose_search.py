@@ -93,8 +93,8 @@ def test_effectors_by_name():
     found = search(model, asked)
     check(model, asked, found)
     assert (found.start_effector, found.effector) == (0, 1)
-    reading = NumericRobot(robot_graph(model))
-    assert find_poses_of(reading, asked, (1, 0), 0) is None
+    numeric = NumericRobot(robot_graph(model))
+    assert find_poses_of(numeric, asked, (1, 0), 0) is None
     assert search(model, question(reach_effector=2)) is None
 
 

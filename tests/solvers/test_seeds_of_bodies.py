@@ -28,7 +28,7 @@ def follower(spec: str) -> Follower:
     (task,) = program.tasks.values()
     workspace = program.workspaces[task.workspace]
     family = family_of(program, task)
-    reading = NumericRobot(robot_graph(family.robot(family.replay(WORD)), task.gravity))
+    numeric = NumericRobot(robot_graph(family.robot(family.replay(WORD)), task.gravity))
     cells = abstract(workspace)
     graph = nx.Graph(
         (i, j)
@@ -37,7 +37,7 @@ def follower(spec: str) -> Follower:
         if not {"O"} & (cells.cells[i].propositions | cells.cells[j].propositions)
     )
     path = nx.shortest_path(graph, cells.index("S"), cells.index("T"))
-    return Follower(reading, workspace, task, cells, 0, tuple(path), 2e-3, 0)
+    return Follower(numeric, workspace, task, cells, 0, tuple(path), 2e-3, 0)
 
 
 def clearance(theta: tuple[float, float], q: np.ndarray) -> float:

@@ -35,8 +35,8 @@ def answer(clauses: str) -> Refutation:
     found, task = task_of(clauses)
     (derivation,) = structures(family_of(found, task).language, 7)
     model = family_of(found, task).robot(derivation)
-    reading = NumericRobot(robot_graph(model, task.gravity))
-    return refute_structure(model, reading, found, task, Conduct(seed=0))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    return refute_structure(model, numeric, found, task, Conduct(seed=0))
 
 
 @pytest.mark.parametrize(

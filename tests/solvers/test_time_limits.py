@@ -61,7 +61,7 @@ class Robot:
         return robot_graph(self.model)
 
     @property
-    def reading(self) -> NumericRobot:
+    def numeric(self) -> NumericRobot:
         return NumericRobot(self.graph)
 
 
@@ -70,9 +70,9 @@ TURNER, BEYOND = Robot(small_specs.TURNER), Robot(small_specs.BEYOND_REACH)
 
 def simulated() -> object:
     """A step with derivatives, for which equations of motion are made first."""
-    reading = TURNER.reading
-    theta = np.full(reading.p, 1.5)
-    return reading.step(np.zeros((200, reading.size)), np.zeros((200, reading.m)), theta, 0.1, 2)
+    numeric = TURNER.numeric
+    theta = np.full(numeric.p, 1.5)
+    return numeric.step(np.zeros((200, numeric.size)), np.zeros((200, numeric.m)), theta, 0.1, 2)
 
 
 def planned() -> object:
@@ -88,7 +88,7 @@ def covering() -> str:
 
 def refuted() -> object:
     return refute_structure(
-        BEYOND.model, BEYOND.reading, BEYOND.program, BEYOND.task, Conduct(journal=Memory())
+        BEYOND.model, BEYOND.numeric, BEYOND.program, BEYOND.task, Conduct(journal=Memory())
     )
 
 
@@ -265,13 +265,13 @@ def test_a_proved_design_is_kept_whatever_is_cut_next(monkeypatch: pytest.Monkey
 
 
 def test_states_are_as_fine_as_time_allows() -> None:
-    reading = TURNER.reading
-    start = Trajectory(np.zeros((6, 2)), np.full((5, 1), 0.7), np.full(reading.p, 1.5))
-    fine = fine_motion(reading, start, 0.5).x
+    numeric = TURNER.numeric
+    start = Trajectory(np.zeros((6, 2)), np.full((5, 1), 0.7), np.full(numeric.p, 1.5))
+    fine = fine_motion(numeric, start, 0.5).x
     with time_limit(Asked(0)):
-        assert fine_motion(reading, start, 0.5).x is start.x
+        assert fine_motion(numeric, start, 0.5).x is start.x
     with time_limit(Asked(1)):
-        coarse = fine_motion(reading, start, 0.5).x
+        coarse = fine_motion(numeric, start, 0.5).x
     assert 0 < np.max(np.abs(coarse - fine)) < 1e-4
 
 

@@ -159,7 +159,7 @@ def _measure(scene: Scene, motion: Motion, name: str) -> Measure | None:
         target = scene.polytope(scene.workspace.region(reach.region))
         return Measure(
             lambda robot, state: (
-                inside(name, target, robot.reading.positions(state)[motion.effector], 0.0).margin
+                inside(name, target, robot.point_map.positions(state)[motion.effector], 0.0).margin
             ),
             at_end=True,
         )
@@ -169,6 +169,6 @@ def _measure(scene: Scene, motion: Motion, name: str) -> Measure | None:
 
 
 def _still(robot: DrivenRobot, state: Sequence[arb]) -> Slice:
-    points = robot.reading.positions(state)
+    points = robot.point_map.positions(state)
     none = arb(0)
     return Slice(none, none, tuple(tuple((x, none, none) for x in point) for point in points))

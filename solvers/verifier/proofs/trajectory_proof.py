@@ -90,7 +90,7 @@ def _findings(
     robot = driven_robot(scene, motion)
     found = [positive_mass(scene.graph, robot.state, robot.tail)]
     found += unphysical(scene.model, robot.tail)
-    found += start_findings(scene, motion, robot.state, robot.reading.positions(robot.state))
+    found += start_findings(scene, motion, robot.state, robot.point_map.positions(robot.state))
     if any(finding.status is Status.FAILS for finding in found):
         return tuple(found)
     followed = follow(robot, InitialSet(robot.state), None, accuracy, watch)

@@ -54,7 +54,7 @@ def _why_not(
     except BoxTreeError:
         raise
     except ValueError as error:
-        return f"the robot has no exact reading: {error}"
+        return f"the equations of the robot have no exact value: {error}"
     for number, (box, leaf) in enumerate(parameter_boxes(tree, len(model.parameters)), 1):
         cover = poses.cover(box, leaf.coordinates)
         if not _refuted(cover, drive if leaf.reason == "!" else None):

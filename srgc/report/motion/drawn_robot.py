@@ -63,7 +63,7 @@ class DrawnRobot:
     ``bones`` lead from frame to frame, where these are apart; ``effectors`` are in their order.
     """
 
-    reading: NumericRobot
+    numeric: NumericRobot
     theta: Array
     rods: tuple[DrawnRod, ...]
     masses: tuple[DrawnMass, ...]
@@ -73,17 +73,17 @@ class DrawnRobot:
 
     def points(self, q: Array) -> Array:
         """All points at coordinates q (K, n), shape (K, points, d), in metres."""
-        return self.reading.points(q, self.theta).value
+        return self.numeric.points(q, self.theta).value
 
 
 def drawn_robot(model: RobotModel, theta: Sequence[Fraction]) -> DrawnRobot:
     """The parts of a robot whose parameters have these values (SI)."""
     values = np.array([float(value) for value in theta])
     marked, tips = _marked(model)
-    reading = NumericRobot(robot_graph(marked))
+    numeric = NumericRobot(robot_graph(marked))
     scalars = scalar_floats(marked.scalars, values)
     rods, masses = [], []
-    for body, hull in zip(model.bodies, reading.graph.hulls, strict=True):
+    for body, hull in zip(model.bodies, numeric.graph.hulls, strict=True):
         first = len(marked.effectors) + hull[0]
         if isinstance(body, RodBody):
             radius = None if body.radius is None else scalars[body.radius]
@@ -91,7 +91,7 @@ def drawn_robot(model: RobotModel, theta: Sequence[Fraction]) -> DrawnRobot:
         else:
             masses.append(DrawnMass(first, not isinstance(body, PointBody)))
     return DrawnRobot(
-        reading,
+        numeric,
         values,
         tuple(rods),
         tuple(masses),

@@ -82,12 +82,12 @@ def module_drawing(
     theta: Sequence[Fraction],
 ) -> ModuleDrawing:
     """The drawing of a robot whose parameters have these values (SI)."""
-    reading = NumericRobot(robot_graph(robot.model))
+    numeric = NumericRobot(robot_graph(robot.model))
     values = np.array([float(value) for value in theta])
     poses = _poses(robot.model.dofs)
-    points = reading.points(poses, values).value
+    points = numeric.points(poses, values).value
     best = points[_clearest(points, robot)]
-    hulls = [[len(robot.model.effectors) + i for i in hull] for hull in reading.graph.hulls]
+    hulls = [[len(robot.model.effectors) + i for i in hull] for hull in numeric.graph.hulls]
     return _drawing(robot, word, modules, best, hulls)
 
 

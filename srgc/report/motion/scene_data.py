@@ -77,7 +77,7 @@ def _motion(motion: RobotMotion, grid: _Grid, cells: list[str], view: View) -> d
         "joints": [[joint.point, -1 if joint.tip is None else joint.tip] for joint in robot.joints],
         "masses": [mass.point for mass in robot.masses],
         "effectors": list(robot.effectors),
-        "kinds": [dof.kind for dof in robot.reading.graph.model.dofs],
+        "kinds": [dof.kind for dof in robot.numeric.graph.model.dofs],
         "cells": cells,
         "visits": visits,
         "tube": None if motion.tube is None else _tube(motion.tube, grid),

@@ -42,7 +42,7 @@ class Course:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class BoxBounds:
     """A box: a course per measure, the potential energy V, and upper bounds of sizes.
 
     ``inputs`` of ||u||, ``net`` of ||u - g|| (both in M^-1), ``unit_speed`` of the kinetic speed at
@@ -61,7 +61,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class _Inertia:
-    """What M alone says of a box; see ``Reading``."""
+    """What M alone says of a box; see ``BoxBounds``."""
 
     mass: tuple[Ends, ...] = ()
     metric: Metric | None = None
@@ -71,7 +71,7 @@ class _Inertia:
 
 
 @dataclass(slots=True)
-class BoxReader:
+class BoxEvaluator:
     """Reads boxes of the coordinates of one robot.
 
     ``tail`` are the sides of the parameters, then the constants of the graph; ``rates`` bound the
@@ -90,7 +90,7 @@ class BoxReader:
         default_factory=dict[tuple[fmpz, ...], _Inertia]
     )
 
-    def read(self, box: Sequence[arb]) -> Reading:
+    def read(self, box: Sequence[arb]) -> BoxBounds:
         """What is known on a box."""
         sides = [around(side) for side in box]
         inertia, run = self._inertia(box, sides), INTERVALS
@@ -101,7 +101,7 @@ class BoxReader:
             size = inertia.metric.size([item.ball() for item in pull]) if finite else None
             net = None if size is None else (net + size).upper()
         places = self.graph.effectors.evaluate([*sides, *self.tail], run)
-        return Reading(
+        return BoxBounds(
             tuple(self._course(item, sides, places, inertia.metric) for item in self.measures),
             potential,
             inertia.inputs,
