@@ -19,13 +19,15 @@ from statistics import median
 import numpy as np
 from timing import ROOT, SPEC, SRGC, machine, process
 
+from compiler.arrays import Array
+
 sys.path.insert(0, str(ROOT))
 
 from codesign_starts import random_starts
 from control_cases import STEPS, fixed, follower
 from control_ipopt import ipopt_problem
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import ControlOutcome, ControlProblem
@@ -119,13 +121,13 @@ def planned_timing(path: Follower, near: Trajectory) -> tuple[Run, ControlOutcom
 
 def graph_made(path: Follower, found: Configuration) -> float:
     """The seconds of our graph of the robot and of its first uses."""
-    at, n = found.outcome.trajectory, path.reading.n
+    at, n = found.outcome.trajectory, path.numeric.n
     started = time.perf_counter()
-    reading = FloatReading(robot_graph(path.model, path.task.gravity))
-    reading.step(at.x[:-1], at.u, at.theta, float(path.task.step), path.substeps)
-    reading.simulate(at.x[0], at.u, at.theta, float(path.task.step), path.substeps)
-    reading.points(at.x[:, :n], at.theta)
-    reading.mass_matrix(at.x[:, :n], at.theta)
+    numeric = NumericRobot(robot_graph(path.model, path.task.gravity))
+    numeric.step(at.x[:-1], at.u, at.theta, float(path.task.step), path.substeps)
+    numeric.simulate(at.x[0], at.u, at.theta, float(path.task.step), path.substeps)
+    numeric.points(at.x[:, :n], at.theta)
+    numeric.mass_matrix(at.x[:, :n], at.theta)
     return time.perf_counter() - started
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.convex_step import Trajectory
 from solvers.motions.inverse_kinematics import branches
 from solvers.motions.path_following import Follower
@@ -28,19 +28,19 @@ def random_starts(follower: Follower, count: int, seed: int) -> list[Trajectory]
 
 
 def _start(follower: Follower, theta: Array, rng: np.random.Generator) -> Trajectory:
-    reading, limits, point = follower.reading, follower.limits, follower.effector
+    numeric, limits, point = follower.numeric, follower.limits, follower.effector
     place, _ = follower.waypoints()
     box = limits.lower, limits.upper
-    first = branches(reading, theta, point, place[0], box, follower.seed, follower.branch_count)
-    motions = [reading.track(start, theta, point, place, box) for start in first]
-    good = [q for q in motions if _gap(reading.points(q, theta).value[:, point], place) <= REACHED]
+    first = branches(numeric, theta, point, place[0], box, follower.seed, follower.branch_count)
+    motions = [numeric.track(start, theta, point, place, box) for start in first]
+    good = [q for q in motions if _gap(numeric.points(q, theta).value[:, point], place) <= REACHED]
     q = np.zeros_like(motions[0])
     q[:, 0] = np.unwrap(np.arctan2(place[:, 1], place[:, 0]))
     if good:
         q = good[rng.integers(len(good))]
     rates = np.gradient(q, float(follower.task.step), axis=0)
     rates[0] = 0.0
-    u = resting_inputs(input_groups(follower.model, follower.task), len(q) - 1, reading.m)
+    u = resting_inputs(input_groups(follower.model, follower.task), len(q) - 1, numeric.m)
     return Trajectory(np.concatenate([q, rates], axis=1), u, theta)
 
 

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.languages.structures import derivations_of
@@ -91,10 +92,10 @@ def follower(links: int, steps: int = STEPS, *, turning: bool = False) -> Follow
     family = family_of(program, task)
     word = ("B", "eps", "JO", "eps", "L", *("eps", "JO", "eps", "L") * (links - 1), "eps", "EN")
     model = family.robot(next(iter(derivations_of(family.language, word))))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
     task = replace(task, steps=steps, step=DURATION / steps)
     path = found.witness.paths[0].cells
-    return Follower(reading, place, task, cells, 0, path, LEAST_MARGIN, 0)
+    return Follower(numeric, place, task, cells, 0, path, LEAST_MARGIN, 0)
 
 
 def case(lengths: Sequence[float], steps: int = STEPS, *, turning: bool = False) -> Case:
@@ -113,7 +114,7 @@ def quarter_turn(links: int, steps: int = STEPS) -> Case:
 
 def fixed(problem: ControlProblem, outcome: ControlOutcome) -> ControlProblem:
     """The problem with the half-planes that belong to an outcome, whatever the reference."""
-    points = problem.reading.points(outcome.trajectory.x[:, : problem.reading.n],
+    points = problem.numeric.points(outcome.trajectory.x[:, : problem.numeric.n],
                                     outcome.trajectory.theta)  # fmt: skip
     rows = problem.rows_of(points.value)
 

@@ -12,7 +12,7 @@ from control_cases import Case
 from control_cvxpy import CvxpyLoop, Form
 from control_ipopt import IpoptProblem, ipopt_problem
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import ControlProblem
@@ -42,8 +42,8 @@ def ours(one: Case, problem: ControlProblem, name: str = "ours") -> Competitor:
     """``synthesise_control``; made: the robot's graph and programs from it."""
     started = time.perf_counter()
     follower, seed = one.follower, one.seed
-    reading = FloatReading(robot_graph(follower.model, follower.task.gravity))
-    fresh = replace(problem, reading=reading)
+    numeric = NumericRobot(robot_graph(follower.model, follower.task.gravity))
+    fresh = replace(problem, numeric=numeric)
     synthesise_control(fresh, seed)
     made = time.perf_counter() - started
     started = time.perf_counter()

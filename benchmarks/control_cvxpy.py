@@ -15,7 +15,8 @@ from typing import Any
 import cvxpy as cp
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, Linearisation
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import Linearisation
 from solvers.motions.control_problem import ControlProblem, input_margin
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.step_question import Weights
@@ -91,10 +92,10 @@ class CvxpyLoop:
 
     def _linearised(self, at: Trajectory) -> Linearisation:
         problem = self.problem
-        return problem.reading.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps)
+        return problem.numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps)
 
     def _excess(self, at: Trajectory) -> float:
-        points = self.problem.reading.points(at.x[:, : self.problem.reading.n], at.theta)
+        points = self.problem.numeric.points(at.x[:, : self.problem.numeric.n], at.theta)
         return max(0.0, float(np.max(self.rows.excess(points))))
 
     def _value(self, at: Trajectory, dynamics: Linearisation) -> float:
@@ -123,8 +124,8 @@ class CvxpyLoop:
 
     def _numbers(self, at: Trajectory, dynamics: Linearisation, radius: float) -> dict[str, Array]:
         """All that changes from step to step."""
-        n, rows = self.problem.reading.n, self.rows
-        points = self.problem.reading.points(at.x[:, :n], at.theta)
+        n, rows = self.problem.numeric.n, self.rows
+        points = self.problem.numeric.points(at.x[:, :n], at.theta)
         pick = (rows.sample, rows.point)
         by_q = (rows.normal[:, None, :] @ points.by_q[pick])[:, 0, :]
         here = np.einsum("rd,rd->r", rows.normal, points.value[pick])
@@ -144,9 +145,9 @@ class _Program:
     """The convex step in cvxpy, of numbers or, without any, of parameters."""
 
     def __init__(self, loop: CvxpyLoop, numbers: dict[str, Array] | None) -> None:
-        reading, k = loop.problem.reading, loop.steps
-        self.x, self.u = cp.Variable((k + 1, reading.size)), cp.Variable((k, reading.m))
-        self.v = cp.Variable((k, reading.size))
+        numeric, k = loop.problem.numeric, loop.steps
+        self.x, self.u = cp.Variable((k + 1, numeric.size)), cp.Variable((k, numeric.m))
+        self.v = cp.Variable((k, numeric.size))
         self.rho, self.sigma = cp.Variable(nonneg=True), cp.Variable(nonneg=True)
         self.parameters = {} if numbers is not None else self._declared(loop)
         self.problem = self._written(loop, numbers or self.parameters)
@@ -158,15 +159,15 @@ class _Program:
 
     @staticmethod
     def _declared(loop: CvxpyLoop) -> dict[str, Any]:
-        reading, k, rows = loop.problem.reading, loop.steps, len(loop.rows.sample)
-        shapes = {"rest": (k, reading.size), "by_q": (rows, reading.n), "room": (rows,)}
-        shapes |= {"low": (k + 1, reading.n), "high": (k + 1, reading.n)}
-        for j in range(reading.size):
-            shapes |= {f"A{j}": (k, reading.size), f"B{j}": (k, reading.m)}
+        numeric, k, rows = loop.problem.numeric, loop.steps, len(loop.rows.sample)
+        shapes = {"rest": (k, numeric.size), "by_q": (rows, numeric.n), "room": (rows,)}
+        shapes |= {"low": (k + 1, numeric.n), "high": (k + 1, numeric.n)}
+        for j in range(numeric.size):
+            shapes |= {f"A{j}": (k, numeric.size), f"B{j}": (k, numeric.m)}
         return {name: cp.Parameter(shape) for name, shape in shapes.items()}
 
     def _written(self, loop: CvxpyLoop, given: dict[str, Any]) -> Any:
-        problem, n = loop.problem, loop.problem.reading.n
+        problem, n = loop.problem, loop.problem.numeric.n
         limits, scale = problem.limits, problem.scale
         x, u, v = self.x, self.u, self.v
         if loop.form is Form.BY_STEP:

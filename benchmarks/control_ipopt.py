@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import ControlProblem
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.step_program import rate_bounds
@@ -57,7 +57,7 @@ class IpoptProblem:
         start = np.concatenate([seed.x.ravel(), seed.u.ravel(), [margin], free])
         found = self.solver(x0=start, **self.bounds)
         stats = self.solver.stats()
-        k, size, m = self.steps, self.problem.reading.size, self.problem.reading.m
+        k, size, m = self.steps, self.problem.numeric.size, self.problem.numeric.m
         at = np.asarray(found["x"]).ravel()
         x, u, rest = np.split(at, [(k + 1) * size, (k + 1) * size + k * m])
         theta = rest[1:] if self.theta is None else self.theta
@@ -79,15 +79,15 @@ def ipopt_problem(
     are given, or unknowns in a box; ``options`` are IPOPT's besides the usual ones.
     """
     given = None if isinstance(parameters, tuple) else parameters
-    reading, weight = problem.reading, Weights().quadratic
-    x = ca.MX.sym("x", reading.size, steps + 1)
-    u = ca.MX.sym("u", reading.m, steps)
+    numeric, weight = problem.numeric, Weights().quadratic
+    x = ca.MX.sym("x", numeric.size, steps + 1)
+    u = ca.MX.sym("u", numeric.m, steps)
     rho = ca.MX.sym("rho")
-    theta = ca.MX.sym("theta", reading.p if given is None else 0)
+    theta = ca.MX.sym("theta", numeric.p if given is None else 0)
     step, places = _step(problem, given), _places(problem, given)
     after = step.map("steps", "serial", steps, [2], [])(x[:, :-1], u, theta)
-    at = places.map("all", "serial", steps + 1, [1], [])(x[: reading.n, :], theta)
-    halves = _half_planes(rows, reading.d, at)
+    at = places.map("all", "serial", steps + 1, [1], [])(x[: numeric.n, :], theta)
+    halves = _half_planes(rows, numeric.d, at)
     inputs = [
         part
         for group in problem.groups
@@ -113,9 +113,9 @@ def ipopt_problem(
 
 def _step(problem: ControlProblem, given: Array | None) -> ca.Function:
     """(x, u, theta) to the state after a step: the classical Runge-Kutta method with substeps."""
-    graph, n = problem.reading.graph, problem.reading.n
-    constants = ca.DM(problem.reading.constants)
-    x, u = ca.SX.sym("x", 2 * n), ca.SX.sym("u", problem.reading.m)
+    graph, n = problem.numeric.graph, problem.numeric.n
+    constants = ca.DM(problem.numeric.constants)
+    x, u = ca.SX.sym("x", 2 * n), ca.SX.sym("u", problem.numeric.m)
     free, theta = _parameters(problem, given)
     h, at = problem.dt / problem.substeps, x
 
@@ -136,15 +136,15 @@ def _parameters(problem: ControlProblem, given: Array | None) -> tuple[ca.SX, ca
     """What of the parameters is unknown, and all of them."""
     if given is not None:
         return ca.SX.sym("theta", 0), ca.SX(ca.DM(given))
-    free = ca.SX.sym("theta", problem.reading.p)
+    free = ca.SX.sym("theta", problem.numeric.p)
     return free, free
 
 
 def _places(problem: ControlProblem, given: Array | None) -> ca.Function:
     """(q, theta) to the positions of all points, in a column."""
-    reading, pose = problem.reading, ca.SX.sym("q", problem.reading.n)
+    numeric, pose = problem.numeric, ca.SX.sym("q", problem.numeric.n)
     free, theta = _parameters(problem, given)
-    at = reading.graph.points(pose, theta, ca.DM(reading.constants))
+    at = numeric.graph.points(pose, theta, ca.DM(numeric.constants))
     return ca.Function("places", [pose, free], [at])
 
 
@@ -162,7 +162,7 @@ def _bounds(
     problem: ControlProblem, steps: int, parameters: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """Bounds of all unknowns."""
-    limits, n, size = problem.limits, problem.reading.n, problem.reading.size
+    limits, n, size = problem.limits, problem.numeric.n, problem.numeric.size
     lower, upper = np.full((steps + 1, size), -np.inf), np.full((steps + 1, size), np.inf)
     lower[:, :n], upper[:, :n] = limits.lower, limits.upper
     lower[:, n : 2 * n], upper[:, n : 2 * n] = rate_bounds(limits, steps)
@@ -171,7 +171,7 @@ def _bounds(
             lower[sample, n : 2 * n] = upper[sample, n : 2 * n] = 0.0
     if limits.start_values is not None:
         lower[0, :n] = upper[0, :n] = limits.start_values
-    inputs = np.full(steps * problem.reading.m, np.inf)
+    inputs = np.full(steps * problem.numeric.m, np.inf)
     widest = min(group.widest_margin for group in problem.groups)
     return (
         np.concatenate([lower.ravel(), -inputs, [0.0], parameters[0]]),

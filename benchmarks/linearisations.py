@@ -10,14 +10,13 @@ from typing import Any, TypeAlias
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from tests.oracles.robots import constants_of
 
-Array: TypeAlias = NDArray[np.float64]
 Jacobians: TypeAlias = tuple[Array, ...]
 """Value (K, N), then Jacobians in x, u and, where computed, theta: (K, N, columns)."""
 
@@ -58,13 +57,13 @@ def _made(make: Callable[[], Callable[[], Jacobians]]) -> Competitor:
 
 
 def ours(model: RobotModel, at: Samples) -> Competitor:
-    """``FloatReading.step``: always with the Jacobian in theta."""
+    """``NumericRobot.step``: always with the Jacobian in theta."""
 
     def make() -> Callable[[], Jacobians]:
-        reading = FloatReading(robot_graph(model))
+        numeric = NumericRobot(robot_graph(model))
 
         def call() -> Jacobians:
-            found = reading.step(at.x, at.u, at.theta, DT, 1)
+            found = numeric.step(at.x, at.u, at.theta, DT, 1)
             return found.value, found.state, found.input, found.parameter
 
         return call

@@ -48,7 +48,7 @@ def measure_convex_step(runs: int) -> list[Line]:
     """The first convex step of the case study, sparse matrices against cvxpy; both from scratch."""
     import numpy as np
 
-    from compiler.discretisation.float_reading import FloatReading
+    from compiler.discretisation.numeric_robot import NumericRobot
     from compiler.dynamics.equations_of_motion import robot_graph
     from compiler.geometry.abstraction import abstract
     from compiler.languages.structures import derivations_of
@@ -72,8 +72,8 @@ def measure_convex_step(runs: int) -> list[Line]:
     found = Planner(planning_problem(cells, task, 0)).next_plan()
     if not isinstance(found, Holds):
         raise SystemExit("the case study has no path")
-    reading = FloatReading(robot_graph(model, task.gravity))
-    follower = Follower(reading, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0)
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    follower = Follower(numeric, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0)
     problem = follower.problem(follower.waypoints()[1])
     about = measured(problem, follower.seeds(np.array([3.0, 2.5]))[0])
     if about is None:
@@ -91,7 +91,7 @@ def measure_convex_step(runs: int) -> list[Line]:
 
 def measure_proof(runs: int, folder: Path) -> list[Line]:
     """The validated tube of a result, alone and with all conditions checked on it."""
-    from compiler.arithmetic.balls import working_precision
+    from compiler.expressions.evaluators.balls import working_precision
     from compiler.geometry.abstraction import abstract
     from compiler.semantics.family import family_of
     from solvers.verifier.claims.certificate import FoundClaim, from_text

@@ -28,7 +28,7 @@ from search_methods import COMPARED
 from search_tables import table
 from timing import ROOT, machine
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.cube import Cube
 
 SMALL = (13, 5)

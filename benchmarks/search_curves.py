@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 
 COLUMNS = 3
 LEAST = 1e-3

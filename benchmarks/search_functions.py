@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.cube import Halton
 
 SHARE = 0.95

@@ -29,7 +29,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.bayesian_search import DESIGN, BayesianSearch, exploration
 from solvers.parameters.searches.cube import Cube
 from solvers.parameters.searches.nelder_mead import NelderMead

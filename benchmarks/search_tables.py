@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from timing import SPEC, seconds
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.planning.specification import planning_problem
@@ -41,13 +42,13 @@ def arm(links: int) -> Arm:
     (task,) = program.tasks.values()
     family = family_of(program, task)
     model = family.robot(family.replay(("tool", *("link", "joint") * links, "base")))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
     cells = abstract(program.workspaces[task.workspace])
     planned = Planner(planning_problem(cells, task, 0, None)).next_plan()
     if not isinstance(planned, Holds):
         raise SystemExit("the planner has no path")
     path = planned.witness.paths[0].cells
-    follower = PathTask(program, task, reading, None, 0).follower(cells, 0, 0, path)
+    follower = PathTask(program, task, numeric, None, 0).follower(cells, 0, 0, path)
     return Arm(follower, parameter_space(model))
 
 

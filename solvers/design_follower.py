@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.specifications.word_formula import SampledFormula
 from grammar_lang import ir
@@ -23,7 +23,7 @@ class PathTask:
 
     program: ir.Program
     task: ir.Task
-    reading: FloatReading
+    numeric: NumericRobot
     formula: SampledFormula | None
     seed: int
     solver: str | None = None
@@ -33,7 +33,7 @@ class PathTask:
     ) -> Follower:
         """The follower of a path of ``leader`` at the first margin; ``recorded`` reaches."""
         return Follower(
-            self.reading,
+            self.numeric,
             self.program.workspaces[self.task.workspace],
             self.task,
             cells,
@@ -41,7 +41,7 @@ class PathTask:
             path,
             LEAST_MARGIN,
             self.seed,
-            substeps=stable_parts(self.reading, float(self.task.step), SUBSTEPS),
+            substeps=stable_parts(self.numeric, float(self.task.step), SUBSTEPS),
             recorded=recorded,
             formula=self.formula,
             solver=self.solver,

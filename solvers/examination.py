@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
@@ -49,29 +49,29 @@ def examination_of(record: Recorded) -> Examination | None:
 
 
 def examine(
-    model: RobotModel, reading: FloatReading, program: ir.Program, task: ir.Task, conduct: Conduct
+    model: RobotModel, numeric: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
 ) -> Examination:
     """Examine a robot; a refuted one is not looked at further."""
-    refutation = refute_structure(model, reading, program, task, conduct)
-    blocked = None if refutation.refuted else inadmissible(model, reading)
+    refutation = refute_structure(model, numeric, program, task, conduct)
+    blocked = None if refutation.refuted else inadmissible(model, numeric)
     return Examination(refutation, blocked)
 
 
-def inadmissible(model: RobotModel, reading: FloatReading) -> str | None:
+def inadmissible(model: RobotModel, numeric: NumericRobot) -> str | None:
     """Why a robot cannot be driven, or None."""
-    if not model.dofs or not _singular_at_all_samples(model, reading):
+    if not model.dofs or not _singular_at_all_samples(model, numeric):
         return None
     found = mass_matrix_check(model, budget=BOXES)
     return None if found.status == "proved" else f"the mass matrix is {found.text}"
 
 
-def _singular_at_all_samples(model: RobotModel, reading: FloatReading) -> bool:
+def _singular_at_all_samples(model: RobotModel, numeric: NumericRobot) -> bool:
     """Whether M is singular, indefinite or not finite at all of a few random points."""
     rng = np.random.default_rng(0)
     bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
     for _ in range(SAMPLES):
         theta = rng.uniform(bounds[:, 0], bounds[:, 1])
-        mass = reading.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
+        mass = numeric.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
         finite = mass[np.isfinite(mass).all(axis=(1, 2))]
         eigenvalues = np.linalg.eigvalsh(finite)
         if np.any(eigenvalues[:, 0] > SINGULAR * eigenvalues[:, -1]):

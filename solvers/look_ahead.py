@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from compiler.candidates.candidate import Candidate
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
@@ -51,17 +51,17 @@ class _Job:
 def _examined(job: _Job) -> tuple[int, Examination]:
     """A job: the number of a structure and its examination."""
     question = made_of(job.question, _Question.itself)
-    reading = FloatReading(robot_graph(job.model, question.task.gravity))
+    numeric = NumericRobot(robot_graph(job.model, question.task.gravity))
     if len(_ASKED.values) > MOST_ASKED:
         _ASKED.values.clear()
     conduct = Conduct(question.seed, journal=_ASKED)
-    return job.number, examine(job.model, reading, question.program, question.task, conduct)
+    return job.number, examine(job.model, numeric, question.program, question.task, conduct)
 
 
 class LookAhead:
     """The structures in order, and their examinations.
 
-    ``examination`` and ``reading`` are asked for the structure that was given last.
+    ``examination`` and ``numeric`` are asked for the structure that was given last.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class LookAhead:
         self._fault: Exception | None = None
         self._parcel: Parcel[_Question] | None = None
         self._results: Iterator[tuple[int, Examination]] | None = None
-        self._reading: tuple[int, FloatReading] | None = None
+        self._numeric: tuple[int, NumericRobot] | None = None
 
     def __iter__(self) -> Iterator[Candidate]:
         """All structures, once."""
@@ -92,16 +92,16 @@ class LookAhead:
             else:
                 return
 
-    def reading(self, candidate: Candidate) -> FloatReading:
+    def numeric(self, candidate: Candidate) -> NumericRobot:
         """The equations of motion of the robot of a structure.
 
         Raises:
             ValueError: it has none.
         """
-        if self._reading is None or self._reading[0] != candidate.number:
+        if self._numeric is None or self._numeric[0] != candidate.number:
             graph = robot_graph(_robot(candidate), self._question.task.gravity)
-            self._reading = candidate.number, FloatReading(graph)
-        return self._reading[1]
+            self._numeric = candidate.number, NumericRobot(graph)
+        return self._numeric[1]
 
     def examination(self, candidate: Candidate) -> Examination:
         """The examination of the robot of a structure; a journal is asked first.
@@ -117,9 +117,9 @@ class LookAhead:
         return found
 
     def _own(self, candidate: Candidate) -> Examination:
-        question, reading = self._question, self.reading(candidate)
+        question, numeric = self._question, self.numeric(candidate)
         model = _robot(candidate)
-        return examine(model, reading, question.program, question.task, self._asked)
+        return examine(model, numeric, question.program, question.task, self._asked)
 
     def _result(self, candidate: Candidate) -> Examination:
         """The result of the workers; those of structures that nobody asked about are left out."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.bisection import halving
 from compiler.grammars.derivation import Derivation
@@ -71,7 +71,7 @@ class StructureSearch:
     formula: SampledFormula | None
     counts: dict[str, int]
     derivation: Derivation
-    reading: FloatReading
+    numeric: NumericRobot
     number: int
     robot: str
     obstacle: str = ""
@@ -94,12 +94,12 @@ class StructureSearch:
         """The robot in its task."""
         conduct = self.conduct
         return PathTask(
-            self.program, self.task, self.reading, self.formula, conduct.seed, conduct.solver
+            self.program, self.task, self.numeric, self.formula, conduct.seed, conduct.solver
         )
 
     def design(self, recorded: int) -> tuple[Design | None, str]:
         """A proved design in which that effector starts and reaches; else why there is none."""
-        if not self.reading.graph.model.dofs:
+        if not self.numeric.graph.model.dofs:
             return self.standing(recorded)
         self.best, self.known = -np.inf, []
         cells, reason = self.cells, ""
@@ -115,7 +115,7 @@ class StructureSearch:
         """A robot that cannot move does the task where it stands, or not at all."""
         workspace = self.program.workspaces[self.task.workspace]
         found = standing_configurations(
-            self.reading, workspace, self.task, self.cells, recorded, self.conduct.seed
+            self.numeric, workspace, self.task, self.cells, recorded, self.conduct.seed
         )
         for cell, configuration in found:
             follower = self.place.follower(self.cells, recorded, recorded, (cell,))
@@ -131,7 +131,7 @@ class StructureSearch:
 
         Where no plan goes through cells alone for which poses are found, others are tried, too.
         """
-        starts = start_cells(cells, self.task, self.reading)
+        starts = start_cells(cells, self.task, self.numeric)
         problem = planning_problem(cells, self.task, recorded, starts)
         reachable = self.within_reach(problem, cells)
         design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
@@ -170,7 +170,7 @@ class StructureSearch:
         """The problem without the cells for which no pose of the effector is found."""
         planned = []
         for one in problem.effectors:
-            found = reachable_cells(self.reading, cells, one.effector, self.conduct.seed)
+            found = reachable_cells(self.numeric, cells, one.effector, self.conduct.seed)
             outside = np.flatnonzero(~found).tolist()
             planned.append(replace(one, forbidden=tuple(sorted({*one.forbidden, *outside}))))
         return replace(problem, effectors=tuple(planned))
@@ -254,7 +254,7 @@ class StructureSearch:
 
     def keep(self, found: Configuration) -> None:
         """Keep what was evaluated for a path, for tables."""
-        names = tuple(f"{p.symbol}.{p.name}" for p in self.reading.graph.model.parameters)
+        names = tuple(f"{p.symbol}.{p.name}" for p in self.numeric.graph.model.parameters)
         self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
         self.top = max(self.top, found.outcome.robustness)
 
@@ -319,7 +319,7 @@ class StructureSearch:
             spread = follower.spread
             self.lacking = 0.0 if spread is None else lacking_room(findings, spread)
             return None
-        fine = fine_motion(follower.reading, trajectory, float(self.task.step))
+        fine = fine_motion(follower.numeric, trajectory, float(self.task.step))
         outcome = replace(found.outcome, trajectory=fine)
         configuration = replace(found, outcome=outcome)
         return replace(design, configuration=configuration, findings=findings)
@@ -342,7 +342,7 @@ def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:
 
 
 def start_cells(
-    abstraction: Abstraction, task: ir.Task, reading: FloatReading
+    abstraction: Abstraction, task: ir.Task, numeric: NumericRobot
 ) -> dict[int, tuple[int, ...]] | None:
     """By effector the cells it may start in, where a start pose is given; else None.
 
@@ -350,12 +350,12 @@ def start_cells(
     """
     if isinstance(task.start, ir.StartIn):
         return None
-    values = motion_limits(reading.graph.model, task).start_values
-    bounds = np.array(parameter_bounds(reading.graph.model)).reshape(-1, 2)
-    found: dict[int, set[int]] = {e: set() for e in range(len(reading.graph.model.effectors))}
+    values = motion_limits(numeric.graph.model, task).start_values
+    bounds = np.array(parameter_bounds(numeric.graph.model)).reshape(-1, 2)
+    found: dict[int, set[int]] = {e: set() for e in range(len(numeric.graph.model.effectors))}
     for theta in np.random.default_rng(0).uniform(bounds[:, 0], bounds[:, 1], (64, len(bounds))):
         if values is not None:
-            points = reading.points(values[None, :], theta).value[0]
+            points = numeric.points(values[None, :], theta).value[0]
             for effector, cells in found.items():
                 cell = abstraction.locate(points[effector])
                 if cell is not None:

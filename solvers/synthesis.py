@@ -191,7 +191,7 @@ class _Run:
             return None
         search = StructureSearch(
             self.program, self.task, self.conduct, self.abstraction, self.formula, self.counts,
-            derivation, ahead.reading(candidate), candidate.number, key,
+            derivation, ahead.numeric(candidate), candidate.number, key,
         )  # fmt: skip
         self.search = search
         try:

@@ -41,9 +41,9 @@ def test_ipopt_and_our_control_synthesis_have_the_same_optimum(shared: Shared) -
     assert answer.margin == pytest.approx(rho, rel=AGREEMENT)
     # Its motion is one of our robot, within the same bounds.
     at = answer.trajectory
-    after = problem.reading.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
+    after = problem.numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
     assert np.max(np.abs(after - at.x[1:])) < 1e-6
-    places = problem.reading.points(at.x[:, : problem.reading.n], at.theta)
+    places = problem.numeric.points(at.x[:, : problem.numeric.n], at.theta)
     assert np.max(rows.excess(places)) < 1e-6
     assert problem.scale - np.max(np.abs(at.u)) == pytest.approx(answer.margin, abs=1e-6)
 
@@ -82,8 +82,8 @@ def test_unknown_lengths_have_the_same_optimum(shared: Shared) -> None:
 @pytest.mark.parametrize("links", [1, 2, 4])
 def test_arms_of_any_number_of_links_do_the_quarter_turn(links: int) -> None:
     one = quarter_turn(links, STEPS)
-    assert one.follower.reading.n == links
-    at = one.follower.reading.points(one.seed.x[[0, -1], :links], one.theta).value[:, 0]
+    assert one.follower.numeric.n == links
+    at = one.follower.numeric.points(one.seed.x[[0, -1], :links], one.theta).value[:, 0]
     assert np.linalg.norm(at - one.follower.waypoints()[0][[0, -1]], axis=1).max() < 0.1
     assert synthesise_control(one.problem, one.seed).feasible
 

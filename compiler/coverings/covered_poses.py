@@ -13,15 +13,16 @@ from fractions import Fraction
 import numpy as np
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball
+from compiler.arrays import Array
 from compiler.coverings.box_tree import BoxTreeError, CoordinateTree, Part, Parts, coordinate_boxes
 from compiler.coverings.leaf_box import LeafBox
 from compiler.coverings.motion_demands import GivenPose, MotionDemands, Passage, PointIn
-from compiler.coverings.point_enclosure import Array, EnclosedPoints, PointTapes
+from compiler.coverings.point_enclosure import EnclosedPoints, PointTapes
 from compiler.coverings.sides import RangeSide, coordinate_sides, enclosures, parameter_sides
 from compiler.coverings.touching import Flags, TouchingBoxes
 from compiler.coverings.violations import Violation, at_any_instant, elsewhere
-from compiler.definiteness.interval_reading import Ends
+from compiler.expressions.evaluators.balls import ball, closed_ball
+from compiler.expressions.evaluators.intervals import Ends
 from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 
@@ -39,7 +40,7 @@ class CoveredPoses:
     To be used at one working precision.
 
     Raises:
-        ValueError: the rules of the robot have no exact reading.
+        ValueError: the rules of the robot have no exact value.
         BoxTreeError: a prismatic joint has no range, so that its coordinate cannot be covered.
     """
 

@@ -18,18 +18,18 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import BallArithmetic, ball, constant_ball
-from compiler.arithmetic.scalars import Constant, PiConstant
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
+from compiler.arrays import Array
 from compiler.dynamics.absolute_angles import own_coordinates
-from compiler.dynamics.kinematics import ConstantInputs, kinematics
-from compiler.dynamics.tape import Tape, tape
+from compiler.dynamics.kinematics import kinematics
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.expressions.evaluators.balls import BALLS, ball, constant_ball
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
+from compiler.expressions.scalars import Constant, PiConstant
+from compiler.expressions.tape import Tape, tape
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 
-Array = NDArray[np.float64]
 ZERO = arb(0)
 
 
@@ -50,13 +50,13 @@ class PointTapes:
     """The points of a robot as programs in (q, theta), in the joints' own coordinates.
 
     Raises:
-        ValueError: the rules have no exact reading.
+        ValueError: the rules have no exact value.
     """
 
     def __init__(self, model: RobotModel) -> None:
         self.dimension: int = model.dimension
         n, p = len(model.dofs), len(model.parameters)
-        q, theta, constants = ca.SX.sym("q", n), ca.SX.sym("theta", p), ConstantInputs()
+        q, theta, constants = ca.SX.sym("q", n), ca.SX.sym("theta", p), SymbolicEvaluator()
         at = kinematics(model, q, theta, constants, own_coordinates(model))
         points = [at.origins[frame] for frame in model.effectors]
         points += [point for body in model.bodies for point in at.body_points(body)]
@@ -89,7 +89,7 @@ def _repeated(column: ca.DM, count: int) -> ca.DM:
 
 
 def _slopes(value: ca.SX, variables: ca.SX, inputs: list[ca.SX]) -> Tape | None:
-    """The derivatives, those of one variable together; None where they have no exact reading."""
+    """The derivatives, those of one variable together; None where they have no exact value."""
     if not variables.numel() or not value.numel():
         return None
     columns = ca.vec(ca.densify(ca.jacobian(value, variables)))
@@ -124,7 +124,7 @@ class EnclosedPoints:
     def _naturally(self, point: int, row: BallRow) -> Ends:
         if not self._natural:
             inputs = [*self.box, *self.tapes.constants]
-            self._natural = self.tapes.values.run(inputs, IntervalArithmetic())
+            self._natural = self.tapes.values.evaluate(inputs, INTERVALS)
         low, high, start = ZERO, ZERO, point * self.tapes.dimension
         for axis, factor in enumerate(row.normal):
             if factor.is_zero():
@@ -155,8 +155,8 @@ class EnclosedPoints:
             return None
         middles = [side.ball().mid() for side in self.box]
         known = [constant.ball() for constant in tapes.constants]
-        at = tapes.values.run([*middles, *known], BallArithmetic())
-        slopes = tapes.slopes.run([*self.box, *tapes.constants], IntervalArithmetic())
+        at = tapes.values.evaluate([*middles, *known], BALLS)
+        slopes = tapes.slopes.evaluate([*self.box, *tapes.constants], INTERVALS)
         if not all(entry.finite for entry in slopes):
             return None
         radii = [

@@ -9,9 +9,9 @@ from typing import TypeAlias
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball
 from compiler.coverings.box_tree import BoxTreeError, Part
-from compiler.definiteness.interval_reading import Ends, outward
+from compiler.expressions.evaluators.balls import ball, closed_ball
+from compiler.expressions.evaluators.intervals import Ends, outward
 from compiler.robots.robot import RobotDof, RobotModel
 from grammar_lang import ir
 

@@ -13,9 +13,10 @@ from typing import Protocol
 import numpy as np
 from flint import arb
 
-from compiler.arithmetic.balls import ball
+from compiler.arrays import Array
 from compiler.coverings.motion_demands import MotionDemands, PointIn
-from compiler.coverings.point_enclosure import Array, BallRow, EnclosedPoints, ball_row
+from compiler.coverings.point_enclosure import BallRow, EnclosedPoints, ball_row
+from compiler.expressions.evaluators.balls import ball
 from grammar_lang import ir
 
 FRACTIONS = 4096

@@ -1,4 +1,4 @@
-"""Trigonometric polynomials as text, in a notation."""
+"""Trigonometric polynomials in plain text or LaTeX, their terms in the order of reading."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
-from compiler.formulas.collected_terms import collected, monomial_order
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.trigonometric_polynomial import (
+    CONSTANT,
     COSINE,
     FLAT,
     ONE,
@@ -22,8 +22,72 @@ from compiler.formulas.trigonometric_polynomial import (
     TrigonometricPolynomial,
     Variable,
     Wave,
+    content_of,
 )
 from grammar_lang.ir.expression_text import number_text
+
+
+@dataclass(frozen=True, slots=True)
+class Product:
+    """``coefficient * monomial * (sum of parts) * wave``; no parts stand for one."""
+
+    coefficient: Fraction
+    monomial: Monomial
+    parts: tuple[tuple[Fraction, Monomial], ...]
+    wave: Wave
+
+
+def collected(number: TrigonometricPolynomial) -> tuple[Product, ...]:
+    """A sum of products in the order of reading.
+
+    What has no sine or cosine comes first, term by term; of the terms with one, what they have in
+    common stands before a sum.
+    """
+    by_wave: dict[Wave, dict[Monomial, Fraction]] = {}
+    for (wave, monomial), value in number.terms.items():
+        by_wave.setdefault(wave, {})[monomial] = value
+    found: list[Product] = []
+    for wave in sorted(by_wave, key=_wave_order):
+        terms = sorted(by_wave[wave].items(), key=lambda item: monomial_order(item[0]))
+        if wave == CONSTANT or len(terms) == 1:
+            found += [Product(value, monomial, (), wave) for monomial, value in terms]
+        else:
+            found.append(_factored(terms, wave))
+    return tuple(found)
+
+
+def monomial_order(monomial: Monomial) -> tuple[int, list[tuple[int, int]]]:
+    """Higher degrees first, then higher powers of earlier symbols."""
+    return -sum(exponent for _, exponent in monomial), [(s, -e) for s, e in monomial]
+
+
+def _wave_order(wave: Wave) -> tuple[int, int, Wave]:
+    kind, angle = wave
+    return (0 if wave == CONSTANT else 1), len(angle), (kind, angle)
+
+
+def _factored(terms: list[tuple[Monomial, Fraction]], wave: Wave) -> Product:
+    factor = content_of(value for _, value in terms)
+    if terms[0][1] < 0:
+        factor = -factor
+    shared = _shared([monomial for monomial, _ in terms])
+    parts = tuple((value / factor, _quotient(monomial, shared)) for monomial, value in terms)
+    return Product(factor, shared, parts, wave)
+
+
+def _shared(monomials: list[Monomial]) -> Monomial:
+    """The greatest monomial that divides all of them."""
+    first, *others = (dict(monomial) for monomial in monomials)
+    least = {s: min(e, *(other.get(s, 0) for other in others)) for s, e in first.items()}
+    return tuple((s, e) for s, e in sorted(least.items()) if e > 0)
+
+
+def _quotient(monomial: Monomial, divisor: Monomial) -> Monomial:
+    rest = dict(monomial)
+    for symbol, exponent in divisor:
+        rest[symbol] -= exponent
+    return tuple((s, e) for s, e in sorted(rest.items()) if e) or FLAT
+
 
 LARGEST_PLAIN_DENOMINATOR = 12
 RANKS = {"parameter": 1, "coordinate": 3, "rate": 4}
@@ -162,3 +226,74 @@ def _coefficient(size: Fraction) -> tuple[list[str], list[str]]:
         above = [] if size.numerator == 1 else [number_text(Fraction(size.numerator))]
         return above, ([] if size.denominator == 1 else [str(size.denominator)])
     return [decimal], []
+
+
+class TextNotation:
+    """``l1^2*l2*cos(q2)/3``."""
+
+    pi = "pi"
+
+    def product(self, factors: Sequence[str]) -> str:
+        """Factors with asterisks."""
+        return "*".join(factors)
+
+    def quotient(self, numerator: Sequence[str], denominator: Sequence[str]) -> str:
+        """One line; several divisors in parentheses."""
+        below = self.product(denominator)
+        return f"{self.product(numerator)}/{below if len(denominator) == 1 else f'({below})'}"
+
+    def power(self, base: str, exponent: int) -> str:
+        """With a caret."""
+        return f"{base}^{exponent}"
+
+    def function(self, name: str, argument: str) -> str:
+        """A call."""
+        return f"{name}({argument})"
+
+    def grouped(self, expression: str) -> str:
+        """In parentheses."""
+        return f"({expression})"
+
+    def named(self, number: int) -> str:
+        """``w1``."""
+        return f"w{number}"
+
+
+FUNCTIONS = {"sin": r"\sin", "cos": r"\cos", "tan": r"\tan"}
+
+
+class LatexNotation:
+    r"""``\frac{\ell_{1}^{2} \ell_{2} \cos(q_{2})}{3}``."""
+
+    pi = r"\pi"
+
+    def product(self, factors: Sequence[str]) -> str:
+        """Factors side by side."""
+        return " ".join(factors)
+
+    def quotient(self, numerator: Sequence[str], denominator: Sequence[str]) -> str:
+        """A fraction; what is long stays beside it."""
+        short = [part for part in numerator if "(" not in part]
+        beside = [part for part in numerator if "(" in part]
+        fraction = rf"\frac{{{self.product(short or ['1'])}}}{{{self.product(denominator)}}}"
+        return self.product([fraction, *beside])
+
+    def power(self, base: str, exponent: int) -> str:
+        """A superscript; a base with one of its own is grouped."""
+        return f"{{{base}}}^{{{exponent}}}" if "^" in base else f"{base}^{{{exponent}}}"
+
+    def function(self, name: str, argument: str) -> str:
+        """A function or a root."""
+        if name == "sqrt":
+            return rf"\sqrt{{{argument}}}"
+        if name == "abs":
+            return rf"\left\lvert {argument} \right\rvert"
+        return rf"{FUNCTIONS[name]}\left({argument}\right)"
+
+    def grouped(self, expression: str) -> str:
+        """In parentheses."""
+        return rf"\left({expression}\right)"
+
+    def named(self, number: int) -> str:
+        """``w_{1}``."""
+        return f"w_{{{number}}}"

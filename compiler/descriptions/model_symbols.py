@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from compiler.formulas.trigonometric_polynomial import Variable
+from compiler.expressions.trigonometric_polynomial import Variable
 from compiler.robots.robot import RobotModel
 
 RESERVED = frozenset({"q", "qd", "qdd", "s", "u", "w", "c", "g", "e", "tau", "pi", "M"})

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from compiler.descriptions.document import Entry, Equation, Item, Remark, Section
+from compiler.descriptions.document import Entry, Equation, Item, Remark, Section, escaped
 from compiler.descriptions.domain_text import closed_text, domain_text
-from compiler.descriptions.latex_document import escaped
 from compiler.descriptions.model_symbols import model_symbols
-from compiler.formulas.trigonometric_polynomial import Variable
+from compiler.expressions.trigonometric_polynomial import Variable
 from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import RobotDof, RobotModel
 from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states

@@ -5,7 +5,7 @@ r"""The linearisation of a robot about samples (Eqn. 5), and its exact discretis
     \Phi = \int_0^{\Delta t} e^{F s}\,\mathrm ds
 
 The affine map is exact for the linearised system with u held, so it needs F, G and H at the
-beginning of a step only.  The step map of the search (``FloatReading.step``) is another thing: it
+beginning of a step only.  The step map of the search (``NumericRobot.step``) is another thing: it
 follows the *nonlinear* flow, and its Jacobians are those of that flow along the arc of the step.
 Over a step of length h, values differ by O(h^3) and Jacobians by O(h^2), while the step map is off
 the flow by O(h^5): that is why the search uses it (docs/decisions/0021-linearisation.md).
@@ -14,13 +14,14 @@ the flow by O(h^5): that is why the search uses it (docs/decisions/0021-linearis
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import comb, factorial
 
 import casadi as ca
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading, Linearisation
-from compiler.discretisation.matrix_exponential import held
-from compiler.discretisation.sample_lanes import SampleLanes
+from compiler.arrays import Array
+from compiler.discretisation.batched_function import BatchedFunction
+from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from compiler.dynamics.controlled_system import ControlledSystem
 
 
@@ -46,11 +47,11 @@ class AffineSystem:
         return Linearisation(self.about + value[:, :, 0], state, by_input, by_parameter)
 
 
-def linearise(reading: FloatReading, x: Array, u: Array, theta: Array) -> AffineSystem:
+def linearise(numeric: NumericRobot, x: Array, u: Array, theta: Array) -> AffineSystem:
     """The controlled system about K states (K, N) and inputs (K, m) at parameters (p,)."""
-    n, size, m = reading.n, reading.size, reading.m
-    rates, slopes = reading.acceleration(x, u, theta)
-    jacobian = np.zeros((len(x), size, size + m + reading.p))
+    n, size, m = numeric.n, numeric.size, numeric.m
+    rates, slopes = numeric.acceleration(x, u, theta)
+    jacobian = np.zeros((len(x), size, size + m + numeric.p))
     jacobian[:, :n, n : 2 * n] = np.eye(n)
     jacobian[:, n:, :] = slopes
     state, by_input, by_parameter = np.split(jacobian, [size, size + m], axis=2)
@@ -84,9 +85,59 @@ def second_order_form(
     value = f(*symbols)
     slopes = ca.jacobian(value, ca.vertcat(*reversed(motion), parameters))
     both = ca.cse(ca.densify(ca.horzcat(value, slopes)))
-    form = SampleLanes.of(ca.Function("form", [*motion, ca.vertcat(parameters, k)], [both]))
+    form = BatchedFunction.of(ca.Function("form", [*motion, ca.vertcat(parameters, k)], [both]))
     found = form((q, v, a), np.concatenate([theta, system.constants]))
     bias, mass, damping, stiffness, parameter = np.split(
         found, [1, 1 + n, 1 + 2 * n, 1 + 3 * n], axis=2
     )
     return SecondOrderForm(mass, damping, stiffness, bias[:, :, 0], parameter)
+
+
+DEGREE = 13
+LARGEST_NORM = 5.371920351148152
+"""Up to here the approximant of degree 13 is exact to double precision (Higham 2005, Table 2.3)."""
+
+PADE = tuple(comb(DEGREE, j) * factorial(2 * DEGREE - j) for j in range(DEGREE + 1))
+"""Coefficients of the numerator of the diagonal approximant, up to a common factor."""
+
+
+def matrix_exponential(matrices: Array) -> Array:
+    """The exponentials of K matrices (K, n, n) by scaling, Pade and squaring (Higham 2005)."""
+    norms = np.abs(matrices).sum(axis=1).max(axis=1, initial=0.0)
+    squarings = np.ceil(np.log2(np.maximum(norms / LARGEST_NORM, 1.0))).astype(int)
+    scaled = matrices * (0.5**squarings)[:, None, None]
+    coefficients = [c / PADE[0] for c in PADE]
+    square, identity = scaled @ scaled, np.eye(matrices.shape[1])
+    # Even and odd parts by Horner's rule in the square.
+    even, odd = coefficients[-2] * identity, coefficients[-1] * identity
+    for j in range(DEGREE - 3, -1, -2):
+        even = square @ even + coefficients[j] * identity
+        odd = square @ odd + coefficients[j + 1] * identity
+    odd = scaled @ odd
+    result = np.linalg.solve(even - odd, even + odd)
+    for done in range(int(squarings.max(initial=0))):
+        more = squarings > done
+        result[more] = result[more] @ result[more]
+    return np.asarray(result)
+
+
+def held(state: Array, forcing: Array, time: float) -> tuple[Array, Array]:
+    r"""The flow of ``x' = F x + G w`` over a time, w held.
+
+    .. math:: \exp \begin{pmatrix} F & G \\ 0 & 0 \end{pmatrix} t
+        = \begin{pmatrix} e^{F t} & \int_0^t e^{F s} \mathrm ds\, G \\ 0 & 1 \end{pmatrix}
+
+    Args:
+        state: F, shape (K, N, N), 1/s.
+        forcing: G, shape (K, N, c).
+        time: t, s.
+
+    Returns:
+        e^(F t), shape (K, N, N), and the integral times G, shape (K, N, c) (Van Loan 1978).
+    """
+    count, size, width = forcing.shape
+    augmented = np.zeros((count, size + width, size + width))
+    augmented[:, :size, :size] = state * time
+    augmented[:, :size, size:] = forcing * time
+    exponential = matrix_exponential(augmented)
+    return exponential[:, :size, :size], exponential[:, :size, size:]

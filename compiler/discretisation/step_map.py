@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import casadi as ca
 
-from compiler.discretisation.sample_lanes import on_lanes
+from compiler.discretisation.batched_function import on_lanes
 from compiler.dynamics.controlled_system import ControlledSystem
 
 Graph = TypeVar("Graph", ca.SX, ca.MX)

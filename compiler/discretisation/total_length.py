@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from compiler.discretisation.float_reading import Array, scalar_floats
+from compiler.arrays import Array
+from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.robot import WORLD, Joint, Offset, RobotModel
 
 

@@ -1,1 +1,1 @@
-"""Kinematics and the equations of motion as one expression graph, and its readings."""
+"""Kinematics and the equations of motion as one expression graph."""

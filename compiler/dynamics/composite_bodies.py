@@ -19,8 +19,8 @@ from fractions import Fraction
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics, rotation
+from compiler.dynamics.kinematics import Kinematics, rotation
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.robots.robot import (
     WORLD,
     Body,
@@ -59,7 +59,7 @@ class CompositeBody:
 
 
 def composite_mass_matrix(
-    model: RobotModel, at: Kinematics, q: ca.SX, constants: ConstantInputs
+    model: RobotModel, at: Kinematics, q: ca.SX, constants: SymbolicEvaluator
 ) -> ca.SX:
     """M in the joints' own coordinates q, shape (n, n)."""
     steps = [_step(node.step, model, at, q, constants) for node in model.frames]
@@ -114,7 +114,7 @@ def _axis(joint: Joint) -> ca.SX:
 
 
 def _step(
-    step: Step | None, model: RobotModel, at: Kinematics, q: ca.SX, constants: ConstantInputs
+    step: Step | None, model: RobotModel, at: Kinematics, q: ca.SX, constants: SymbolicEvaluator
 ) -> tuple[ca.SX, ca.SX]:
     """The rotation and the translation of a step."""
     turn, shift = ca.SX.eye(3), ca.SX(3, 1)
@@ -132,11 +132,11 @@ def _step(
     return turn, shift
 
 
-def _of(body: Body, at: Kinematics, constants: ConstantInputs) -> CompositeBody:
+def _of(body: Body, at: Kinematics, constants: SymbolicEvaluator) -> CompositeBody:
     """A body in the axes of its frame."""
     match body:
         case RodBody(_, axis, sign, length, density, _):
-            half, third = (constants.read(Constant(Fraction(1, i))) for i in (2, 3))
+            half, third = (constants.constant(Fraction(1, i)) for i in (2, 3))
             extent = constants.unfolded(at.scalars[length])
             mass = constants.unfolded(at.scalars[density]) * extent
             along, across = ca.SX(3, 1), ca.SX.eye(3)

@@ -18,15 +18,16 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant
-from compiler.dynamics.coordinate_change import generalised_forces, own_motion
+from compiler.arrays import Array
+from compiler.dynamics.absolute_angles import generalised_forces, own_motion
 from compiler.dynamics.drive import Motion, drive
 from compiler.dynamics.equations_of_motion import MADE, RobotGraph
 from compiler.dynamics.inverse_dynamics import inverse_dynamics
-from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.kinematics import kinematics
 from compiler.dynamics.ldl import ldl_solve
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.expressions.scalars import Constant
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
 
@@ -47,7 +48,7 @@ class ControlledSystem:
     states: int
     inputs: int
     parameters: int
-    constants: NDArray[np.float64]
+    constants: Array
     forces: ca.Function
     differential: ca.Function
     inertial: ca.Function
@@ -69,7 +70,7 @@ def controlled_system(graph: RobotGraph) -> ControlledSystem:
         ca.SX.sym(name, size)
         for name, size in (("q", n), ("w", n + r), ("a", n), ("u", m), ("theta", p))
     )
-    v, constants = w[:n], ConstantInputs()
+    v, constants = w[:n], SymbolicEvaluator()
     at = kinematics(model, q, theta, constants, coordinates)
     inertial = inverse_dynamics(model, at, (q, v, a), graph.gravity, constants, coordinates)
     own = own_motion(coordinates, q), own_motion(coordinates, v)

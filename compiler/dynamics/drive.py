@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant, PiConstant
-from compiler.dynamics.kinematics import FUNCTIONS, ConstantInputs, apply_operation
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.expressions.evaluator import evaluate_expression
 from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
@@ -40,7 +39,7 @@ class Motion:
     parameters: ca.SX
 
 
-def drive(model: RobotModel, motion: Motion, constants: ConstantInputs) -> Drive:
+def drive(model: RobotModel, motion: Motion, constants: SymbolicEvaluator) -> Drive:
     """The drive of a robot as expressions."""
     state_places = {(s.symbol, s.name): i for i, s in enumerate(robot_states(model))}
     forces = [ca.SX(0)] * len(model.dofs)
@@ -71,31 +70,15 @@ class _Reader:
     states: Mapping[tuple[int, str], int]
     efforts: Mapping[int, ca.SX]
     declared: Mapping[tuple[int, str], ca.SX]
-    constants: ConstantInputs
+    constants: SymbolicEvaluator
 
     def read(self, expression: ir.Expr) -> ca.SX:
         """The graph node of a scalar expression."""
-        match expression:
-            case ir.Unary(function, operand) if function in FUNCTIONS:
-                return self.constants.applied(function, self.read(operand))
-            case ir.Unary(function, operand):
-                return apply_operation(function, [self.read(operand)])
-            case ir.Binary("^", base, ir.Num(exponent)):
-                return self.constants.raised(self.read(base), int(exponent))
-            case ir.Binary("/", left, right):
-                return self.constants.divided(self.read(left), self.read(right))
-            case ir.Binary(operator, left, right):
-                return apply_operation(operator, [self.read(left), self.read(right)])
-            case _:
-                return self.leaf(expression)
+        return evaluate_expression(expression, self.constants, self.leaf)
 
     def leaf(self, leaf: ir.Expr) -> ca.SX:
         """The graph node of a leaf; what belongs to a lost degree of freedom reads zero."""
         match leaf:
-            case ir.Num(value):
-                return self.constants.read(Constant(Fraction(value)))
-            case ir.Pi():
-                return self.constants.read(PiConstant())
             case ir.ParameterOf(_, name):
                 return self.motion.parameters[dict(self.own.parameters)[name]]
             case ir.StateOf(_, name):

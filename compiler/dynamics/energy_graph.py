@@ -12,13 +12,14 @@ from fractions import Fraction
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant, PiConstant
 from compiler.dynamics.absolute_angles import own_coordinates
 from compiler.dynamics.composite_bodies import composite_mass_matrix
 from compiler.dynamics.drive import Motion, drive
-from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.kinematics import kinematics
 from compiler.dynamics.rigid_bodies import potential_energy
-from compiler.dynamics.tape import Tape, tape
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.expressions.scalars import Constant, PiConstant
+from compiler.expressions.tape import Tape, tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 
@@ -59,7 +60,7 @@ def energy_graph(model: RobotModel, gravity: tuple[Fraction, ...]) -> EnergyGrap
     """
     n, d = len(model.dofs), model.dimension
     q, theta = ca.SX.sym("q", n), ca.SX.sym("theta", len(model.parameters))
-    constants = ConstantInputs()
+    constants = SymbolicEvaluator()
     at = kinematics(model, q, theta, constants, own_coordinates(model))
     mass = ca.vec(ca.densify(composite_mass_matrix(model, at, q, constants)))
     tips = ca.vertcat(ca.SX(0, 1), *(at.origins[frame][:d] for frame in model.effectors))
@@ -97,7 +98,7 @@ def _dependencies(expression: ca.SX, variables: ca.SX) -> tuple[int, ...]:
     return tuple(sorted({int(column) for column in columns}))
 
 
-def _damping(model: RobotModel, theta: ca.SX, constants: ConstantInputs) -> ca.SX | None:
+def _damping(model: RobotModel, theta: ca.SX, constants: SymbolicEvaluator) -> ca.SX | None:
     """The b of every joint, where tau = u - b rate.
 
     tau has this form if its Jacobian in (q, rate, s, u) is (0, -b, 0, 1) with a diagonal b that

@@ -16,13 +16,18 @@ from functools import cached_property
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant, PiConstant
-from compiler.dynamics.absolute_angles import Coordinates, own_coordinates
-from compiler.dynamics.coordinate_change import generalised_forces, own_motion
+from compiler.dynamics.absolute_angles import (
+    Coordinates,
+    generalised_forces,
+    own_coordinates,
+    own_motion,
+)
 from compiler.dynamics.drive import Motion, drive
-from compiler.dynamics.kinematics import ConstantInputs, kinematics
+from compiler.dynamics.kinematics import kinematics
 from compiler.dynamics.ldl import ldl_solve
 from compiler.dynamics.rigid_bodies import centrifugal_forces, gravitational_forces, mass_matrix
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
@@ -66,7 +71,7 @@ class RobotGraph:
     - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,); floats have a
       cheaper way (``controlled_system.py``);
     - ``balance(q, w, u, theta, k)``: M column by column (n * n,), then tau - c - g (n,), then the
-      derivatives of the own states (r,): the parts that a validated reading solves itself,
+      derivatives of the own states (r,): the parts that a validated evaluator solves itself,
       without the graph's own divisions;
     - ``variation(q, w, a, u, theta, k)``: the Jacobian of (tau - c - g - M a, own derivatives) in
       (q, w) for given accelerations a, column by column ((n + r) * (2n + r),);
@@ -199,8 +204,8 @@ def robot_graph(
     q, w, u = (ca.SX.sym(name, size) for name, size in (("q", n), ("w", n + r), ("u", m)))
     theta = ca.SX.sym("theta", len(model.parameters))
     # All constants are met here, so that every function has the same inputs k.
-    constants = ConstantInputs()
-    half = constants.read(Constant(Fraction(1, 2)))
+    constants = SymbolicEvaluator()
+    half = constants.constant(Fraction(1, 2))
     body = kinematics(model, q, theta, constants, coordinates)
     check_time(MADE)
     mass = mass_matrix(model, body, q, constants, coordinates)
@@ -236,7 +241,7 @@ def robot_graph(
     return RobotGraph(model, gravity, coordinates, symbols, tuple(hulls), divisors, parts)
 
 
-def _unfolded(matrix: ca.SX, constants: ConstantInputs) -> ca.SX:
+def _unfolded(matrix: ca.SX, constants: SymbolicEvaluator) -> ca.SX:
     """The matrix with its literal entries as inputs, so that quotients of them stay exact."""
     result = ca.SX(matrix)
     for i in range(matrix.size1()):

@@ -6,7 +6,7 @@ r"""Inverse dynamics of rigid bodies by Newton's and Euler's laws and virtual po
 with the coms p_b, J = dp/dq, angular velocities omega = W v and gravity gamma (Featherstone, *Rigid
 Body Dynamics Algorithms*, 2008, ch. 5).  Two forward sweeps of differentiation and a reverse one
 make it a recursion from the base to the tips and back, linear in the number of bodies, where
-Christoffel symbols take the cube of it.  Floats read this; validated readings read those.
+Christoffel symbols take the cube of it.  Floats use this; validated evaluators use those.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from fractions import Fraction
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.absolute_angles import Coordinates
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics
+from compiler.dynamics.kinematics import Kinematics
 from compiler.dynamics.rigid_bodies import angular_jacobian, inertia_of
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.robots.robot import PointBody, RobotModel
 
 
@@ -27,7 +27,7 @@ def inverse_dynamics(
     at: Kinematics,
     motion: tuple[ca.SX, ca.SX, ca.SX],
     gravity: tuple[Fraction, ...],
-    constants: ConstantInputs,
+    constants: SymbolicEvaluator,
     coordinates: Coordinates,
 ) -> ca.SX:
     """The generalised forces (n,) that cause accelerations; ``motion`` is (q, v, a)."""
@@ -35,7 +35,7 @@ def inverse_dynamics(
     d, forces = model.dimension, ca.SX.zeros(len(model.dofs))
     pull = ca.SX.zeros(d)
     if any(gravity):
-        pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
+        pull = ca.vertcat(*(constants.constant(value) for value in gravity))
     masses, coms = [], []
     for body in model.bodies:
         mass, com, inertia = inertia_of(body, at, constants)

@@ -1,132 +1,15 @@
-"""Forward kinematics of a robot model as CasADi expressions.
-
-Every literal that is not an integer, and pi, is a symbolic input of the graph, because CasADi
-folds constants in doubles: a validated reading must be able to give their exact values.
-"""
+"""Forward kinematics of a robot model as CasADi expressions."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from fractions import Fraction
+from dataclasses import dataclass
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Apply, Constant, ParameterLeaf, PiConstant, read_scalars
 from compiler.dynamics.absolute_angles import Coordinates
-from compiler.dynamics.definedness import Conditions
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.expressions.scalars import evaluate_scalars
 from compiler.robots.robot import WORLD, Body, Joint, Offset, RobotModel, RodBody, SolidBody, Turn
-
-FUNCTIONS = {"sqrt": ca.sqrt, "sin": ca.sin, "cos": ca.cos, "tan": ca.tan}
-
-
-@dataclass(slots=True)
-class ConstantInputs:
-    """The symbolic inputs that stand for the non-integer constants of a graph."""
-
-    symbols: dict[Constant | PiConstant, ca.SX] = field(
-        default_factory=dict[Constant | PiConstant, ca.SX]
-    )
-    conditions: Conditions = field(default_factory=Conditions)
-
-    def read(self, constant: Constant | PiConstant) -> ca.SX:
-        """The graph node of a constant: a number if it is -1, 0 or 1, else an input.
-
-        CasADi folds products of literals, in doubles: only these stay exact whatever happens.
-        """
-        if isinstance(constant, Constant) and constant.value in (-1, 0, 1):
-            return ca.SX(int(constant.value))
-        return self._input(constant)
-
-    def divided(self, dividend: ca.SX, divisor: ca.SX) -> ca.SX:
-        """A quotient, with the condition that it exists."""
-        self.conditions.divisor(divisor)
-        return self.unfolded(dividend) / self.unfolded(divisor)
-
-    def raised(self, base: ca.SX, exponent: int) -> ca.SX:
-        """An integer power, with the condition that it exists."""
-        if exponent < 0:
-            self.conditions.divisor(base)
-        return power(self.unfolded(base), exponent)
-
-    def applied(self, function: str, argument: ca.SX) -> ca.SX:
-        """``sqrt``, ``sin``, ``cos`` or ``tan``, with the condition that it exists."""
-        argument = self.unfolded(argument)
-        if function == "sqrt":
-            self.conditions.radicand(argument, self._is_positive)
-        if function == "tan":
-            self.conditions.divisor(ca.cos(argument))
-        return FUNCTIONS[function](argument)
-
-    def _is_positive(self, symbol: ca.SX) -> bool:
-        """Whether a symbol stands for a constant that is not negative."""
-        names = {str(entry): constant for constant, entry in self.symbols.items()}
-        constant = names.get(str(symbol))
-        return constant is not None and (isinstance(constant, PiConstant) or constant.value >= 0)
-
-    def unfolded(self, expression: ca.SX) -> ca.SX:
-        """An expression as it is, but a literal other than zero as an input.
-
-        Integers stay exact under sums and products only: CasADi folds 1 / 3 and sqrt(2) in doubles.
-        """
-        if not expression.is_constant() or expression.is_zero():
-            return expression
-        return self._input(Constant(Fraction(float(expression))))
-
-    def _input(self, constant: Constant | PiConstant) -> ca.SX:
-        if constant not in self.symbols:
-            self.symbols[constant] = ca.SX.sym(f"k{len(self.symbols)}")
-        return self.symbols[constant]
-
-    def vector(self) -> ca.SX:
-        """All constant inputs as one column."""
-        return ca.vertcat(*self.symbols.values()) if self.symbols else ca.SX(0, 1)
-
-
-def scalar_expressions(
-    model: RobotModel, parameters: ca.SX, constants: ConstantInputs
-) -> list[ca.SX]:
-    """Every scalar of the model as an expression in its parameters."""
-
-    def leaf(node: Constant | PiConstant | ParameterLeaf) -> ca.SX:
-        return parameters[node.index] if isinstance(node, ParameterLeaf) else constants.read(node)
-
-    def apply(node: Apply, arguments: list[ca.SX]) -> ca.SX:
-        if node.operation in FUNCTIONS:
-            return constants.applied(node.operation, arguments[0])
-        if node.operation == "^":
-            return constants.raised(arguments[0], node.exponent)
-        if node.operation == "/":
-            return constants.divided(*arguments)
-        return apply_operation(node.operation, arguments)
-
-    return read_scalars(model.scalars, leaf, apply)
-
-
-def apply_operation(operation: str, arguments: list[ca.SX]) -> ca.SX:
-    """An operation that is defined everywhere on graph nodes."""
-    match operation, arguments:
-        case "+", [a, b]:
-            return a + b
-        case "-", [a, b]:
-            return a - b
-        case "*", [a, b]:
-            return a * b
-        case "neg", [a]:
-            return -a
-        case "abs", [a]:
-            return ca.fabs(a)
-        case _:
-            raise ValueError(f"unknown operation {operation}")
-
-
-def power(base: ca.SX, exponent: int) -> ca.SX:
-    """An integer power by repeated squaring."""
-    result, square, left = ca.SX(1), base, abs(exponent)
-    while left:
-        if left & 1:
-            result = result * square
-        square, left = square * square, left >> 1
-    return result if exponent >= 0 else 1 / result
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,14 +91,14 @@ def kinematics(
     model: RobotModel,
     coordinates: ca.SX,
     parameters: ca.SX,
-    constants: ConstantInputs,
+    constants: SymbolicEvaluator,
     measured: Coordinates,
 ) -> Kinematics:
     """Forward kinematics, one pass over the frames in topological order.
 
     ``coordinates`` are y with q = D y, as ``measured`` says.
     """
-    scalars = scalar_expressions(model, parameters, constants)
+    scalars = evaluate_scalars(model.scalars, constants, ca.vertsplit(parameters))
     origins = [ca.SX.zeros(3)]
     orientations = [Orientation(ca.SX.eye(3), 2, ca.SX(0), ca.SX(0))]
     for node in model.frames[WORLD + 1 :]:

@@ -8,7 +8,7 @@ import casadi as ca
 def ldl_solve(matrix: ca.SX, right: ca.SX) -> ca.SX:
     """``matrix^-1 right`` for a right side of one or more columns; reads the lower triangle.
 
-    Elementary operations only, because validated readings need them; no pivoting (Golub & Van
+    Elementary operations only, because validated evaluators need them; no pivoting (Golub & Van
     Loan, *Matrix Computations*, Algorithm 4.1.2).
     """
     n = matrix.size1()

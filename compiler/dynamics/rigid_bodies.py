@@ -1,24 +1,34 @@
 r"""Mass matrix, Coriolis forces and gravity of rigid bodies as CasADi expressions.
 
 From kinetic and potential energy (Lagrange's equations of the second kind).
+
+In absolute angles a column of a planar Jacobian is a vector turned by one angle at most,
+J_i = R(y_a) w_i, so that
+
+.. math:: J_i \cdot J_j = w_i \cdot R(y_b - y_a)\, w_j
+
+Left to itself a product has the sum of two squares of sines and cosines where there is a one, and a
+sum of products where there is one cosine: over a box of angles, intervals lose all of that.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from fractions import Fraction
 
 import casadi as ca
 
-from compiler.arithmetic.scalars import Constant
 from compiler.dynamics.absolute_angles import Coordinates
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics
-from compiler.dynamics.planar_products import has_turned_columns, planar_products
-from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody
+from compiler.dynamics.kinematics import Kinematics
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody, Turn
 
 
-def inertia_of(body: Body, at: Kinematics, constants: ConstantInputs) -> tuple[ca.SX, ca.SX, ca.SX]:
+def inertia_of(
+    body: Body, at: Kinematics, constants: SymbolicEvaluator
+) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Mass, position of the com, and inertia about it in world axes."""
-    half, twelfth = (constants.read(Constant(Fraction(1, i))) for i in (2, 12))
+    half, twelfth = (constants.constant(Fraction(1, i)) for i in (2, 12))
     match body:
         case RodBody(frame, axis, sign, length, density, _):
             extent, mass = at.scalars[length], at.scalars[density] * at.scalars[length]
@@ -66,7 +76,7 @@ def mass_matrix(
     model: RobotModel,
     at: Kinematics,
     q: ca.SX,
-    constants: ConstantInputs,
+    constants: SymbolicEvaluator,
     coordinates: Coordinates,
 ) -> ca.SX:
     """M, the Hessian of the kinetic energy in the rates."""
@@ -127,7 +137,7 @@ def gravitational_forces(
     at: Kinematics,
     q: ca.SX,
     gravity: tuple[Fraction, ...],
-    constants: ConstantInputs,
+    constants: SymbolicEvaluator,
 ) -> ca.SX:
     """g, the gradient of the potential energy."""
     if not any(gravity):
@@ -136,12 +146,61 @@ def gravitational_forces(
 
 
 def potential_energy(
-    model: RobotModel, at: Kinematics, gravity: tuple[Fraction, ...], constants: ConstantInputs
+    model: RobotModel, at: Kinematics, gravity: tuple[Fraction, ...], constants: SymbolicEvaluator
 ) -> ca.SX:
     """The potential energy of all bodies in a uniform field of gravity, J."""
-    pull = ca.vertcat(*(constants.read(Constant(value)) for value in gravity))
+    pull = ca.vertcat(*(constants.constant(value) for value in gravity))
     potential = ca.SX(0)
     for body in model.bodies:
         mass, com, _ = inertia_of(body, at, constants)
         potential -= mass * ca.dot(pull, com[: len(gravity)])
     return potential
+
+
+NORMAL = 2
+"""The axis that is normal to the plane."""
+
+
+def has_turned_columns(model: RobotModel, coordinates: Coordinates) -> bool:
+    """Whether all columns are such: in the plane, no coordinate moves two frames, none is flipped.
+
+    A turn about another axis than the plane's would change the sense in which angles count.
+    """
+    steps = [node.step for node in model.frames]
+    uses = Counter(step.dof for step in steps if isinstance(step, Joint))
+    turning = {i for i, dof in enumerate(model.dofs) if dof.kind == "revolute"}
+    upright = all(
+        step.axis == NORMAL
+        for step in steps
+        if isinstance(step, Turn) or (isinstance(step, Joint) and step.dof in turning)
+    )
+    alone = all(count == 1 for count in uses.values())
+    return model.dimension == 2 and upright and alone and turning <= coordinates.absolute
+
+
+def planar_products(columns: ca.SX, y: ca.SX, absolute: frozenset[int]) -> ca.SX:
+    """The matrix of all products of two columns, shape (n, n); ``columns`` is (2, n)."""
+    n = columns.size2()
+    angles = [_angle(columns[:, i], y, absolute) for i in range(n)]
+    found = ca.SX.zeros(n, n)
+    for i in range(n):
+        for j in range(i, n):
+            product = ca.dot(columns[:, i], columns[:, j])
+            found[i, j] = found[j, i] = _relative(product, y, angles[i], angles[j])
+    return found
+
+
+def _angle(column: ca.SX, y: ca.SX, absolute: frozenset[int]) -> int | None:
+    """The angle by which a column is turned; None for one that stays as it is."""
+    turned = [number for number in sorted(absolute) if ca.depends_on(column, y[number])]
+    return turned[0] if turned else None
+
+
+def _relative(product: ca.SX, y: ca.SX, first: int | None, second: int | None) -> ca.SX:
+    """The product of two columns as the angle between them says."""
+    if first is None or second is None:
+        return product
+    if first == second:
+        return ca.substitute(product, y[first], ca.SX(0))
+    between = y[second] - y[first]
+    return ca.substitute(product, ca.vertcat(y[first], y[second]), ca.vertcat(0, between))

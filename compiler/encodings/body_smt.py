@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from compiler.arithmetic.balls import working_precision
 from compiler.encodings.body_demands import BodyDemands
 from compiler.encodings.planar_poses import PlanarPose
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
@@ -22,6 +21,7 @@ from compiler.encodings.reachability_smt import PRECISION, Pose
 from compiler.encodings.real_terms import Formula, Quantity, RealScript, all_of, any_of
 from compiler.encodings.region_terms import inside, point_clear, segment_clear
 from compiler.encodings.scalar_terms import ScalarTerms
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.robot import Offset, RobotModel, RodBody, SolidBody
 from grammar_lang import ir
 

@@ -16,7 +16,6 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.rational_enclosure import outward
 from compiler.encodings.real_terms import (
     Quantity,
     RealScript,
@@ -34,6 +33,8 @@ from compiler.encodings.real_terms import (
     sum_of_squares,
 )
 from compiler.encodings.scalar_terms import Angle, absolute
+from compiler.expressions.evaluator import Evaluator
+from compiler.expressions.rational_enclosure import outward
 from grammar_lang import ir
 from grammar_lang.constants import apply
 
@@ -45,7 +46,7 @@ WHOLE = arb(0, float("inf"))
 
 @dataclass(frozen=True, slots=True)
 class LinearTerm:
-    """A linear form with rational coefficients in symbols of a script; what a register holds."""
+    """A linear form with rational coefficients in symbols of a script; a value of the graph."""
 
     coefficients: Mapping[str, Fraction]
     constant: Fraction
@@ -57,8 +58,8 @@ class LinearTerm:
 
 
 @dataclass(slots=True)
-class TermArithmetic:
-    """Linear forms as the numbers of a tape; products are defined as new symbols of the script."""
+class TermEvaluator(Evaluator[LinearTerm]):
+    """Values are linear forms; products are defined as new symbols of the script."""
 
     script: RealScript
     quantities: dict[str, Quantity] = field(default_factory=dict[str, Quantity])
@@ -71,9 +72,13 @@ class TermArithmetic:
 
     # --- numbers -------------------------------------------------------------------------------
 
-    def integer(self, value: int) -> LinearTerm:
-        """An integer constant."""
+    def constant(self, value: Fraction | int) -> LinearTerm:
+        """A rational."""
         return LinearTerm({}, Fraction(value))
+
+    def pi(self) -> LinearTerm:
+        """The symbol pi."""
+        return LinearTerm({PI: ONE}, Fraction(0))
 
     def symbol(self, quantity: Quantity) -> LinearTerm:
         """A symbol of the script."""
@@ -82,36 +87,68 @@ class TermArithmetic:
         self.quantities.setdefault(quantity.core, Quantity(ONE, quantity.core, quantity.ball))
         return LinearTerm({quantity.core: quantity.factor}, Fraction(0))
 
-    def unary(self, name: str, argument: LinearTerm) -> LinearTerm:
-        """A function of one number."""
-        match name:
-            case "neg":
-                return scaled(argument, Fraction(-1))
-            case "twice":
-                return scaled(argument, Fraction(2))
-            case "sq":
-                return self.binary("mul", argument, argument)
-            case "inv":
-                return self.binary("div", self.integer(1), argument)
-            case "sqrt":
-                return self._root(argument)
-            case "fabs":
-                return self.symbol(absolute(self.script, self.quantity(argument)))
-            case _:
-                return self._trigonometric(name, argument)
+    # --- operations ----------------------------------------------------------------------------
 
-    def binary(self, name: str, left: LinearTerm, right: LinearTerm) -> LinearTerm:
-        """An operation on two numbers."""
-        if name == "add":
-            return added(left, right)
-        if name == "sub":
-            return added(left, scaled(right, Fraction(-1)))
-        if name == "div":
-            return self._quotient(left, right)
+    def neg(self, argument: LinearTerm, /) -> LinearTerm:
+        """The opposite."""
+        return scaled(argument, Fraction(-1))
+
+    def twice(self, argument: LinearTerm, /) -> LinearTerm:
+        """The double."""
+        return scaled(argument, Fraction(2))
+
+    def add(self, left: LinearTerm, right: LinearTerm, /) -> LinearTerm:
+        """The sum."""
+        return added(left, right)
+
+    def mul(self, left: LinearTerm, right: LinearTerm, /) -> LinearTerm:
+        """The product, as a symbol where no factor is a number."""
         for one, other in ((left, right), (right, left)):
             if one.value is not None:
                 return scaled(other, one.value)
         return self._define(multiply(self.quantity(left), self.quantity(right)))
+
+    def div(self, left: LinearTerm, right: LinearTerm, /) -> LinearTerm:
+        """The quotient, as a symbol; the divisor is asserted not to be zero."""
+        if right.value:
+            return scaled(left, 1 / right.value)
+        dividend, divisor = self.quantity(left), self.quantity(right)
+        found = self.script.fresh("d", dividend.ball / divisor.ball)
+        self.script.assertion(equal(multiply(found, divisor), dividend))
+        self.script.assertion(negation(equal(divisor, constant(0))))
+        return self.symbol(found)
+
+    def sqrt(self, argument: LinearTerm, /) -> LinearTerm:
+        """The square root, as a symbol."""
+        square = self.quantity(argument)
+        enclosure = square.ball.sqrt()
+        known = self.script.number(enclosure) if argument.value is not None else None
+        if known is not None:
+            return self.symbol(known)
+        found = self.script.fresh("r", enclosure)
+        self.script.assertion(non_negative(found), equal(multiply(found, found), square))
+        return self.symbol(found)
+
+    def fabs(self, argument: LinearTerm, /) -> LinearTerm:
+        """The absolute value."""
+        return self.symbol(absolute(self.script, self.quantity(argument)))
+
+    def cos(self, argument: LinearTerm, /) -> LinearTerm:
+        """The cosine."""
+        return self.symbol(self._angle(argument).cosine)
+
+    def sin(self, argument: LinearTerm, /) -> LinearTerm:
+        """The sine."""
+        return self.symbol(self._angle(argument).sine)
+
+    def tan(self, argument: LinearTerm, /) -> LinearTerm:
+        """The tangent, as a symbol."""
+        angle = self._angle(argument)
+        found = self.script.fresh("t")
+        self.script.assertion(equal(multiply(found, angle.cosine), angle.sine))
+        return self.symbol(found)
+
+    # --- terms ---------------------------------------------------------------------------------
 
     def quantity(self, number: LinearTerm) -> Quantity:
         """A number as a term; sums are defined as symbols, so that none is written twice."""
@@ -151,34 +188,7 @@ class TermArithmetic:
         (name,) = self._defined[quantity.core].coefficients
         return Quantity(quantity.factor, name, quantity.ball)
 
-    def _quotient(self, left: LinearTerm, right: LinearTerm) -> LinearTerm:
-        if right.value:
-            return scaled(left, 1 / right.value)
-        dividend, divisor = self.quantity(left), self.quantity(right)
-        found = self.script.fresh("d", dividend.ball / divisor.ball)
-        self.script.assertion(equal(multiply(found, divisor), dividend))
-        self.script.assertion(negation(equal(divisor, constant(0))))
-        return self.symbol(found)
-
-    def _root(self, argument: LinearTerm) -> LinearTerm:
-        square = self.quantity(argument)
-        enclosure = square.ball.sqrt()
-        known = self.script.number(enclosure) if argument.value is not None else None
-        if known is not None:
-            return self.symbol(known)
-        found = self.script.fresh("r", enclosure)
-        self.script.assertion(non_negative(found), equal(multiply(found, found), square))
-        return self.symbol(found)
-
     # --- angles --------------------------------------------------------------------------------
-
-    def _trigonometric(self, name: str, argument: LinearTerm) -> LinearTerm:
-        angle = self._angle(argument)
-        if name != "tan":
-            return self.symbol(angle.cosine if name == "cos" else angle.sine)
-        found = self.script.fresh("t")
-        self.script.assertion(equal(multiply(found, angle.cosine), angle.sine))
-        return self.symbol(found)
 
     def _angle(self, argument: LinearTerm) -> Angle:
         """The cosine and sine of a sum of multiples of symbols, pi and a rational."""

@@ -28,7 +28,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from compiler.arithmetic.balls import working_precision
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.real_terms import (
     FALSE,
@@ -50,6 +49,7 @@ from compiler.encodings.region_terms import inside
 from compiler.encodings.scalar_terms import ScalarTerms, absolute
 from compiler.encodings.segments import Chain, Segment, segments
 from compiler.encodings.slide_terms import slide_term
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.robot import Joint, Offset, RobotModel, Turn
 from grammar_lang import ir
 

@@ -14,8 +14,8 @@ from typing import TypeAlias
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball
-from compiler.arithmetic.rational_enclosure import GRID, outward
+from compiler.expressions.evaluators.balls import ball
+from compiler.expressions.rational_enclosure import GRID, outward
 
 NARROW = 4  # grid steps
 TRUE, FALSE = "true", "false"

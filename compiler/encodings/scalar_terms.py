@@ -1,4 +1,4 @@
-r"""The algebraic reading of a robot's scalars, for nonlinear real arithmetic.
+r"""A robot's scalars as terms of nonlinear real arithmetic.
 
 Sums, products, quotients, powers, roots and absolute values are exact.  A sine and a cosine of
 one angle are unknowns with :math:`c^2 + s^2 = 1`, within intervals from ball arithmetic over the
@@ -14,16 +14,6 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import BallArithmetic, closed_ball, constant_ball
-from compiler.arithmetic.rational_enclosure import exact_rational, outward, rational_bounds
-from compiler.arithmetic.scalars import (
-    Apply,
-    Constant,
-    ParameterLeaf,
-    PiConstant,
-    ScalarNode,
-    read_scalars,
-)
 from compiler.encodings.real_terms import (
     Quantity,
     RealScript,
@@ -40,11 +30,20 @@ from compiler.encodings.real_terms import (
     subtract,
     sum_of_squares,
 )
+from compiler.expressions.evaluators.balls import BALLS, closed_ball
+from compiler.expressions.evaluators.monomials import MonomialEvaluator
+from compiler.expressions.rational_enclosure import exact_rational, outward, rational_bounds
+from compiler.expressions.scalars import (
+    Apply,
+    ParameterLeaf,
+    PiConstant,
+    ScalarNode,
+    evaluate_scalars,
+)
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from grammar_lang.constants import MagnitudeError, Monomial, apply, combine
+from grammar_lang.constants import Monomial, apply
 
-OPERATORS = {"+": "add", "-": "sub", "*": "mul", "/": "div"}
 ONE = Fraction(1)
 
 
@@ -70,23 +69,10 @@ class ScalarTerms:
     def __post_init__(self) -> None:
         domains = [_domain_ball(parameter.domain) for parameter in self.model.parameters]
 
-        def leaf(node: Constant | PiConstant | ParameterLeaf) -> arb:
-            return domains[node.index] if isinstance(node, ParameterLeaf) else constant_ball(node)
-
-        self.balls = read_scalars(self.model.scalars, leaf, _apply_ball)
+        self.balls = evaluate_scalars(self.model.scalars, BALLS, domains)
         values = [_only_value(parameter.domain) for parameter in self.model.parameters]
-
-        def exact_leaf(node: Constant | PiConstant | ParameterLeaf) -> Monomial | None:
-            match node:
-                case Constant(value):
-                    return value, 0
-                case PiConstant():
-                    return ONE, 1
-                case ParameterLeaf(index):
-                    only = values[index]
-                    return None if only is None else (only, 0)
-
-        self.monomials = read_scalars(self.model.scalars, exact_leaf, _apply_monomial)
+        known: list[Monomial | None] = [None if item is None else (item, 0) for item in values]
+        self.monomials = evaluate_scalars(self.model.scalars, MonomialEvaluator(), known)
 
     def define(self, scalars: set[int]) -> None:
         """Declare what the given scalars need; angles follow on demand."""
@@ -268,30 +254,3 @@ def _only_value(domain: ir.Interval | ir.Choices) -> Fraction | None:
     ends = (domain.lower, domain.upper) if isinstance(domain, ir.Interval) else domain.values
     values = {exact_rational(end) for end in ends}
     return values.pop() if len(values) == 1 else None
-
-
-def _apply_ball(node: Apply, arguments: list[arb]) -> arb:
-    if node.operation == "^":
-        return arguments[0] ** node.exponent
-    if node.operation in OPERATORS:
-        return BallArithmetic().binary(OPERATORS[node.operation], arguments[0], arguments[1])
-    return BallArithmetic().unary(node.operation, arguments[0])
-
-
-def _apply_monomial(node: Apply, arguments: list[Monomial | None]) -> Monomial | None:
-    """The value of a closed operation where it is seen to be ``q * pi**k``."""
-    known = [argument for argument in arguments if argument is not None]
-    if len(known) < len(arguments):
-        return None
-    try:
-        match node.operation:
-            case "+" | "-" | "*" | "/" as operator:
-                return combine(operator, known[0], known[1])
-            case "^":
-                return combine("^", known[0], (Fraction(node.exponent), 0))
-            case "neg" | "abs" | "sqrt" | "sin" | "cos" | "tan" as function:
-                return apply(function, known[0])
-            case _:
-                return None
-    except MagnitudeError:
-        return None

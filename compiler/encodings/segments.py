@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from compiler.arithmetic.scalars import Constant
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import Joint, Offset, RobotModel, Step, Turn
 
 

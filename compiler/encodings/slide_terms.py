@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flint import arb
 
-from compiler.arithmetic.rational_enclosure import rational_bounds
 from compiler.encodings.real_terms import Quantity, RealScript, between
+from compiler.expressions.rational_enclosure import rational_bounds
 from compiler.robots.robot import RobotModel
 
 

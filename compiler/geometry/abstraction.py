@@ -17,6 +17,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.adjacency import Pair, shared_facets, touching
 from compiler.geometry.coarsening import coarsened
 from compiler.geometry.double_description import Point
@@ -26,7 +27,6 @@ from compiler.geometry.refinement import Cut, split_cells
 from compiler.time_limits.time_limit import check_time
 from grammar_lang.ir import Region, Workspace
 
-Array: TypeAlias = NDArray[np.float64]
 CellKind: TypeAlias = Literal["obstacle", "target", "region", "free"]
 FREE: Final = "free"
 OUTSIDE = 1e-9

@@ -10,14 +10,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.double_description import IntRow, Point, Vertex, clip, value
 from compiler.geometry.polytope import Polytope
 from compiler.time_limits.time_limit import check_time
 
 Pair: TypeAlias = tuple[int, int]
-Boxes: TypeAlias = NDArray[np.float64]
+Boxes: TypeAlias = Array
 
 
 def shared_facets(cells: Sequence[Polytope]) -> dict[Pair, tuple[Point, ...]]:

@@ -14,8 +14,8 @@ from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.double_description import IntRow, Vertex, primitive
 from compiler.geometry.polytope import Description, Polytope
 from grammar_lang.ir import HalfSpace
@@ -23,7 +23,6 @@ from grammar_lang.ir import HalfSpace
 Ray: TypeAlias = tuple[int, ...]
 Edge: TypeAlias = tuple[Ray, Ray]
 Direction: TypeAlias = tuple[int, int]
-Places: TypeAlias = NDArray[np.float64]
 NEARLY = 1e-7
 """Relative to the size of a picture: what is farther from a line than this is surely not on it."""
 
@@ -52,7 +51,7 @@ def line(a: Ray, b: Ray) -> Ray:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def places(points: Sequence[Ray]) -> Places:
+def places(points: Sequence[Ray]) -> Array:
     """The points in floats, shape (n, 2)."""
     return np.array([[x / w, y / w] for x, y, w in points]).reshape(-1, 2)
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal
 
 from compiler.geometry.double_description import (
     IntRow,
@@ -27,10 +27,8 @@ from compiler.geometry.volume import counter_clockwise, polygon_area, polyhedron
 from grammar_lang.ir import HalfSpace, Hull, Inequalities
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from compiler.arrays import Array
 
-    Array: TypeAlias = NDArray[np.float64]
 
 AXES = ("x", "y", "z")
 

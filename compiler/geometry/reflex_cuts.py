@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.geometry.double_description import primitive
 from compiler.geometry.plane_boundary import (
     Direction,
     Edge,
-    Places,
     Ray,
     boundary,
     cross,
@@ -61,7 +61,7 @@ class _Walls:
             self._ends[: len(edges), i] = places([edge[i] for edge in edges])
 
     @property
-    def ends(self) -> Places:
+    def ends(self) -> Array:
         """Both ends of every wall, shape (n, 2, 2)."""
         return self._ends[: len(self.edges)]
 
@@ -123,7 +123,7 @@ def _ahead(at: Ray, way: Direction) -> tuple[int, int]:
     return at[0] + at[2] * way[0], at[1] + at[2] * way[1]
 
 
-def _turns(a: Places, b: Places, c: Places) -> Places:
+def _turns(a: Array, b: Array, c: Array) -> Array:
     gap, other = b - a, c - a
     return gap[..., 0] * other[..., 1] - gap[..., 1] * other[..., 0]
 

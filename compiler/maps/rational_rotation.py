@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, working_precision
 
 BITS = 48
 """So many binary digits has the tangent of half the angle."""

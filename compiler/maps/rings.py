@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Floats: TypeAlias = NDArray[np.float64]
+    from compiler.arrays import Array
+
 
 Place: TypeAlias = tuple[int, int]
 """A point in units of a common denominator."""
@@ -145,15 +146,15 @@ def _near(edges: Sequence[Edge]) -> Iterator[tuple[int, int]]:
             yield i, int(j)
 
 
-def _sides(lines: Floats, points: Floats) -> Floats:
+def _sides(lines: Array, points: Array) -> Array:
     """On which side of lines the two ends of edges are; shapes (…, 2, 2), result (…, 2)."""
     start, along = lines[..., :1, :], lines[..., 1:, :] - lines[..., :1, :]
     away = points - start
-    sides: Floats = along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]
+    sides: Array = along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]
     return sides
 
 
-def _aside(sides: Floats) -> NDArray[np.bool_]:
+def _aside(sides: Array) -> NDArray[np.bool_]:
     """Whether both ends are for certain on one side."""
     import numpy as np
 

@@ -21,14 +21,15 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 from flint import arb, arb_mat
-from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import constant_ball
-from compiler.arithmetic.scalars import Constant, PiConstant
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
+from compiler.arrays import Array
 from compiler.dynamics.absolute_angles import own_coordinates
-from compiler.dynamics.kinematics import ConstantInputs, Kinematics, kinematics, rotation
-from compiler.dynamics.tape import Tape, tape
+from compiler.dynamics.kinematics import Kinematics, kinematics, rotation
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
+from compiler.expressions.evaluators.balls import constant_ball
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
+from compiler.expressions.scalars import Constant, PiConstant
+from compiler.expressions.tape import Tape, tape
 from compiler.mass_matrix.boxes import Box, halves, hull, middle
 from compiler.robots.robot import Body, Joint, PointBody, RobotModel, RodBody, SolidBody, Turn
 from compiler.time_limits.time_limit import check_time
@@ -36,8 +37,6 @@ from compiler.time_limits.time_limit import check_time
 SHARPEST = 1e-3
 UNBOUNDED = 1e30
 """Stands for an infinite radius where enclosures are compared."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +72,7 @@ def body_motions(model: RobotModel) -> BodyMotions:
     """The velocities of the bodies of a robot as expressions in q, theta and the constants."""
     n = len(model.dofs)
     q, theta = ca.SX.sym("q", n), ca.SX.sym("theta", len(model.parameters))
-    constants = ConstantInputs()
+    constants = SymbolicEvaluator()
     at = kinematics(model, q, theta, constants, own_coordinates(model))
     velocities: list[Velocities] = []
     weights: list[ca.SX] = []
@@ -93,7 +92,7 @@ def body_motions(model: RobotModel) -> BodyMotions:
 
 
 def _of_body(
-    number: int, body: Body, at: Kinematics, q: ca.SX, constants: ConstantInputs
+    number: int, body: Body, at: Kinematics, q: ca.SX, constants: SymbolicEvaluator
 ) -> tuple[list[Velocities], list[ca.SX]]:
     d = at.model.dimension
 
@@ -122,7 +121,7 @@ def _of_body(
             return [shift, *turns], [mass, *signs]
 
 
-def _spin(at: Kinematics, frame: int, constants: ConstantInputs, q: ca.SX) -> ca.SX:
+def _spin(at: Kinematics, frame: int, constants: SymbolicEvaluator, q: ca.SX) -> ca.SX:
     """The angular velocity in the axes of a frame, shape (3, n), from the frame inwards."""
     columns, back = ca.SX.zeros(3, q.numel()), ca.SX.eye(3)
     for node in reversed(at.model.chain(frame)):
@@ -262,7 +261,7 @@ class RestTest:
         for i, whole in balls.items():
             wide[i], point[i] = around(whole), around(whole.mid())
         total = product(self._enclosed(point)[0])
-        slopes = self._slopes.run([*wide, *self._constants], IntervalArithmetic())
+        slopes = self._slopes.evaluate([*wide, *self._constants], INTERVALS)
         height, columns = self.rows.shape
         for number, i in enumerate(self.active):
             own = slopes[number * height * columns :]
@@ -296,7 +295,7 @@ class RestTest:
     def _enclosed(self, sides: Sequence[Ends]) -> tuple[list[list[Ends]], list[Ends]]:
         """The rows and the signs over a box."""
         height, columns = self.rows.shape
-        found = self._values.run([*sides, *self._constants], IntervalArithmetic())
+        found = self._values.evaluate([*sides, *self._constants], INTERVALS)
         table = [[found[j * height + i] for j in range(columns)] for i in range(height)]
         return table, found[height * columns :]
 

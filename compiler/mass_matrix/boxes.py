@@ -10,10 +10,10 @@ from typing import TypeAlias
 
 from flint import arb
 
-from compiler.arithmetic.balls import closed_ball
-from compiler.arithmetic.rational_enclosure import rational_bounds
-from compiler.definiteness.exact_reading import NotExact, PiLinear, exact_closed
-from compiler.definiteness.interval_reading import INFINITY, Ends, around, outward
+from compiler.expressions.evaluators.balls import closed_ball
+from compiler.expressions.evaluators.exact import NotExact, PiLinear, exact_closed
+from compiler.expressions.evaluators.intervals import INFINITY, Ends, around, outward
+from compiler.expressions.rational_enclosure import rational_bounds
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 

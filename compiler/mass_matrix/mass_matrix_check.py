@@ -18,20 +18,25 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from compiler.arithmetic.balls import BallArithmetic, ball, constant_ball, working_precision
-from compiler.arithmetic.scalars import Constant
-from compiler.definiteness.exact_reading import PiLinear
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import Tape, tape
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.evaluators.balls import (
+    BALLS,
+    ball,
+    constant_ball,
+    working_precision,
+)
+from compiler.expressions.evaluators.exact import PiLinear
+from compiler.expressions.evaluators.trigonometric import CanonicalEvaluator, TooManyTerms
+from compiler.expressions.scalars import Constant
+from compiler.expressions.tape import Tape, tape
+from compiler.expressions.trigonometric_polynomial import (
     Pi,
     PolynomialRing,
     TrigonometricPolynomial,
     Variable,
 )
-from compiler.formulas.trigonometric_reading import CanonicalArithmetic, TooManyTerms
 from compiler.mass_matrix.bodies_at_rest import (
-    Array,
     BodyMotions,
     body_motions,
     rest_test,
@@ -192,7 +197,7 @@ class SingularSearch:
 
     def witness(self) -> Witness | None:
         """One for all points of the box, else one at a natural point; None where none is found."""
-        if any(name == "sign" for name, _, _ in self.values.instructions):
+        if self.values.uses("sign"):
             return None
         points = list(self.scattered())
         matrices = [self.at(point) for point in points]
@@ -217,7 +222,7 @@ class SingularSearch:
         ring = PolynomialRing()
         entries = self.exact(ring, [_number(ring, value) for value in point])
         inputs = [*(v.ball() for v in point), *map(constant_ball, self.constants)]
-        balls, n = self.values.run(inputs, BallArithmetic()), len(self.rest)
+        balls, n = self.values.evaluate(inputs, BALLS), len(self.rest)
         for vector in (*null_vectors([matrix]), *_lowest(matrix)):
             if entries is not None and not _form(ring, entries, vector).terms:
                 return vector
@@ -235,7 +240,7 @@ class SingularSearch:
             for c in self.constants
         ]
         try:
-            return self.values.run([*inputs, *constants], CanonicalArithmetic(ring))
+            return self.values.evaluate([*inputs, *constants], CanonicalEvaluator(ring))
         except TooManyTerms:
             return None
 

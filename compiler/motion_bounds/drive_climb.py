@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from compiler.definiteness.interval_reading import Ends
+from compiler.expressions.evaluators.intervals import Ends
 
 ZERO = arb(0)
 

@@ -18,8 +18,8 @@ from itertools import pairwise
 
 from flint import arb
 
+from compiler.motion_bounds.drive_bounds import BoxBounds
 from compiler.motion_bounds.drive_budget import Budget
-from compiler.motion_bounds.drive_readings import Reading
 
 LEVELS = 24
 """Parts of the way between two values."""
@@ -36,28 +36,28 @@ class Needed:
 
 
 def needed(
-    measure: int, low: arb, high: arb, readings: Sequence[Reading], budget: Budget | None
+    measure: int, low: arb, high: arb, all_bounds: Sequence[BoxBounds], budget: Budget | None
 ) -> Needed:
     """What the motion needs from one value of a measure to another.
 
     Args:
-        measure: its number in the readings.
+        measure: its number in the bounds.
         low: the one value, exact.
         high: the other value, exact and larger.
-        readings: of all boxes that the motion may be in.
+        all_bounds: of all boxes that the motion may be in.
         budget: bounds on the motion; None where nothing is known.
     """
     edges = [low, *((low + (high - low) * j / LEVELS).mid() for j in range(1, LEVELS)), high]
     length = time = arb(0)
     for first, last in pairwise(edges):
         here = [
-            reading
-            for reading in readings
-            if not (reading.courses[measure].high < first or reading.courses[measure].low > last)
+            box
+            for box in all_bounds
+            if not (box.courses[measure].high < first or box.courses[measure].low > last)
         ]
         if not here:
             continue  # no pose has such a value: nothing is counted, which is less than there is
-        steepness = largest([reading.courses[measure].steepness for reading in here])
+        steepness = largest([box.courses[measure].steepness for box in here])
         if steepness is not None:
             length += (last - first) / steepness.max(TINY)
         speed = _speed(measure, here, steepness, budget)
@@ -67,14 +67,14 @@ def needed(
 
 
 def _speed(
-    measure: int, readings: Sequence[Reading], steepness: arb | None, budget: Budget | None
+    measure: int, all_bounds: Sequence[BoxBounds], steepness: arb | None, budget: Budget | None
 ) -> arb | None:
     """The largest |df/dt| in some boxes."""
-    known = largest([reading.courses[measure].speed for reading in readings])
+    known = largest([box.courses[measure].speed for box in all_bounds])
     if steepness is None or budget is None:
         return known
     kinetic = budget.speed
-    for_moving = budget.energy - least([reading.potential.low for reading in readings])
+    for_moving = budget.energy - least([box.potential.low for box in all_bounds])
     if for_moving > 0:
         kinetic = kinetic.min((2 * for_moving.upper()).sqrt())
     driven = (steepness * kinetic).upper()

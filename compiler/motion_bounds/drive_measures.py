@@ -13,8 +13,8 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball
 from compiler.coverings.motion_demands import Passage, PointIn
+from compiler.expressions.evaluators.balls import ball
 from compiler.geometry.polytope import Polytope
 from compiler.motion_bounds.drive_momentum import MomentumMeasure
 from compiler.robots.robot import RobotModel

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat
 
-from compiler.definiteness.interval_reading import Ends
+from compiler.expressions.evaluators.intervals import Ends
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,8 +27,8 @@ from itertools import pairwise
 
 from flint import arb
 
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import EnergyGraph
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.robots.robot import RobotModel
 
 CELLS = 128
@@ -113,7 +113,7 @@ def momentum_measures(
     """
     size = len(model.dofs)
     box = [*map(around, sides), *tail]
-    mass = graph.mass.run(box, IntervalArithmetic())
+    mass = graph.mass.evaluate(box, INTERVALS)
     found: list[MomentumMeasure] = []
     for cyclic in (dof for dof in range(size) if dof not in graph.shape):
         others = [mass[j * size + cyclic] for j in range(size) if j != cyclic]
@@ -157,7 +157,7 @@ def _coupled(
     for first, last in pairwise(edges):
         box = [Ends(arb(0), arb(0))] * 2
         box[shape] = Ends(first, last)
-        mass = graph.mass.run([*box, *tail], IntervalArithmetic())
+        mass = graph.mass.evaluate([*box, *tail], INTERVALS)
         own, other = mass[cyclic * 2 + cyclic], mass[shape * 2 + cyclic]
         if not (own.low > 0 and own.finite and other.finite):
             return None

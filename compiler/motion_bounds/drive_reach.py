@@ -16,13 +16,14 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, constant_ball
 from compiler.coverings.covered_poses import NEAR
 from compiler.coverings.leaf_box import LeafBox
 from compiler.coverings.motion_demands import GivenPose, Passage
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import EnergyGraph, energy_graph
+from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.geometry.polytope import polytope_of
+from compiler.motion_bounds.drive_bounds import BoxEvaluator
 from compiler.motion_bounds.drive_budget import Budget
 from compiler.motion_bounds.drive_levels import least, needed
 from compiler.motion_bounds.drive_measures import (
@@ -33,7 +34,6 @@ from compiler.motion_bounds.drive_measures import (
 )
 from compiler.motion_bounds.drive_metric import EffortGroup, most_power
 from compiler.motion_bounds.drive_momentum import MomentumMeasure, momentum_measures
-from compiler.motion_bounds.drive_readings import BoxReader
 from compiler.motion_bounds.drive_region import Limits, Region
 from compiler.robots.input_bounds import input_bounds, unbounded_kinds
 from compiler.robots.robot import RobotDof, RobotModel
@@ -75,7 +75,7 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
     """What is needed of a robot and a task, both without maps.
 
     Raises:
-        ValueError: the rules of the robot have no exact reading.
+        ValueError: the rules of the robot have no exact value.
     """
     graph = energy_graph(model, task.gravity)
     known = graph.damping is not None and not unbounded_kinds(model, task)
@@ -134,7 +134,7 @@ def _region(
     ]
     turned = _turned(drive, tail, leaves)
     measures += turned
-    reader = BoxReader(
+    reader = BoxEvaluator(
         drive.graph,
         tail,
         measures,
@@ -156,8 +156,8 @@ def _region(
         None if drive.groups is None else most_power(drive.groups, drive.rates),
         _pushes(drive, damping, turned),
     )
-    readings = [reader.read(leaf.coordinates) for leaf in leaves]
-    return Region(measures, limits, leaves, readings, given)
+    all_bounds = [reader.read(leaf.coordinates) for leaf in leaves]
+    return Region(measures, limits, leaves, all_bounds, given)
 
 
 def _turned(
@@ -192,7 +192,7 @@ def _damping(drive: DriveReach, tail: Sequence[Ends]) -> list[Ends]:
         return []
     zero = Ends(arb(0), arb(0))
     inputs = [zero] * len(drive.model.dofs)
-    return drive.graph.damping.run([*inputs, *tail], IntervalArithmetic())
+    return drive.graph.damping.evaluate([*inputs, *tail], INTERVALS)
 
 
 def _groups(model: RobotModel, task: ir.Task) -> tuple[EffortGroup, ...]:
@@ -216,10 +216,10 @@ def _energy(region: Region, budget: Budget | None) -> DriveBound | None:
     """The goal is higher than the energy of the motion."""
     if budget is None:
         return None
-    goal = least([reading.potential.low for reading in region.goals])
+    goal = least([box_bounds.potential.low for box_bounds in region.goals])
     if not goal > budget.energy:
         return None
-    start = -least([-reading.potential.high for reading in region.sources])
+    start = -least([-box_bounds.potential.high for box_bounds in region.sources])
     needs, has = _apart(float(goal - start), float(budget.energy - start))
     reason = f"at least {needs} J are needed, at most {has} J can be had"
     return DriveBound(reason, float(needs), float(has), "J")

@@ -22,13 +22,13 @@ import numpy as np
 from flint import arb
 
 from compiler.coverings.leaf_box import LeafBox
-from compiler.definiteness.interval_reading import Ends
+from compiler.expressions.evaluators.intervals import Ends
+from compiler.motion_bounds.drive_bounds import BoxBounds, Course
 from compiler.motion_bounds.drive_budget import Budget, Ramp, RateBounds, budget
 from compiler.motion_bounds.drive_climb import OneWay, Side, climb
 from compiler.motion_bounds.drive_levels import largest, least
 from compiler.motion_bounds.drive_measures import CoordinateMeasure, HeightMeasure, Measure
 from compiler.motion_bounds.drive_momentum import Momentum, MomentumMeasure
-from compiler.motion_bounds.drive_readings import Course, Reading
 from compiler.motion_bounds.drive_touching import Flags, Neighbourhood
 
 ZERO = arb(0)
@@ -54,14 +54,14 @@ class Limits:
 class Region:
     """The set R: ``within`` says which of the boxes belong to it, (K,).
 
-    ``given`` is the reading of the start pose where the task has one.
+    ``given`` holds the bounds at the start pose where the task has one.
     """
 
     measures: Sequence[Measure]
     limits: Limits
     leaves: Sequence[LeafBox]
-    readings: Sequence[Reading]
-    given: Reading | None
+    all_bounds: Sequence[BoxBounds]
+    given: BoxBounds | None
     within: Flags = field(init=False)
     _near: Neighbourhood = field(init=False)
     _starts: Flags = field(init=False)
@@ -80,39 +80,39 @@ class Region:
         return not self.within.any()
 
     @property
-    def inside(self) -> list[Reading]:
-        """The readings of all boxes."""
+    def inside(self) -> list[BoxBounds]:
+        """The bounds of all boxes."""
         return self._of(self.within)
 
     @property
-    def sources(self) -> list[Reading]:
+    def sources(self) -> list[BoxBounds]:
         """Of those that the motion may start in."""
         return [self.given] if self.given is not None else self._of(self.within & self._starts)
 
     @property
-    def goals(self) -> list[Reading]:
+    def goals(self) -> list[BoxBounds]:
         """Of those that it may end in."""
         return self._of(self.within & self._goals)
 
     def budget(self) -> Budget | None:
         """Bounds on the motion; None where M or the forces are not known in some box."""
         inside, sources, goals = self.inside, self.sources, self.goals
-        net = largest([reading.net for reading in inside])
-        inputs = largest([reading.inputs for reading in inside])
+        net = largest([box_bounds.net for box_bounds in inside])
+        inputs = largest([box_bounds.inputs for box_bounds in inside])
         first = self._kinetic(sources, self.limits.first_rate)
         if net is None or inputs is None or first is None:
             return None
         last = None
         if self.limits.last_rate is not None:
             last = self._kinetic(goals, self.limits.last_rate)
-        lowest = least([reading.potential.low for reading in inside])
+        lowest = least([box_bounds.potential.low for box_bounds in inside])
         energies = [
-            None if speed is None else _energy(readings, speed, lowest)
-            for readings, speed in ((sources, first), (goals, last))
+            None if speed is None else _energy(all_bounds, speed, lowest)
+            for all_bounds, speed in ((sources, first), (goals, last))
         ]
         if energies[0] is None:
             return None
-        fastest = largest([reading.rate_speed for reading in inside])
+        fastest = largest([box_bounds.rate_speed for box_bounds in inside])
         rates = None
         if fastest is not None and self.limits.power is not None:
             rates = RateBounds(fastest, self.limits.power)
@@ -126,15 +126,15 @@ class Region:
         ways = [_Ways(self, number) for number in range(len(self.measures))]
         lines = {number: self.one_way(number) for number in range(len(self.measures))}
         known = {number: line for number, line in lines.items() if line is not None}
-        for box, reading in enumerate(self.readings):
+        for box, box_bounds in enumerate(self.all_bounds):
             if not kept[box]:
                 continue
-            kept[box] = not (found is not None and reading.potential.low > found.energy) and all(
-                reach is None or not way.least(reading.courses[way.number]) > reach
+            kept[box] = not (found is not None and box_bounds.potential.low > found.energy) and all(
+                reach is None or not way.least(box_bounds.courses[way.number]) > reach
                 for way, reach in zip(ways, reaches, strict=True)
             )
             kept[box] &= all(
-                line.admits(reading.courses[number].low, reading.courses[number].high)
+                line.admits(box_bounds.courses[number].low, box_bounds.courses[number].high)
                 for number, line in known.items()
             )
         kept = self._joined(kept)
@@ -179,7 +179,7 @@ class Region:
         measure = self.measures[number]
         if isinstance(measure, MomentumMeasure):
             return self._drift(measure.cyclic)
-        courses = [reading.courses[number] for reading in self.inside]
+        courses = [box_bounds.courses[number] for box_bounds in self.inside]
         speed = largest([course.speed for course in courses])
         by_rates = None if speed is None else (speed * self.limits.time).upper()
         steepness = largest([course.steepness for course in courses])
@@ -230,18 +230,18 @@ class Region:
             None if last is None else (goals.unit * last).upper(),
         )
 
-    def _kinetic(self, readings: Sequence[Reading], rate: arb) -> arb | None:
+    def _kinetic(self, all_bounds: Sequence[BoxBounds], rate: arb) -> arb | None:
         """The kinetic speed where all rates are at most ``rate``."""
         if rate.is_zero():
             return ZERO
-        unit = largest([reading.unit_speed for reading in readings])
+        unit = largest([box_bounds.unit_speed for box_bounds in all_bounds])
         return None if unit is None else (unit * rate).upper()
 
     def _joined(self, among: Flags) -> Flags:
         return self._near.joined(self._starts, among) & self._near.joined(self._goals, among)
 
-    def _of(self, flags: Flags) -> list[Reading]:
-        return [reading for reading, flag in zip(self.readings, flags, strict=True) if flag]
+    def _of(self, flags: Flags) -> list[BoxBounds]:
+        return [box_bounds for box_bounds, flag in zip(self.all_bounds, flags, strict=True) if flag]
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,19 +291,21 @@ def _apart(side: Ends, span: Ends, shift: arb) -> arb:
     return ahead.max(behind).max(ZERO).lower()
 
 
-def together(readings: Sequence[Reading], cyclic: int) -> Momentum | None:
+def together(all_bounds: Sequence[BoxBounds], cyclic: int) -> Momentum | None:
     """What holds of a momentum on all of some boxes."""
-    found = [item for reading in readings if (item := reading.momenta.get(cyclic)) is not None]
+    found = [
+        item for box_bounds in all_bounds if (item := box_bounds.momenta.get(cyclic)) is not None
+    ]
     units = largest([item.unit for item in found])
-    if len(found) < len(readings) or units is None:
+    if len(found) < len(all_bounds) or units is None:
         return None
     low, high = least([item.pull.low for item in found]), -least([-i.pull.high for i in found])
     return Momentum(least([item.inertia for item in found]), units, Ends(low, high))
 
 
-def _energy(readings: Sequence[Reading], speed: arb, lowest: arb) -> arb:
+def _energy(all_bounds: Sequence[BoxBounds], speed: arb, lowest: arb) -> arb:
     """The square root of 2 (E - Vmin), where kinetic speeds are at most ``speed``."""
-    highest = -least([-reading.potential.high for reading in readings])
+    highest = -least([-box_bounds.potential.high for box_bounds in all_bounds])
     above = (highest - lowest).max(ZERO)
     return (2 * above + speed * speed).upper().sqrt().upper()
 

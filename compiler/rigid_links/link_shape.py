@@ -9,7 +9,7 @@ from typing import Literal
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball
+from compiler.expressions.evaluators.balls import ball
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, nearest, unit
 from compiler.rigid_links.mass_moments import body_moments
 from compiler.robots.robot import Body, PointBody, RodBody, SolidBody

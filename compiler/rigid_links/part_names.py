@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from compiler.grammars.derivation import Derivation, DerivationNode
 from compiler.graphs.labelled_graph import LabelledGraph
 from compiler.rigid_links.rigid_tree import RigidTree
 from compiler.robots.robot import RobotModel
+from compiler.semantics.emission_order import emission_order
 from grammar_lang import ir
 
 
@@ -105,3 +107,29 @@ def _climb(place: int, lower: Mapping[int, int], known: Mapping[int, int]) -> Se
     while places[-1] not in known and places[-1] in lower:
         places.append(lower[places[-1]])
     return places
+
+
+def effector_modules(
+    derivation: Derivation,
+    semantics: Mapping[str, ir.SemanticBlock],
+    modules: Mapping[str, ir.Module],
+) -> tuple[int | None, ...]:
+    """For every effector, in the order in which the language numbers them, a place in the word.
+
+    An effector belongs to a module if the production that emits it emits no other and has one
+    module of the role effector only; of others (None) nobody can say.
+    """
+    found: list[int | None] = []
+    for number in emission_order(derivation):
+        node = derivation.nodes[number]
+        emissions = semantics[node.production.label].emissions
+        count = sum(isinstance(emission, ir.Effector) for emission in emissions)
+        places = [place for place, name in _modules(node) if modules[name].role == "effector"]
+        found += places if (count, len(places)) == (1, 1) else [None] * count
+    return tuple(found)
+
+
+def _modules(node: DerivationNode) -> list[tuple[int, str]]:
+    """The modules of a production by place and name."""
+    symbols = zip(node.children, node.production.right, strict=True)
+    return [(place, symbol.name) for place, symbol in symbols if symbol.kind == "module"]

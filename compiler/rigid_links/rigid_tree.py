@@ -12,7 +12,7 @@ from typing import Literal
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, scalar_balls, working_precision
+from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls, working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, nearest, unit
 from compiler.rigid_links.link_shape import Shape, body_shape
 from compiler.rigid_links.mass_moments import MassMoments, body_moments, none

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from compiler.arithmetic.scalars import Constant
+from compiler.expressions.scalars import Constant
 from compiler.robots.idle_joints import renumbered
 from compiler.robots.robot import (
     WORLD,

@@ -7,8 +7,8 @@ from itertools import product
 
 from flint import arb
 
-from compiler.arithmetic.balls import closed_ball, scalar_balls, working_precision
-from compiler.arithmetic.scalars import Apply, Constant, ParameterLeaf, PiConstant
+from compiler.expressions.evaluators.balls import closed_ball, scalar_balls, working_precision
+from compiler.expressions.scalars import Apply, Constant, ParameterLeaf, PiConstant
 from compiler.robots.robot import RobotModel, RobotParameter
 from grammar_lang import ir
 from grammar_lang.constants import rational

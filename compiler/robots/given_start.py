@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from compiler.arithmetic.balls import closed_ball, working_precision
+from compiler.expressions.evaluators.balls import closed_ball, working_precision
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.constants import MagnitudeError, binary, evident, unary

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from compiler.arithmetic.scalars import Constant
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import (
     WORLD,
     FrameNode,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from compiler.arithmetic.rational_enclosure import rational_bounds
+from compiler.expressions.rational_enclosure import rational_bounds
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from grammar_lang import ir

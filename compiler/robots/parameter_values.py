@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, working_precision
+from compiler.expressions.evaluators.balls import ball, closed_ball, working_precision
 from grammar_lang import ir
 from grammar_lang.constants import rational
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from compiler.arithmetic.scalars import Constant
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import (
     Body,
     Joint,

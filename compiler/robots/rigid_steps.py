@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from compiler.arithmetic.scalars import ScalarTable
+from compiler.expressions.scalars import ScalarTable
 from compiler.robots.robot import WORLD, FrameNode, Offset, RobotModel, Step, Turn
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from compiler.arithmetic.scalars import ScalarNode
+from compiler.expressions.scalars import ScalarNode
 from compiler.robots.own_dynamics import OwnDynamics
 from grammar_lang import ir
 

@@ -14,8 +14,8 @@ from typing import TypeAlias
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, scalar_balls
-from compiler.arithmetic.scalars import Apply, ParameterLeaf
+from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
+from compiler.expressions.scalars import Apply, ParameterLeaf
 from compiler.robots.robot import (
     Body,
     FrameNode,

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
-from compiler.arithmetic.scalars import (
-    Apply,
-    Constant,
-    ParameterLeaf,
-    PiConstant,
-    read_scalars,
-)
+from compiler.expressions.evaluator import Evaluator
+from compiler.expressions.scalars import Apply, ParameterLeaf, evaluate_scalars
 from compiler.robots.given_start import given_start
 from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import (
@@ -40,19 +36,8 @@ def robot_key(model: RobotModel) -> str:
     parameters = sorted(read.union(*(own.read_parameters for own in model.own)))
     names = {index: f"p{number}" for number, index in enumerate(parameters)}
 
-    def leaf(node: Constant | PiConstant | ParameterLeaf) -> str:
-        match node:
-            case Constant(value):
-                return str(value)
-            case PiConstant():
-                return "pi"
-            case ParameterLeaf(index):
-                return names.get(index, "unused")
-
-    def apply(node: Apply, arguments: list[str]) -> str:
-        return f"{node.operation}{node.exponent or ''}({','.join(arguments)})"
-
-    texts = read_scalars(model.scalars, leaf, apply)
+    values = [names.get(index, "unused") for index in range(len(model.parameters))]
+    texts = evaluate_scalars(model.scalars, _KeyEvaluator(), values)
     parts = [f"dim {model.dimension}"]
     parts += [_frame_text(model, frame, texts) for frame in model.frames]
     parts += [_body_text(body, texts) for body in model.bodies]
@@ -60,6 +45,49 @@ def robot_key(model: RobotModel) -> str:
     parts += [_own_text(own, names) for own in model.own]
     parts += [f"{name}: {model.parameters[index].domain}" for index, name in names.items()]
     return "\n".join(parts)
+
+
+class _KeyEvaluator(Evaluator[str]):
+    """Values are texts: operations with the texts of their arguments behind them."""
+
+    def constant(self, value: Fraction | int) -> str:
+        return str(value)
+
+    def pi(self) -> str:
+        return "pi"
+
+    def power(self, base: str, exponent: int, /) -> str:
+        return f"^{exponent or ''}({base})"
+
+    def neg(self, argument: str, /) -> str:
+        return f"neg({argument})"
+
+    def fabs(self, argument: str, /) -> str:
+        return f"abs({argument})"
+
+    def sqrt(self, argument: str, /) -> str:
+        return f"sqrt({argument})"
+
+    def sin(self, argument: str, /) -> str:
+        return f"sin({argument})"
+
+    def cos(self, argument: str, /) -> str:
+        return f"cos({argument})"
+
+    def tan(self, argument: str, /) -> str:
+        return f"tan({argument})"
+
+    def add(self, left: str, right: str, /) -> str:
+        return f"+({left},{right})"
+
+    def sub(self, left: str, right: str, /) -> str:
+        return f"-({left},{right})"
+
+    def mul(self, left: str, right: str, /) -> str:
+        return f"*({left},{right})"
+
+    def div(self, left: str, right: str, /) -> str:
+        return f"/({left},{right})"
 
 
 def robot_key_in_task(model: RobotModel, task: ir.Task) -> str:

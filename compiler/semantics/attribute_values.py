@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from compiler.arithmetic.scalars import ScalarTable
+from compiler.expressions.scalars import ScalarTable
 from compiler.grammars.derivation import Derivation
 from compiler.robots.robot import Joint, Offset, Step, Turn
 from compiler.semantics.declarations import Declarations

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from compiler.arithmetic.scalars import Apply, ScalarNode
+from compiler.expressions.scalars import Apply, ScalarNode
 from compiler.robots.robot import WORLD, FrameNode, Joint, Offset, Step, Turn
 
 

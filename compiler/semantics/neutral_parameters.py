@@ -31,7 +31,7 @@ from fractions import Fraction
 from itertools import combinations, islice, product
 from typing import Literal, TypeAlias
 
-from compiler.formulas.trigonometric_reading import TooManyTerms
+from compiler.expressions.evaluators.trigonometric import TooManyTerms
 from compiler.semantics.parameter_domains import (
     Domain,
     Value,
@@ -218,7 +218,7 @@ class _Occurrence:
         names = {number: name for name, number in change.parameters.items()}
         found: dict[str, _Roots] = {}
         for equation in equations:
-            roots = roots_of(equation.polynomial, change.arithmetic.ring)
+            roots = roots_of(equation.polynomial, change.evaluator.ring)
             if roots is None or not equation.necessary:
                 continue
             number, root, unit = roots

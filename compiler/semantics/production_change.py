@@ -15,13 +15,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from compiler.formulas.trigonometric_polynomial import Pi as PiSymbol
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.evaluators.trigonometric import CanonicalEvaluator
+from compiler.expressions.trigonometric_polynomial import Pi as PiSymbol
+from compiler.expressions.trigonometric_polynomial import (
     PolynomialRing,
     TrigonometricPolynomial,
     Variable,
 )
-from compiler.formulas.trigonometric_reading import CanonicalArithmetic
 from compiler.semantics.parameter_domains import MultipleOfPi, Value
 from grammar_lang import ir
 
@@ -55,8 +55,8 @@ class ProductionChange:
     module: int
     values: Mapping[str, Value]
     used: frozenset[str]
-    arithmetic: CanonicalArithmetic = field(
-        default_factory=lambda: CanonicalArithmetic(PolynomialRing())
+    evaluator: CanonicalEvaluator = field(
+        default_factory=lambda: CanonicalEvaluator(PolynomialRing())
     )
     unknowns: dict[ir.Expr, int] = field(default_factory=dict[ir.Expr, int])
     parameters: dict[str, int] = field(default_factory=dict[str, int])
@@ -72,11 +72,11 @@ class ProductionChange:
         for emission in self.block.emissions:
             found += self._of_emission(emission)
         masses = [self._mass(emission) for emission in self.block.emissions]
-        total = self.arithmetic.integer(0)
+        total = self.evaluator.constant(0)
         for mass in masses:
             if mass is None:
                 return found
-            total = self.arithmetic.binary("add", total, mass)
+            total = self.evaluator.add(total, mass)
         return [*found, Equation(total, MASS, necessary=True)]
 
     # --- rules ----------------------------------------------------------------------------------
@@ -97,7 +97,7 @@ class ProductionChange:
                 raise NotHandedOn(f"the attribute `{name}` is not handed on as it is")
             case _:
                 own = self.scalar(source)
-                change = self.arithmetic.binary("sub", self.scalar(rule.value), own)
+                change = self.evaluator.sub(self.scalar(rule.value), own)
                 yield Equation(change, f"the attribute `{name}` depends on it")
 
     def _of_frame(
@@ -113,7 +113,7 @@ class ProductionChange:
 
     def _identity(self, steps: Sequence[ir.Expr]) -> Iterator[Equation]:
         """That a product of steps is the identity."""
-        run, one = self.arithmetic, self.arithmetic.integer
+        run, one = self.evaluator, self.evaluator.constant
         turn = [[one(int(i == j)) for j in range(3)] for i in range(3)]
         shift = [one(0) for _ in range(3)]
         for step in steps:
@@ -123,45 +123,45 @@ class ProductionChange:
                 case _:
                     for j, item in enumerate(self._displacement(step)):
                         for i in range(3):
-                            moved = run.binary("mul", turn[i][j], item)
-                            shift[i] = run.binary("add", shift[i], moved)
+                            moved = run.mul(turn[i][j], item)
+                            shift[i] = run.add(shift[i], moved)
         for i in range(3):
             for j in range(3):
-                yield Equation(run.binary("sub", turn[i][j], one(int(i == j))), TURNS)
+                yield Equation(run.sub(turn[i][j], one(int(i == j))), TURNS)
         for item in shift:
             yield Equation(item, MOVES)
 
     def _product(
         self, left: list[list[TrigonometricPolynomial]], right: list[list[TrigonometricPolynomial]]
     ) -> list[list[TrigonometricPolynomial]]:
-        run = self.arithmetic
-        rows = [[run.integer(0)] * 3 for _ in range(3)]
+        run = self.evaluator
+        rows = [[run.constant(0)] * 3 for _ in range(3)]
         for i in range(3):
             for j in range(3):
                 for k in range(3):
-                    term = run.binary("mul", left[i][k], right[k][j])
-                    rows[i][j] = run.binary("add", rows[i][j], term)
+                    term = run.mul(left[i][k], right[k][j])
+                    rows[i][j] = run.add(rows[i][j], term)
         return rows
 
     def _rotation(self, axis: ir.Axis, angle: ir.Expr) -> list[list[TrigonometricPolynomial]]:
-        run, number = self.arithmetic, "xyz".index(axis[-1])
+        run, number = self.evaluator, "xyz".index(axis[-1])
         turned = self.scalar(angle)
         if axis.startswith("-"):
-            turned = run.unary("neg", turned)
-        cosine, sine = run.unary("cos", turned), run.unary("sin", turned)
-        rows = [[run.integer(int(i == j == number)) for j in range(3)] for i in range(3)]
+            turned = run.neg(turned)
+        cosine, sine = run.cos(turned), run.sin(turned)
+        rows = [[run.constant(int(i == j == number)) for j in range(3)] for i in range(3)]
         first, second = (number + 1) % 3, (number + 2) % 3
         rows[first][first] = rows[second][second] = cosine
-        rows[first][second], rows[second][first] = run.unary("neg", sine), sine
+        rows[first][second], rows[second][first] = run.neg(sine), sine
         return rows
 
     def _displacement(self, step: ir.Expr) -> list[TrigonometricPolynomial]:
         match step:
             case ir.Move(axis, distance):
-                items = [self.arithmetic.integer(0) for _ in range(3)]
+                items = [self.evaluator.constant(0) for _ in range(3)]
                 moved = self.scalar(distance)
-                sign = "neg" if axis.startswith("-") else None
-                items["xyz".index(axis[-1])] = self.arithmetic.unary(sign, moved) if sign else moved
+                negative = axis.startswith("-")
+                items["xyz".index(axis[-1])] = self.evaluator.neg(moved) if negative else moved
                 return items
             case ir.Shift(ir.Vector(x, y, z)):
                 return [self.scalar(item) for item in (x, y, z)]
@@ -183,7 +183,7 @@ class ProductionChange:
     def _mass(self, emission: ir.Emission) -> TrigonometricPolynomial | None:
         match emission:
             case ir.Rod(_, _, length, density, None):
-                return self.arithmetic.binary("mul", self.scalar(length), self.scalar(density))
+                return self.evaluator.mul(self.scalar(length), self.scalar(density))
             case ir.PointMass(_, mass) | ir.Solid(_, mass):
                 return self.scalar(mass)
             case _:
@@ -193,7 +193,7 @@ class ProductionChange:
 
     def scalar(self, expression: ir.Expr) -> TrigonometricPolynomial:
         """A scalar as a polynomial; what may be undefined somewhere is unknown."""
-        run = self.arithmetic
+        run = self.evaluator
         match expression:
             case ir.Num(value):
                 return run.ring.rational(value)
@@ -202,7 +202,8 @@ class ProductionChange:
             case ir.ParameterOf(occurrence, name) if occurrence == self.module:
                 return self._parameter(name)
             case ir.Unary(function, operand) if function in {"neg", "abs", "sin", "cos"}:
-                return run.unary("fabs" if function == "abs" else function, self.scalar(operand))
+                functions = {"neg": run.neg, "abs": run.fabs, "sin": run.sin, "cos": run.cos}
+                return functions[function](self.scalar(operand))
             case ir.Binary("^", left, ir.Num(exponent)) if 1 <= exponent <= LARGEST_POWER:
                 return self._power(left, int(exponent))
             case ir.Binary("/", left, right):
@@ -213,8 +214,8 @@ class ProductionChange:
             case ir.Binary("+" | "-" | "*" as operator, left, right):
                 if not (defined(left) and defined(right)):
                     return self._unknown(expression)
-                name = {"+": "add", "-": "sub", "*": "mul"}[operator]
-                return run.binary(name, self.scalar(left), self.scalar(right))
+                a, b = self.scalar(left), self.scalar(right)
+                return {"+": run.add, "-": run.sub, "*": run.mul}[operator](a, b)
             case _:
                 return self._unknown(expression)
 
@@ -222,11 +223,11 @@ class ProductionChange:
         number = self.scalar(root)
         found = number
         for _ in range(exponent - 1):
-            found = self.arithmetic.binary("mul", found, number)
+            found = self.evaluator.mul(found, number)
         return found
 
     def _parameter(self, name: str) -> TrigonometricPolynomial:
-        ring, value = self.arithmetic.ring, self.values.get(name)
+        ring, value = self.evaluator.ring, self.values.get(name)
         if value is None:
             number = self.parameters.setdefault(name, len(self.parameters))
             return ring.symbol(Variable("parameter", number))
@@ -236,7 +237,7 @@ class ProductionChange:
 
     def _unknown(self, expression: ir.Expr) -> TrigonometricPolynomial:
         number = self.unknowns.setdefault(expression, len(self.unknowns))
-        return self.arithmetic.ring.symbol(Variable("rate", number))
+        return self.evaluator.ring.symbol(Variable("rate", number))
 
 
 def defined(expression: ir.Expr) -> bool:

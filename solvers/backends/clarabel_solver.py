@@ -12,7 +12,8 @@ import clarabel
 import numpy as np
 from scipy.sparse import csc_matrix, identity, vstack
 
-from solvers.backends.conic import Array, ConvexProgram, NotSolved, Optimum, Status
+from compiler.arrays import Array
+from solvers.backends.conic import ConvexProgram, NotSolved, Optimum, Status
 
 STATUSES = {
     "PrimalInfeasible": Status.INFEASIBLE,

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-Array: TypeAlias = NDArray[np.float64]
+from compiler.arrays import Array
 
 MOST_DETAIL = 200
 """So many characters of a solver's own words are passed on."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 from compiler.candidates.candidate import Candidate
 from compiler.candidates.kept_parameters import robot_in_task
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.grammars.derivation import Derivation
@@ -155,8 +155,8 @@ class ConflictSearch:
             model = robot_in_task(family, posed.task.origin, derivation)
         except SemanticsError:
             return False
-        reading = FloatReading(robot_graph(model, posed.task.gravity))
-        answer = refute_structure(model, reading, posed.program, posed.task, self.conduct)
+        numeric = NumericRobot(robot_graph(model, posed.task.gravity))
+        answer = refute_structure(model, numeric, posed.program, posed.task, self.conduct)
         if answer.refuted or not late:
             return answer.refuted
         candidate, conduct = (

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
 from compiler.candidates.kept_parameters import robot_in_task
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import body_scripts
@@ -50,20 +50,20 @@ def _posable(
         if key in seen:
             continue
         seen.add(key)
-        if _answered(FloatReading(robot_graph(model, posed.task.gravity)), posed, seed):
+        if _answered(NumericRobot(robot_graph(model, posed.task.gravity)), posed, seed):
             yield derivation
 
 
-def _answered(reading: FloatReading, posed: PosedTask, seed: int) -> bool:
+def _answered(numeric: NumericRobot, posed: PosedTask, seed: int) -> bool:
     """Whether poses are found for every question."""
     workspace, task = posed.workspace, posed.task
     demands = body_demands(workspace, task)
     for question in pose_questions(workspace, task):
-        if find_poses(reading, question, seed) is None:
+        if find_poses(numeric, question, seed) is None:
             return False
         if demands is None:
             continue
-        known = clear_poses(reading, workspace, task, question, seed)
+        known = clear_poses(numeric, workspace, task, question, seed)
         if any(poses not in known for poses in body_scripts(question)):
             return False
     return True

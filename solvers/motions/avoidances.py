@@ -8,7 +8,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading, scalar_floats
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import Body, RodBody
 from grammar_lang import ir
@@ -22,7 +23,7 @@ FAR = Fraction(1000)
 class Avoidances:
     """The demands of a task on a robot that bind all the time; points count effectors first."""
 
-    reading: FloatReading
+    numeric: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
 
@@ -37,7 +38,7 @@ class Avoidances:
 
     def separations(self) -> Iterator[Separation]:
         """What every ``avoid`` keeps apart."""
-        graph = self.reading.graph
+        graph = self.numeric.graph
         count = len(graph.model.effectors)
         for avoid in self.task.avoid:
             for name in avoid.regions:
@@ -54,7 +55,7 @@ class Avoidances:
         """Where ``bounds with body`` keeps bodies, from sample 0 to the ``last``."""
         if not self.task.bounds_body:
             return
-        graph, bounds = self.reading.graph, self.bounds
+        graph, bounds = self.numeric.graph, self.bounds
         for body, hull in zip(graph.model.bodies, graph.hulls, strict=True):
             within = replace(bounds, offsets=bounds.offsets - self._thickness(body))
             for i in hull:
@@ -64,7 +65,7 @@ class Avoidances:
         """A bound on the radius of a body: search only, the proof reads each one exactly."""
         if not isinstance(body, RodBody) or body.radius is None:
             return 0.0
-        model = self.reading.graph.model
+        model = self.numeric.graph.model
         upper = np.array([bounds[1] for bounds in parameter_bounds(model)])
         values = scalar_floats(model.scalars, upper)
         radii = [b.radius for b in model.bodies if isinstance(b, RodBody)]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
 from solvers.motions.avoidances import Avoidances
 from solvers.motions.position_rows import Dwell, Separation, separating_planes
@@ -45,7 +45,7 @@ class BodyClearance:
 def body_clearance(avoidances: Avoidances) -> BodyClearance:
     """The demands of a task, those of its bounds included."""
     bounds = avoidances.bounds
-    effectors = range(len(avoidances.reading.graph.model.effectors))
+    effectors = range(len(avoidances.numeric.graph.model.effectors))
     dwells = [Dwell(effector, 0, 0, bounds) for effector in effectors]
     dwells += avoidances.bodies_within_bounds(0)
     return BodyClearance(tuple(avoidances.separations()), tuple(dwells))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.corridor import Corridor
 from solvers.motions.joint_timing import timed
 from solvers.motions.path_timing import Entries
@@ -35,7 +35,7 @@ def body_seeds(
     order = sorted(range(len(tracked)), key=lambda i: (not follow[i], -clearances[i]))
     clear = [tracked[i] for i in order if follow[i] and clearances[i] > TOUCHING][:count]
     wanted = min(count - len(clear), WAYS)
-    redundant = corridor.reading.n > corridor.reading.d
+    redundant = corridor.numeric.n > corridor.numeric.d
     if wanted and (redundant or not clear):
         clear += roadmap_motions(corridor, tracked[0], entries, wanted, seed)
     return clear or [tracked[i] for i in order[:HOPELESS]]

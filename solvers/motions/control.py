@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import (
     FULL,
     ControlOutcome,
@@ -283,10 +283,10 @@ def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
     """The trajectory that the inputs cause from the same initial state."""
     first = trajectory.x[0].copy()
     if problem.limits.start_rates == 0.0:
-        first[problem.reading.n : 2 * problem.reading.n] = 0.0
+        first[problem.numeric.n : 2 * problem.numeric.n] = 0.0
     if problem.limits.start_values is not None:
-        first[: problem.reading.n] = problem.limits.start_values
-    first[2 * problem.reading.n :] = problem.limits.own_start
+        first[: problem.numeric.n] = problem.limits.start_values
+    first[2 * problem.numeric.n :] = problem.limits.own_start
     u = within_bounds(problem.groups, trajectory.u)
-    states = problem.reading.simulate(first, u, trajectory.theta, problem.dt, problem.substeps)
+    states = problem.numeric.simulate(first, u, trajectory.theta, problem.dt, problem.substeps)
     return Trajectory(states, u, trajectory.theta)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.convex_step import ConvexStep
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.motion_limits import InputGroup, MotionLimits, effort_scale
@@ -28,7 +29,7 @@ class ControlProblem:
     ``steps`` makes what solves the convex steps.
     """
 
-    reading: FloatReading
+    numeric: NumericRobot
     dt: float
     substeps: int
     limits: MotionLimits

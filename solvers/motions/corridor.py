@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import Array, FloatReading
-from compiler.discretisation.sample_lanes import MOST_LANES
+from compiler.arrays import Array
+from compiler.discretisation.batched_function import MOST_LANES
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.body_clearance import BodyClearance
 from solvers.motions.pose_samples import Pool, pool
 from solvers.motions.position_rows import ConvexSet
@@ -32,7 +33,7 @@ class Corridor:
     With ``start_is_given`` there is one pose to start from.
     """
 
-    reading: FloatReading
+    numeric: NumericRobot
     theta: Array
     point: int
     cells: tuple[ConvexSet, ...]
@@ -50,13 +51,13 @@ class Corridor:
     def drawn(self, rng: np.random.Generator) -> Pool:
         """Random poses of the robot."""
         reach = max(float(np.max(np.abs(cell.vertices))) for cell in self.cells)
-        return pool(self.reading, self.theta, self.box, reach, rng)
+        return pool(self.numeric, self.theta, self.box, reach, rng)
 
     @cached_property
     def levers(self) -> Array:
         """Metres that a coordinate can move any point per unit, shape (n,), by random poses."""
         drawn = self.drawn(np.random.default_rng(0))
-        moved = np.linalg.norm(self.reading.points(drawn.q, self.theta).by_q, axis=2)
+        moved = np.linalg.norm(self.numeric.points(drawn.q, self.theta).by_q, axis=2)
         found: Array = np.maximum(np.max(moved, axis=(0, 1)), 1e-6)
         return found
 
@@ -64,7 +65,7 @@ class Corridor:
         """Where the points are in poses (K, n), shape (K, m, d)."""
         # Always as many as fill whole blocks: each number of lanes has a program of its own.
         filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_LANES, axis=0)])
-        found: Array = self.reading.points(filled, self.theta).value[: len(q)]
+        found: Array = self.numeric.points(filled, self.theta).value[: len(q)]
         return found
 
     def clear(self, q: Array) -> Flags:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.backends.conic import NotSolved
 from solvers.motions.control_problem import ControlOutcome
 from solvers.motions.measured_motion import measured

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.specifications.disturbance_radii import disturbance_radii
 from grammar_lang import ir
 from solvers.motions.trajectory import Trajectory
@@ -40,19 +41,19 @@ class DisturbanceSpread:
 
 
 def disturbance_spread(
-    reading: FloatReading, task: ir.Task, trajectory: Trajectory, substeps: int
+    numeric: NumericRobot, task: ir.Task, trajectory: Trajectory, substeps: int
 ) -> DisturbanceSpread:
     """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
 
     Inputs are taken to be off by a constant part in every step.
     """
-    n, k, theta = reading.n, len(trajectory.u), trajectory.theta
+    n, k, theta = numeric.n, len(trajectory.u), trajectory.theta
     part = 0.0 if task.robust is None else float(task.robust.effort)
-    radii = [float(radius) for radius in disturbance_radii(task, reading.graph.model)]
-    step = reading.step(trajectory.x[:-1], trajectory.u, theta, float(task.step), substeps)
-    columns = np.zeros((reading.size, 2 * n))
+    radii = [float(radius) for radius in disturbance_radii(task, numeric.graph.model)]
+    step = numeric.step(trajectory.x[:-1], trajectory.u, theta, float(task.step), substeps)
+    columns = np.zeros((numeric.size, 2 * n))
     columns[: 2 * n] = np.diag(radii)
-    by_q = reading.points(trajectory.x[:, :n], theta).by_q
+    by_q = numeric.points(trajectory.x[:, :n], theta).by_q
     points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
     for sample in range(k + 1):
         states[sample] = np.abs(columns[: 2 * n]).sum(axis=1)

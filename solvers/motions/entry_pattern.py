@@ -7,12 +7,10 @@ from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from compiler.arrays import Array
 from solvers.motions.step_layout import Indices
-
-Array = NDArray[np.float64]
 
 
 @dataclass(slots=True)

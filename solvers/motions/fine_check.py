@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from compiler.geometry.polytope import polytope_of
 from compiler.specifications.sampled_formula import sampled
 from compiler.specifications.subformulas import atoms
@@ -26,12 +26,12 @@ def seems_to_satisfy(follower: Follower, trajectory: Trajectory) -> bool:
     formulas = [clause.formula for clause in follower.task.satisfy]
     if not formulas:
         return True
-    task, workspace, reading = follower.task, follower.workspace, follower.reading
+    task, workspace, numeric = follower.task, follower.workspace, follower.numeric
     u = np.repeat(trajectory.u, PARTS, axis=0)
     dt = float(task.step) / PARTS
     with np.errstate(all="ignore"):
-        states = reading.simulate(trajectory.x[0], u, trajectory.theta, dt, follower.substeps)
-        places = reading.points(states[:, : reading.n], trajectory.theta).value
+        states = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt, follower.substeps)
+        places = numeric.points(states[:, : numeric.n], trajectory.theta).value
     word: list[dict[int, frozenset[str]]] = [{} for _ in states]
     named = {(atom.region, atom.effector) for atom in atoms(*formulas)}
     for effector in sorted({number for _, number in named}):

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.time_limits.time_limit import is_late
 from solvers.motions.trajectory import Trajectory
 
@@ -16,7 +17,7 @@ SUBSTEPS = 4
 MOST_PARTS = 128
 
 
-def fine_motion(reading: FloatReading, trajectory: Trajectory, dt: float) -> Trajectory:
+def fine_motion(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Trajectory:
     """The trajectory with its states integrated anew, by the same method in shorter steps.
 
     For tables and pictures, and whoever compares with another simulator; no proof rests on it, so
@@ -24,7 +25,7 @@ def fine_motion(reading: FloatReading, trajectory: Trajectory, dt: float) -> Tra
     """
     states, parts = trajectory.x, 1
     while parts <= MOST_PARTS and not is_late():
-        finer = _sampled(reading, trajectory, dt, parts)
+        finer = _sampled(numeric, trajectory, dt, parts)
         change = float(np.max(np.abs(finer - states), initial=0.0))
         states = finer
         if change <= AGREEMENT and parts > 1:
@@ -33,8 +34,8 @@ def fine_motion(reading: FloatReading, trajectory: Trajectory, dt: float) -> Tra
     return replace(trajectory, x=states)
 
 
-def _sampled(reading: FloatReading, trajectory: Trajectory, dt: float, parts: int) -> Array:
+def _sampled(numeric: NumericRobot, trajectory: Trajectory, dt: float, parts: int) -> Array:
     """The states at the samples, each step divided into so many parts."""
     u = np.repeat(trajectory.u, parts, axis=0)
-    x = reading.simulate(trajectory.x[0], u, trajectory.theta, dt / parts, SUBSTEPS)
+    x = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt / parts, SUBSTEPS)
     return x[::parts]

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 
 ROUNDS = 60
 DAMPING = 1e-3
@@ -19,7 +20,7 @@ APART = 0.1
 
 
 def solve_positions(
-    reading: FloatReading,
+    numeric: NumericRobot,
     starts: Array,
     theta: Array,
     point: int,
@@ -33,9 +34,9 @@ def solve_positions(
     """
     lower, upper = box
     q = np.clip(starts, lower, upper)
-    eye = np.eye(reading.n)
+    eye = np.eye(numeric.n)
     damping = np.full(len(q), DAMPING)
-    points = reading.points(q, theta)
+    points = numeric.points(q, theta)
     error = targets - points.value[:, point]
     for _ in range(rounds):
         jacobian = points.by_q[:, point]
@@ -43,14 +44,14 @@ def solve_positions(
         gradient = jacobian.transpose(0, 2, 1) @ error[:, :, None]
         step = np.linalg.solve(normal, gradient)[:, :, 0]
         trial = np.clip(q + np.clip(step, -0.5, 0.5), lower, upper)
-        trial_points = reading.points(trial, theta)
+        trial_points = numeric.points(trial, theta)
         trial_error = targets - trial_points.value[:, point]
         better = np.linalg.norm(trial_error, axis=1) < np.linalg.norm(error, axis=1)
         if not better.any() and float(damping.min()) > 1e3:
             break
         q = np.where(better[:, None], trial, q)
         damping = np.clip(np.where(better, damping / 5, damping * 5), 1e-9, 1e6)
-        points = reading.points(q, theta)
+        points = numeric.points(q, theta)
         error = targets - points.value[:, point]
         if float(np.linalg.norm(error, axis=1).max()) < 1e-10:
             break
@@ -58,7 +59,7 @@ def solve_positions(
 
 
 def branches(
-    reading: FloatReading,
+    numeric: NumericRobot,
     theta: Array,
     point: int,
     target: Array,
@@ -71,11 +72,11 @@ def branches(
     ``count`` bounds the number of branches; random starts are drawn with ``seed`` from the box,
     from one turn (or SLIDE metres about the target's distance) where it is wider or unlimited.
     """
-    turns = _turns(reading)
-    lower, upper = sampled_box(reading, box, float(np.linalg.norm(target)))
-    starts = np.random.default_rng(seed).uniform(lower, upper, size=(24, reading.n))
+    turns = _turns(numeric)
+    lower, upper = sampled_box(numeric, box, float(np.linalg.norm(target)))
+    starts = np.random.default_rng(seed).uniform(lower, upper, size=(24, numeric.n))
     q, distance = solve_positions(
-        reading, starts, theta, point, np.tile(target, (len(starts), 1)), box
+        numeric, starts, theta, point, np.tile(target, (len(starts), 1)), box
     )
     chosen: list[Array] = []
     for index in np.lexsort((*q.T[::-1], np.round(distance, 6))):
@@ -83,16 +84,16 @@ def branches(
             chosen.append(q[index])
         if len(chosen) == count:
             break
-    return np.array(chosen).reshape(-1, reading.n)
+    return np.array(chosen).reshape(-1, numeric.n)
 
 
-def _turns(reading: FloatReading) -> NDArray[np.bool_]:
+def _turns(numeric: NumericRobot) -> NDArray[np.bool_]:
     """Which coordinates are angles."""
-    return np.array([dof.kind == "revolute" for dof in reading.graph.model.dofs], dtype=bool)
+    return np.array([dof.kind == "revolute" for dof in numeric.graph.model.dofs], dtype=bool)
 
 
 def sampled_box(
-    reading: FloatReading, box: tuple[Array, Array], distance: float
+    numeric: NumericRobot, box: tuple[Array, Array], distance: float
 ) -> tuple[Array, Array]:
     """A bounded part (n,), (n,) of the box of coordinates, to draw them from.
 
@@ -100,7 +101,7 @@ def sampled_box(
     is to be reached and SLIDE more.
     """
     lower, upper = box
-    width = np.where(_turns(reading), np.pi, SLIDE + distance)
+    width = np.where(_turns(numeric), np.pi, SLIDE + distance)
     centre = np.clip(0.0, lower, upper)
     # A range that begins or ends beyond zero keeps the whole width on its own side.
     low = np.where(centre == upper, centre - 2 * width, centre - width)
@@ -108,9 +109,9 @@ def sampled_box(
     return np.maximum(lower, low), np.minimum(upper, high)
 
 
-def apart(reading: FloatReading, q: Array, other: Array) -> bool:
+def apart(numeric: NumericRobot, q: Array, other: Array) -> bool:
     """Whether two poses (n,) are of different branches."""
-    return _gap(q - other, _turns(reading)) > APART
+    return _gap(q - other, _turns(numeric)) > APART
 
 
 def _gap(difference: Array, turns: NDArray[np.bool_]) -> float:

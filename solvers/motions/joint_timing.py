@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.corridor import Corridor
 from solvers.motions.path_timing import Entries
 from solvers.motions.roadmap import JointPath

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading, Linearisation, Points
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import Linearisation, NumericRobot, Points
 from solvers.motions.step_layout import Indices
 from solvers.motions.trajectory import Trajectory
 
@@ -39,17 +40,17 @@ class Model:
     fictitious: Array
 
 
-def fictitious_inputs(reading: FloatReading, trajectory: Trajectory, dt: float) -> Array:
+def fictitious_inputs(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Array:
     """B' of C.2, shape (k, N, N): a unit slack is the effort that causes it within a step.
 
     An effort f held for dt moves a coordinate by dt^2/2 M^-1 f and its rate by dt M^-1 f.  A state
     of a module's own is moved by dt in its own unit.
     """
-    n, k = reading.n, len(trajectory.u)
-    inverse = np.linalg.inv(reading.mass_matrix(trajectory.x[:-1, :n], trajectory.theta))
-    matrix = np.zeros((k, reading.size, reading.size))
+    n, k = numeric.n, len(trajectory.u)
+    inverse = np.linalg.inv(numeric.mass_matrix(trajectory.x[:-1, :n], trajectory.theta))
+    matrix = np.zeros((k, numeric.size, numeric.size))
     matrix[:, :n, :n] = dt**2 / 2 * inverse
     matrix[:, n : 2 * n, n : 2 * n] = dt * inverse
-    own = np.arange(2 * n, reading.size)
+    own = np.arange(2 * n, numeric.size)
     matrix[:, own, own] = dt
     return matrix

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import ControlProblem, input_margin
 from solvers.motions.linear_model import Model, PositionRows, fictitious_inputs
 from solvers.motions.motion_limits import MotionLimits
@@ -41,15 +41,15 @@ class MeasuredMotion:
 
 def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion | None:
     """Linearise about a trajectory and measure its defects; None where that is not finite."""
-    reading = problem.reading
+    numeric = problem.numeric
     x, u, theta = trajectory.x, trajectory.u, trajectory.theta
     if not (np.isfinite(x).all() and np.isfinite(u).all() and np.isfinite(theta).all()):
         return None
     with np.errstate(all="ignore"):
-        dynamics = reading.step(x[:-1], u, theta, problem.dt, problem.substeps)
-        points = reading.points(x[:, : reading.n], theta)
+        dynamics = numeric.step(x[:-1], u, theta, problem.dt, problem.substeps)
+        points = numeric.points(x[:, : numeric.n], theta)
         try:
-            fictitious = fictitious_inputs(reading, trajectory, problem.dt)
+            fictitious = fictitious_inputs(numeric, trajectory, problem.dt)
             gap = x[1:] - dynamics.value
             needed = np.linalg.solve(fictitious, gap[:, :, None])[:, :, 0]
         except np.linalg.LinAlgError:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import polytope_of
 from compiler.robots.robot import RobotModel
@@ -30,7 +30,7 @@ ON_FACET = 1e-9
 class MotionConstraints:
     """A robot in a task; ``effector`` follows ``cells``, ``recorded`` starts and reaches."""
 
-    reading: FloatReading
+    numeric: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
     abstraction: Abstraction
@@ -41,12 +41,12 @@ class MotionConstraints:
     @property
     def model(self) -> RobotModel:
         """The robot."""
-        return self.reading.graph.model
+        return self.numeric.graph.model
 
     @property
     def avoidances(self) -> Avoidances:
         """What binds positions all the time."""
-        return Avoidances(self.reading, self.workspace, self.task)
+        return Avoidances(self.numeric, self.workspace, self.task)
 
     @property
     def start_effector(self) -> int:

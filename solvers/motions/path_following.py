@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.robots.robot import RobotModel
 from compiler.specifications.obligations import Obligation, obligations
@@ -68,7 +69,7 @@ class Follower:
     the convex steps, None: our own programs.
     """
 
-    reading: FloatReading
+    numeric: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
     abstraction: Abstraction
@@ -89,14 +90,14 @@ class Follower:
     @property
     def model(self) -> RobotModel:
         """The robot."""
-        return self.reading.graph.model
+        return self.numeric.graph.model
 
     @property
     def constraints(self) -> MotionConstraints:
         """What binds positions."""
         recorded = self.effector if self.recorded is None else self.recorded
         return MotionConstraints(
-            self.reading, self.workspace, self.task, self.abstraction, self.effector, recorded,
+            self.numeric, self.workspace, self.task, self.abstraction, self.effector, recorded,
             self.cells,
         )  # fmt: skip
 
@@ -168,7 +169,7 @@ class Follower:
         groups = input_groups(self.model, task)
         plan = self.plan(entries, released=released)
         return ControlProblem(
-            self.reading, float(task.step), self.substeps, limits, groups, plan.rows,
+            self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
             step_maker(self.solver),
         )  # fmt: skip
 
@@ -187,11 +188,11 @@ class Follower:
             first = limits.start_values[None, :]
         else:
             first = branches(
-                self.reading, theta, self.effector, place[0], box, self.seed, self.branch_count
+                self.numeric, theta, self.effector, place[0], box, self.seed, self.branch_count
             )
         dt = float(self.task.step)
-        u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.reading.m)
-        motions = [self.reading.track(start, theta, self.effector, place, box) for start in first]
+        u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.numeric.m)
+        motions = [self.numeric.track(start, theta, self.effector, place, box) for start in first]
         if self.binds_bodies and motions:
             motions = body_seeds(
                 self.corridor(theta), motions, self.waypoints()[1], self.branch_count, self.seed
@@ -214,7 +215,7 @@ class Follower:
         limits, avoidances = self.limits, self.constraints.avoidances
         cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
         return Corridor(
-            self.reading, theta, self.effector, cells, body_clearance(avoidances),
+            self.numeric, theta, self.effector, cells, body_clearance(avoidances),
             (limits.lower, limits.upper), self.margin, limits.start_values is not None,
         )  # fmt: skip
 
@@ -265,7 +266,7 @@ class Follower:
     def spreading(self, trajectory: Trajectory, factor: float) -> Follower:
         """The same task with so many times the room that a motion's disturbed ones take."""
         with np.errstate(all="ignore"):
-            found = disturbance_spread(self.reading, self.task, trajectory, self.substeps)
+            found = disturbance_spread(self.numeric, self.task, trajectory, self.substeps)
         return replace(self, spread=found.scaled(factor))
 
     def refined(self, trajectory: Trajectory) -> Follower:
@@ -273,14 +274,14 @@ class Follower:
 
         Doubling them once more moves no point and no coordinate by more than a share of its margin.
         """
-        reading, n, dt = self.reading, self.reading.n, float(self.task.step)
+        numeric, n, dt = self.numeric, self.numeric.n, float(self.task.step)
         substeps, theta, u = self.substeps, trajectory.theta, trajectory.u
         share = INTEGRATION_SHARE * np.array([self.margin, self.limit_margin])
         with np.errstate(all="ignore"):
-            x = reading.simulate(trajectory.x[0], u, theta, dt, substeps)
+            x = numeric.simulate(trajectory.x[0], u, theta, dt, substeps)
             while substeps < MOST_SUBSTEPS:
-                finer = reading.simulate(trajectory.x[0], u, theta, dt, 2 * substeps)
-                points = (reading.points(states[:, :n], theta).value for states in (x, finer))
+                finer = numeric.simulate(trajectory.x[0], u, theta, dt, 2 * substeps)
+                points = (numeric.points(states[:, :n], theta).value for states in (x, finer))
                 gaps = np.array([_largest_gap(*points), _largest_gap(x, finer)])
                 if bool(np.all(gaps <= share)):
                     break
@@ -289,11 +290,11 @@ class Follower:
 
     def narrowed(self, trajectory: Trajectory) -> Follower | None:
         """The same task with the limits narrowed that a motion passes within its steps, or None."""
-        reading, n = self.reading, self.reading.n
+        numeric, n = self.numeric, self.numeric.n
         u = np.repeat(trajectory.u, WITHIN, axis=0)
         dt, theta = float(self.task.step) / WITHIN, trajectory.theta
         with np.errstate(all="ignore"):
-            x = reading.simulate(trajectory.x[0], u, theta, dt, max(1, self.substeps // WITHIN))
+            x = numeric.simulate(trajectory.x[0], u, theta, dt, max(1, self.substeps // WITHIN))
         states = x[:, : 2 * n].reshape(len(x), 2, n).transpose(2, 1, 0)
         limits = state_limits(self.model)
         below = limits[:, :, 0] - np.min(states, axis=2)
@@ -306,7 +307,7 @@ class Follower:
 
     def visited(self, trajectory: Trajectory) -> tuple[tuple[int, ...], Entries] | None:
         """The cells a trajectory visits and when it enters them, if that is a path of the task."""
-        positions = self.reading.points(trajectory.x[:, : self.reading.n], trajectory.theta).value
+        positions = self.numeric.points(trajectory.x[:, : self.numeric.n], trajectory.theta).value
         avoided = {
             name
             for avoid in self.task.avoid
@@ -333,7 +334,7 @@ class Follower:
     def cell_names(self, trajectory: Trajectory, entries: Entries) -> list[list[str]]:
         """The cell of every effector at every sample."""
         cells = self.abstraction.cells
-        positions = self.reading.points(trajectory.x[:, : self.reading.n], trajectory.theta).value
+        positions = self.numeric.points(trajectory.x[:, : self.numeric.n], trajectory.theta).value
         ends = [*entries[1:], self.task.steps + 1]
         own = [
             cells[cell].name

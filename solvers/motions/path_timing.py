@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.abstraction import Abstraction
 from compiler.specifications.word_formula import Word
 from compiler.time_limits.time_limit import check_time
 
-Array: TypeAlias = NDArray[np.float64]
 Entries: TypeAlias = tuple[int, ...]
 """The sample at which each cell of a path is entered; the first is 0."""
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions
 from solvers.motions.position_rows import ConvexSet
 
@@ -27,20 +28,20 @@ class Pool:
 
 
 def pool(
-    reading: FloatReading,
+    numeric: NumericRobot,
     theta: Array,
     box: tuple[Array, Array],
     reach: float,
     rng: np.random.Generator,
 ) -> Pool:
     """Draw poses; unlimited slides up to the ``reach`` in metres and some more."""
-    lower, upper = sampled_box(reading, box, reach)
-    q = rng.uniform(lower, upper, size=(POOL, reading.n))
-    return Pool(q, reading.points(q, theta).value)
+    lower, upper = sampled_box(numeric, box, reach)
+    q = rng.uniform(lower, upper, size=(POOL, numeric.n))
+    return Pool(q, numeric.points(q, theta).value)
 
 
 def poses_in(
-    reading: FloatReading,
+    numeric: NumericRobot,
     theta: Array,
     drawn: Pool,
     box: tuple[Array, Array],
@@ -63,7 +64,7 @@ def poses_in(
     starts = drawn.q[order[: 2 * (count - len(inside))]]
     weights = rng.exponential(size=(len(starts), len(region.vertices)))
     targets = weights @ region.vertices / weights.sum(axis=1, keepdims=True)
-    q, distance = solve_positions(reading, starts, theta, point, targets, box, ROUNDS)
+    q, distance = solve_positions(numeric, starts, theta, point, targets, box, ROUNDS)
     brought = q[distance < REACHED]
     found: Array = np.concatenate([inside, brought])
     return found[:count]

@@ -13,7 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.step_layout import Indices

@@ -31,7 +31,7 @@ from dataclasses import dataclass, field
 import cvxpy as cp
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.backends.conic import NotSolved
 from solvers.backends.cvxpy_solvers import solved
 from solvers.motions.linear_model import Model, PositionRows

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.corridor import Corridor, Flags, Layers
 from solvers.motions.inverse_kinematics import apart
 from solvers.motions.pose_samples import Pool, poses_in
@@ -51,7 +51,7 @@ def joint_paths(corridor: Corridor, first: Array | None, count: int, seed: int) 
     ``first`` (n,) is the only pose to start from, None: any.
     """
     rng = np.random.default_rng(seed)
-    redundant = corridor.reading.n > corridor.reading.d
+    redundant = corridor.numeric.n > corridor.numeric.d
     for number in range(1, ROUNDS + 1 if redundant else 2):
         roadmap = _roadmap(corridor, first, number * NODES, rng)
         if roadmap is None:
@@ -88,10 +88,10 @@ def _clear_poses(
     corridor: Corridor, drawn: Pool, place: int, count: int, rng: np.random.Generator
 ) -> Array:
     """The clear ones of ``count`` poses in a cell; of more, where none of them is."""
-    q = np.zeros((0, corridor.reading.n))
+    q = np.zeros((0, corridor.numeric.n))
     for more in (1, THOROUGH):
         q = poses_in(
-            corridor.reading, corridor.theta, drawn, corridor.box, corridor.point,
+            corridor.numeric, corridor.theta, drawn, corridor.box, corridor.point,
             corridor.cells[place], more * count, rng,
         )  # fmt: skip
         q = q[corridor.clear(q)] if len(q) else q
@@ -157,7 +157,7 @@ class Roadmap:
             if not self._passable(way):
                 continue
             found.append(self._shortened(way))
-            far = [apart(self.corridor.reading, self.q[i], self.q[way[-1]]) for i in last]
+            far = [apart(self.corridor.numeric, self.q[i], self.q[way[-1]]) for i in last]
             last = last[np.array(far)]
         return found
 

@@ -28,7 +28,7 @@ def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajec
 
 def _excess(problem: ControlProblem, seed: Trajectory) -> float:
     """By how much a seed breaks the half-planes of a problem at most, metres."""
-    points = problem.reading.points(seed.x[:, : problem.reading.n], seed.theta)
+    points = problem.numeric.points(seed.x[:, : problem.numeric.n], seed.theta)
     if not np.isfinite(points.value).all():
         return float("inf")
     return float(np.max(problem.rows_of(points.value).excess(points), initial=0.0))

@@ -12,16 +12,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from solvers.backends.conic import Cones, ConvexProgram
 from solvers.motions.entry_pattern import EntryList, EntryPattern
 from solvers.motions.linear_model import Model, PositionRows
 from solvers.motions.motion_limits import MotionLimits
 from solvers.motions.step_layout import Indices, StepLayout
 from solvers.motions.step_question import LEAST, StepQuestion, TrustRegion
-
-Array = NDArray[np.float64]
 
 
 @dataclass(slots=True)

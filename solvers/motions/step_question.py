@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.motion_limits import InputGroup, MotionLimits, effort_scale
 from solvers.motions.trajectory import Trajectory
 

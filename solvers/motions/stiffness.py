@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.motions.task_limits import parameter_bounds
 
 STABLE = 2.0
@@ -16,17 +16,17 @@ SAMPLES = 8
 MOST = 256
 
 
-def stable_parts(reading: FloatReading, dt: float, least: int) -> int:
+def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
     """At least ``least`` parts, more where the linearised robot has fast modes at random poses."""
-    n, size = reading.n, reading.size
+    n, size = numeric.n, numeric.size
     rng = np.random.default_rng(0)
-    bounds = np.array(parameter_bounds(reading.graph.model)).reshape(-1, 2)
+    bounds = np.array(parameter_bounds(numeric.graph.model)).reshape(-1, 2)
     x = np.zeros((SAMPLES, size))
     x[:, :n] = rng.uniform(-1, 1, (SAMPLES, n))
     rates = [0.0]
     for theta in rng.uniform(bounds[:, 0], bounds[:, 1], (2, len(bounds))):
         with np.errstate(all="ignore"):
-            _, jacobian = reading.acceleration(x, np.zeros((SAMPLES, reading.m)), theta)
+            _, jacobian = numeric.acceleration(x, np.zeros((SAMPLES, numeric.m)), theta)
         slope = np.zeros((SAMPLES, size, size))
         slope[:, :n, n : 2 * n] = np.eye(n)
         slope[:, n:] = jacobian[:, :, :size]

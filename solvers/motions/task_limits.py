@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from compiler.robots.given_start import given_start
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.robot import RobotModel

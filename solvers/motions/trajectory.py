@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

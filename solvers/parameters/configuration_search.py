@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, Effort
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import Entries

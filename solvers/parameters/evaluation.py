@@ -14,7 +14,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from solvers.execution.in_process import InProcess
@@ -40,14 +41,14 @@ class Recipe:
         """The follower."""
         task = self.settings["task"]
         gravity = getattr(task, "gravity", ())
-        reading = FloatReading(robot_graph(self.model, gravity))
-        return Follower(reading=reading, **self.settings)  # type: ignore[arg-type]
+        numeric = NumericRobot(robot_graph(self.model, gravity))
+        return Follower(numeric=numeric, **self.settings)  # type: ignore[arg-type]
 
 
 def recipe(follower: Follower) -> Recipe:
     """The plain data of a follower."""
     settings = {f.name: getattr(follower, f.name) for f in fields(follower)}
-    del settings["reading"]
+    del settings["numeric"]
     return Recipe(follower.model, settings)
 
 

@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import ControlOutcome
 from solvers.motions.trajectory import Trajectory
 from solvers.progress import Recorded

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.constants import rational, to_float

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions
 from solvers.motions.task_limits import state_limits
@@ -22,18 +23,18 @@ CHUNK = 1 << 22
 
 
 def reachable_cells(
-    reading: FloatReading, abstraction: Abstraction, effector: int, seed: int
+    numeric: NumericRobot, abstraction: Abstraction, effector: int, seed: int
 ) -> NDArray[np.bool_]:
     """Per cell whether a pose was found with the effector (from 0) in it, shape (cells,)."""
-    space, cells = parameter_space(reading.graph.model), _Stacked(abstraction)
+    space, cells = parameter_space(numeric.graph.model), _Stacked(abstraction)
     found = np.zeros(len(abstraction.cells), dtype=bool)
     rng = np.random.default_rng(seed)
-    limits = state_limits(reading.graph.model)[:, 0]
+    limits = state_limits(numeric.graph.model)[:, 0]
     reach = np.max(np.abs(cells.centres), initial=1.0)
-    lower, upper = sampled_box(reading, (limits[:, 0], limits[:, 1]), float(reach))
+    lower, upper = sampled_box(numeric, (limits[:, 0], limits[:, 1]), float(reach))
     for theta in space.samples(PARAMETERS_LOG2, seed):
-        q = rng.uniform(lower, upper, size=(POSES, reading.n))
-        points = reading.points(q, theta).value[:, effector]
+        q = rng.uniform(lower, upper, size=(POSES, numeric.n))
+        points = numeric.points(q, theta).value[:, effector]
         found |= cells.hit(points)
         missing = np.flatnonzero(~found)
         if not len(missing):
@@ -41,8 +42,8 @@ def reachable_cells(
         targets = cells.centres[missing]
         nearest = [int(np.argmin(np.sum((points - target) ** 2, axis=1))) for target in targets]
         limited = limits[:, 0], limits[:, 1]
-        ends, _ = solve_positions(reading, q[nearest], theta, effector, targets, limited)
-        found |= cells.hit(reading.points(ends, theta).value[:, effector])
+        ends, _ = solve_positions(numeric, q[nearest], theta, effector, targets, limited)
+        found |= cells.hit(numeric.points(ends, theta).value[:, effector])
     return found
 
 

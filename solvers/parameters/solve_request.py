@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from hashlib import sha256
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.motions.control_problem import FULL, ControlOutcome, Effort
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import Entries

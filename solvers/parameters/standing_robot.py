@@ -7,7 +7,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.specifications.monitor import AtomKey, key
@@ -25,7 +26,7 @@ KEPT = 4
 
 
 def standing_configurations(
-    reading: FloatReading,
+    numeric: NumericRobot,
     workspace: ir.Workspace,
     task: ir.Task,
     abstraction: Abstraction,
@@ -36,7 +37,7 @@ def standing_configurations(
 
     The parameters are samples: what is not found may still exist.
     """
-    model = reading.graph.model
+    model = numeric.graph.model
     if model.dofs:
         raise ValueError("the robot has degrees of freedom")
     bound: list[tuple[int, str]] = []
@@ -53,14 +54,14 @@ def standing_configurations(
     }
     found = []
     for theta in parameter_space(model).samples(SAMPLES_LOG2, seed):
-        points = reading.points(np.zeros((1, 0)), theta).value[0]
+        points = numeric.points(np.zeros((1, 0)), theta).value[0]
         depths = [_depth(shapes[name], points[point]) for point, name in bound]
         gap = min([*depths, _worth(shapes, task, points)])
         cell = abstraction.locate(points[effector])
         if gap > 0 and cell is not None:
             found.append((gap, cell, theta))
     found.sort(key=lambda item: -item[0])
-    return [(cell, _motionless(reading, task, theta)) for _, cell, theta in found[:KEPT]]
+    return [(cell, _motionless(numeric, task, theta)) for _, cell, theta in found[:KEPT]]
 
 
 def _depth(polytope: Polytope, point: Array) -> float:
@@ -86,11 +87,11 @@ def _worth(shapes: Mapping[str, Polytope], task: ir.Task, points: Array) -> floa
     return min((formula.robustness(trace) or 0.0 for formula in formulas), default=float("inf"))
 
 
-def _motionless(reading: FloatReading, task: ir.Task, theta: Array) -> Configuration:
+def _motionless(numeric: NumericRobot, task: ir.Task, theta: Array) -> Configuration:
     k = task.steps
-    groups = input_groups(reading.graph.model, task)
-    inputs = resting_inputs(groups, k, reading.m)
-    still = Trajectory(np.zeros((k + 1, reading.size)), inputs, theta)
+    groups = input_groups(numeric.graph.model, task)
+    inputs = resting_inputs(groups, k, numeric.m)
+    still = Trajectory(np.zeros((k + 1, numeric.size)), inputs, theta)
     margin = input_margin(groups, still.u)
     outcome = ControlOutcome(
         still,

@@ -1,4 +1,4 @@
-"""What a task asks on boxes of coordinates and parameters, in floats: a reading of its demands.
+"""What a task asks on boxes of coordinates and parameters, in floats.
 
 What is found here guides a search, and proves nothing: the verifier reads the same demands exactly.
 """
@@ -10,16 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.arithmetic.balls import closed_ball
+from compiler.arrays import Array
 from compiler.coverings.motion_demands import GivenPose, MotionDemands, Obstacle, Passage
 from compiler.coverings.violations import FRACTIONS
-from compiler.discretisation.float_reading import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.evaluators.balls import closed_ball
+from compiler.expressions.evaluators.batched_intervals import TURN
 from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 from solvers.refutation.box_points import BoxPoints, Placed
 from solvers.refutation.coordinate_cover import Flags, Numbers
-from solvers.refutation.interval_lanes import TURN
 
 CLEAR = 1e-9
 """By so much a box has to violate a demand, in parts of the size of the numbers it is about."""
@@ -110,7 +110,7 @@ class BoxDemands:
     """The demands on a robot, for the passages of one question.
 
     Raises:
-        ValueError: the robot's rules have no reading over boxes.
+        ValueError: the robot's rules have no value over boxes.
     """
 
     def __init__(

@@ -14,12 +14,17 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from compiler.arithmetic.balls import constant_ball
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.dynamics.tape import Tape, tape
+from compiler.expressions.evaluators.balls import constant_ball
+from compiler.expressions.evaluators.batched_intervals import (
+    BatchedIntervalEvaluator,
+    IntervalBatch,
+    common,
+    product,
+)
+from compiler.expressions.tape import Tape, tape
 from solvers.refutation.coordinate_cover import Numbers
-from solvers.refutation.interval_lanes import LaneArithmetic, Lanes, common, product
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,19 +35,19 @@ class Placed:
     (K, m, d); ``slopes`` (K, m, d, v) enclose the derivatives, ``radii`` are (K, v).
     """
 
-    value: Lanes
+    value: IntervalBatch
     centre: Array
-    slopes: Lanes
+    slopes: IntervalBatch
     radii: Array
 
-    def along(self, normals: Array, points: Numbers) -> Lanes:
+    def along(self, normals: Array, points: Numbers) -> IntervalBatch:
         """The products of some points with r normals (r, d), shape (K, len(points), r)."""
-        natural = _combined(Lanes(*(end[:, points] for end in _ends(self.value))), normals)
+        natural = _combined(IntervalBatch(*(end[:, points] for end in _ends(self.value))), normals)
         turned = (np.moveaxis(end[:, points], 2, 3) for end in _ends(self.slopes))
-        slopes = _combined(Lanes(*turned), normals)
+        slopes = _combined(IntervalBatch(*turned), normals)
         radius = np.einsum("kmvr,kv->kmr", slopes.magnitude, self.radii)
         middle = self.centre[:, points] @ normals.T
-        return common(natural, Lanes(middle - radius, middle + radius))
+        return common(natural, IntervalBatch(middle - radius, middle + radius))
 
     @property
     def effects(self) -> Array:
@@ -55,7 +60,7 @@ class BoxPoints:
     """Some points of a robot, numbered as in ``RobotGraph.points``, read over boxes of (q, theta).
 
     Raises:
-        ValueError: the rules or their derivatives have no exact reading.
+        ValueError: the rules or their derivatives have no exact value.
     """
 
     def __init__(self, graph: RobotGraph, points: Sequence[int]) -> None:
@@ -84,40 +89,45 @@ class BoxPoints:
         both = self._run(self._both, low, high)
         count, shape = len(low), (self.count, self.d)
         return Placed(
-            Lanes(*(end[:, :size].reshape(count, *shape) for end in _ends(both))),
+            IntervalBatch(*(end[:, :size].reshape(count, *shape) for end in _ends(both))),
             ((centre.low + centre.high) / 2).reshape(count, *shape),
-            Lanes(*(end[:, size:].reshape(count, *shape, self.variables) for end in _ends(both))),
+            IntervalBatch(
+                *(end[:, size:].reshape(count, *shape, self.variables) for end in _ends(both))
+            ),
             (high - low) / 2,
         )
 
-    def _run(self, program: Tape, low: Array, high: Array) -> Lanes:
-        inputs = [Lanes(low[:, i], high[:, i]) for i in range(self.variables)]
-        found = program.run([*inputs, *self._constants], LaneArithmetic())
+    def _run(self, program: Tape, low: Array, high: Array) -> IntervalBatch:
+        inputs = [IntervalBatch(low[:, i], high[:, i]) for i in range(self.variables)]
+        found = program.evaluate([*inputs, *self._constants], BatchedIntervalEvaluator())
         result = np.empty((2, len(low), program.outputs))
-        for i, lanes in enumerate(found):
-            result[0, :, i] = lanes.low
-            result[1, :, i] = lanes.high
-        return Lanes(result[0], result[1])
+        for i, batch in enumerate(found):
+            result[0, :, i] = batch.low
+            result[1, :, i] = batch.high
+        return IntervalBatch(result[0], result[1])
 
 
-def _combined(values: Lanes, normals: Array) -> Lanes:
+def _combined(values: IntervalBatch, normals: Array) -> IntervalBatch:
     """Interval products of the last axis (d) with normals (r, d)."""
-    total: Lanes | None = None
+    total: IntervalBatch | None = None
     for axis in range(normals.shape[1]):
         weights = normals[:, axis]
         term = product(
-            Lanes(*(end[..., axis, None] for end in _ends(values))), Lanes(weights, weights)
+            IntervalBatch(*(end[..., axis, None] for end in _ends(values))),
+            IntervalBatch(weights, weights),
         )
-        total = term if total is None else Lanes(total.low + term.low, total.high + term.high)
+        total = (
+            term if total is None else IntervalBatch(total.low + term.low, total.high + term.high)
+        )
     if total is None:
         raise ValueError("there are no dimensions")
     return total
 
 
-def _ends(lanes: Lanes) -> tuple[Array, Array]:
-    return lanes.low, lanes.high
+def _ends(batch: IntervalBatch) -> tuple[Array, Array]:
+    return batch.low, batch.high
 
 
-def _constant(value: float) -> Lanes:
+def _constant(value: float) -> IntervalBatch:
     exact = np.asarray(value)
-    return Lanes(exact, exact)
+    return IntervalBatch(exact, exact)

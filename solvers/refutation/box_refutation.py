@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.arithmetic.balls import closed_ball
+from compiler.arrays import Array
 from compiler.coverings.box_tree import text
 from compiler.coverings.motion_demands import MotionDemands, motion_demands
 from compiler.coverings.sides import coordinate_sides
-from compiler.discretisation.float_reading import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions
+from compiler.expressions.evaluators.balls import closed_ball
 from compiler.robots.given_start import GivenStart, given_start
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir

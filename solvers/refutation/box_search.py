@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.coverings.box_tree import (
     LEAF,
     MOST_VARIABLES,
@@ -25,7 +26,6 @@ from compiler.coverings.sides import (
     enclosures,
     parameter_sides,
 )
-from compiler.discretisation.float_reading import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from solvers.refutation.box_demands import NEAR, BoxDemands
 from solvers.refutation.box_growth import BoxGrowth, Covered, Divide, Hopeless
@@ -93,7 +93,7 @@ class Search:
     """The search for one question, which has ``passages``.
 
     Raises:
-        ValueError: the robot's rules have no reading over boxes, or its range is unlimited.
+        ValueError: the robot's rules have no value over boxes, or its range is unlimited.
     """
 
     def __init__(

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.body_smt import Poses
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import Pose
@@ -33,17 +34,17 @@ STRICT = 1e-6
 
 
 def clear_poses(
-    reading: FloatReading,
+    numeric: NumericRobot,
     workspace: ir.Workspace,
     task: ir.Task,
     question: PoseQuestion,
     seed: int,
 ) -> frozenset[Poses]:
     """The scripts of a question that poses were found for; the same arguments, the same answer."""
-    search = _Search(reading, workspace, task, question)
+    search = _Search(numeric, workspace, task, question)
     rng = np.random.default_rng(seed)
     found: set[Poses] = set()
-    for theta in designs(reading, rng):
+    for theta in designs(numeric, rng):
         found |= search.answered(theta, rng)
         if search.poses in found:
             break
@@ -54,12 +55,12 @@ class _Search:
     """What stays the same for all parameters."""
 
     def __init__(
-        self, reading: FloatReading, workspace: ir.Workspace, task: ir.Task, question: PoseQuestion
+        self, numeric: NumericRobot, workspace: ir.Workspace, task: ir.Task, question: PoseQuestion
     ) -> None:
-        self.reading, self.question = reading, question
+        self.numeric, self.question = numeric, question
         self.poses: Poses = ("target",) if question.start is None else ("start", "target")
-        self.clearance: BodyClearance = body_clearance(Avoidances(reading, workspace, task))
-        limits = state_limits(reading.graph.model)[:, 0]
+        self.clearance: BodyClearance = body_clearance(Avoidances(numeric, workspace, task))
+        limits = state_limits(numeric.graph.model)[:, 0]
         self.box = limits[:, 0], limits[:, 1]
         rows: dict[Pose, tuple[ir.HalfSpace, ...]] = {"target": question.target}
         if question.start is not None:
@@ -70,9 +71,9 @@ class _Search:
     def answered(self, theta: Array, rng: np.random.Generator) -> set[Poses]:
         """The scripts that poses at these parameters answer."""
         found: set[Poses] = set()
-        drawn = pool(self.reading, theta, self.box, self._reach(), rng)
+        drawn = pool(self.numeric, theta, self.box, self._reach(), rng)
         seen: dict[tuple[Pose, int], bool] = {}
-        for starting, reaching in effector_choices(self.reading.graph.model, self.question):
+        for starting, reaching in effector_choices(self.numeric.graph.model, self.question):
             effectors: dict[Pose, int] = {"start": starting, "target": reaching}
             for pose in self.poses:
                 key = pose, effectors[pose]
@@ -90,10 +91,10 @@ class _Search:
         region: ConvexSet | None = self.regions.get(pose)
         if region is None:
             return False
-        q = poses_in(self.reading, theta, drawn, self.box, effector, region, POSES, rng)
+        q = poses_in(self.numeric, theta, drawn, self.box, effector, region, POSES, rng)
         if not len(q):
             return False
-        positions = self.reading.points(q, theta).value
+        positions = self.numeric.points(q, theta).value
         beyond = np.max(positions[:, effector] @ region.normals.T - region.offsets, axis=1)
         return bool(np.any((beyond <= 0) & (self.clearance.of(positions) > STRICT)))
 
@@ -103,10 +104,10 @@ class _Search:
         return max((float(np.max(end)) for end in ends), default=0.0)
 
 
-def designs(reading: FloatReading, rng: np.random.Generator) -> Iterator[Array]:
+def designs(numeric: NumericRobot, rng: np.random.Generator) -> Iterator[Array]:
     """Parameters (p,) drawn from their domains."""
-    domains = [parameter.domain for parameter in reading.graph.model.parameters]
-    bounds = np.array(parameter_bounds(reading.graph.model)).reshape(-1, 2)
+    domains = [parameter.domain for parameter in numeric.graph.model.parameters]
+    bounds = np.array(parameter_bounds(numeric.graph.model)).reshape(-1, 2)
     free = bool(np.any(bounds[:, 0] < bounds[:, 1]))
     for _ in range(DESIGNS if free else ATTEMPTS):
         theta = []

@@ -11,8 +11,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.coverings.box_tree import LEAF, CoordinateTree
-from compiler.discretisation.float_reading import Array
 from compiler.time_limits.time_limit import check_time
 
 Flags: TypeAlias = NDArray[np.bool_]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.arithmetic.balls import working_precision
 from compiler.coverings.box_tree import (
     MOST_VARIABLES,
     BoxTreeError,
@@ -21,6 +20,7 @@ from compiler.coverings.box_tree import (
 from compiler.coverings.covered_poses import CoveredPoses
 from compiler.coverings.motion_demands import motion_demands
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
@@ -60,7 +60,7 @@ def drive_refutation(
     with working_precision(PRECISION):
         try:
             search = _DriveSearch(model, graph, workspace, task)
-        except (ValueError, BoxTreeError):  # no exact reading, or an unlimited range
+        except (ValueError, BoxTreeError):  # no exact value, or an unlimited range
             return None
         found = search.covering(effort)
     if found is None or why_not(found.boxes, model, workspace, task) is not None:

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import closed_ball
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
+from compiler.expressions.evaluators.balls import closed_ball
 from grammar_lang import ir
 
 RESTARTS = 12
@@ -60,31 +61,31 @@ class _Pose:
     region: _Region
 
 
-def find_poses(reading: FloatReading, question: PoseQuestion, seed: int) -> PoseWitness | None:
+def find_poses(numeric: NumericRobot, question: PoseQuestion, seed: int) -> PoseWitness | None:
     """Poses that answer a question positively, for some effector; None: not found.
 
     Honours joint limits and parameter ranges; both poses share the parameters.  The same
     arguments give the same answer.
     """
-    for start, reach in effector_choices(reading.graph.model, question):
-        found = find_poses_of(reading, question, (start, reach), seed)
+    for start, reach in effector_choices(numeric.graph.model, question):
+        found = find_poses_of(numeric, question, (start, reach), seed)
         if found is not None:
             return found
     return None
 
 
 def find_poses_of(
-    reading: FloatReading, question: PoseQuestion, effectors: tuple[int, int], seed: int
+    numeric: NumericRobot, question: PoseQuestion, effectors: tuple[int, int], seed: int
 ) -> PoseWitness | None:
     """The same for one choice of the starting and the reaching effector."""
     poses = [_Pose(effectors[1], _region(question.target, question.bounds))]
     if question.start is not None:
         poses.insert(0, _Pose(effectors[0], _region(question.start, question.bounds)))
     rng = np.random.default_rng(seed)
-    box = _joint_box(reading, poses)
-    theta, lower, upper = _designs(reading, rng)
-    q = _best_samples(reading, poses, theta, box, rng)
-    found = _descend(reading, poses, q, box, theta, (lower, upper))
+    box = _joint_box(numeric, poses)
+    theta, lower, upper = _designs(numeric, rng)
+    q = _best_samples(numeric, poses, theta, box, rng)
+    found = _descend(numeric, poses, q, box, theta, (lower, upper))
     if found is None:
         return None
     q, best = found
@@ -107,24 +108,24 @@ def _float(expression: ir.Expr) -> float:
     return float(closed_ball(expression).mid())
 
 
-def _joint_box(reading: FloatReading, poses: list[_Pose]) -> tuple[Array, Array]:
+def _joint_box(numeric: NumericRobot, poses: list[_Pose]) -> tuple[Array, Array]:
     """Limits of the coordinates (n,); unlimited ones get a range that loses nothing of use."""
     reach = 2 * max(float(np.max(np.abs(pose.region.offsets))) for pose in poses)
     lower, upper = [], []
-    for dof in reading.graph.model.dofs:
+    for dof in numeric.graph.model.dofs:
         free = TURN if dof.kind == "revolute" else reach
         lower.append(-free if dof.range is None else _float(dof.range.lower))
         upper.append(free if dof.range is None else _float(dof.range.upper))
     return np.array(lower), np.array(upper)
 
 
-def _designs(reading: FloatReading, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+def _designs(numeric: NumericRobot, rng: np.random.Generator) -> tuple[Array, Array, Array]:
     """Parameters to start from, and the boxes they may move in, each (RESTARTS, p).
 
     Choices are drawn and stay.
     """
-    lower, upper = np.zeros((RESTARTS, reading.p)), np.zeros((RESTARTS, reading.p))
-    for i, parameter in enumerate(reading.graph.model.parameters):
+    lower, upper = np.zeros((RESTARTS, numeric.p)), np.zeros((RESTARTS, numeric.p))
+    for i, parameter in enumerate(numeric.graph.model.parameters):
         domain = parameter.domain
         if isinstance(domain, ir.Interval):
             lower[:, i], upper[:, i] = _float(domain.lower), _float(domain.upper)
@@ -138,7 +139,7 @@ def _designs(reading: FloatReading, rng: np.random.Generator) -> tuple[Array, Ar
 
 
 def _best_samples(
-    reading: FloatReading,
+    numeric: NumericRobot,
     poses: list[_Pose],
     theta: Array,
     box: tuple[Array, Array],
@@ -146,8 +147,8 @@ def _best_samples(
 ) -> Array:
     """The best of random coordinates for each design and pose, shape (designs, poses, n)."""
     count = len(theta)
-    samples = rng.uniform(*box, size=(count * SAMPLES, reading.n))
-    points = reading.points(samples, np.repeat(theta, SAMPLES, axis=0)).value
+    samples = rng.uniform(*box, size=(count * SAMPLES, numeric.n))
+    points = numeric.points(samples, np.repeat(theta, SAMPLES, axis=0)).value
     best = []
     for pose in poses:
         excess = pose.region.excess(points[:, pose.point])
@@ -159,7 +160,7 @@ def _best_samples(
 
 
 def _descend(
-    reading: FloatReading,
+    numeric: NumericRobot,
     poses: list[_Pose],
     q: Array,
     box: tuple[Array, Array],
@@ -170,17 +171,17 @@ def _descend(
 
     All designs descend at once; the answer is that of the first one that arrives, or None.
     """
-    count, width = len(q), reading.n * len(poses)
+    count, width = len(q), numeric.n * len(poses)
     low = np.concatenate([np.tile(box[0], (count, len(poses))), limits[0]], axis=1)
     high = np.concatenate([np.tile(box[1], (count, len(poses))), limits[1]], axis=1)
     x = np.clip(np.concatenate([q.reshape(count, width), theta], axis=1), low, high)
-    at = _residual(reading, poses, x)
+    at = _residual(numeric, poses, x)
     damping = np.full(count, 1e-3)
     for _ in range(ROUNDS):
         if at.inside.any() or np.all(damping >= GIVE_UP):
             break
         trial = np.clip(x + _step(x, at, (low, high), damping), low, high)
-        ahead = _residual(reading, poses, trial)
+        ahead = _residual(numeric, poses, trial)
         better = ahead.size < at.size
         slow = better & (ahead.size > STAGNATION * at.size)
         damping = np.where(better, np.maximum(damping / 5, 1e-9), damping * 5)
@@ -190,7 +191,7 @@ def _descend(
     if not at.inside.any():
         return None
     first = int(np.argmax(at.inside))
-    return x[first, :width].reshape(len(poses), reading.n), x[first, width:]
+    return x[first, :width].reshape(len(poses), numeric.n), x[first, width:]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -228,11 +229,11 @@ def _step(x: Array, at: _Residual, box: tuple[Array, Array], damping: Array) -> 
     return -np.linalg.solve(normal, (gradient * free)[:, :, None])[:, :, 0]
 
 
-def _residual(reading: FloatReading, poses: list[_Pose], x: Array) -> _Residual:
+def _residual(numeric: NumericRobot, poses: list[_Pose], x: Array) -> _Residual:
     """The violations of designs x (R, poses * n + p)."""
-    n, width, count = reading.n, reading.n * len(poses), len(x)
+    n, width, count = numeric.n, numeric.n * len(poses), len(x)
     q = x[:, :width].reshape(count * len(poses), n)
-    points = reading.points(q, np.repeat(x[:, width:], len(poses), axis=0))
+    points = numeric.points(q, np.repeat(x[:, width:], len(poses), axis=0))
     values, rows = [], []
     inside = np.ones(count, dtype=bool)
     for k, (point, region) in enumerate((pose.point, pose.region) for pose in poses):
@@ -240,7 +241,7 @@ def _residual(reading: FloatReading, poses: list[_Pose], x: Array) -> _Residual:
         at = points.value[each, point]
         excess = region.excess(at)
         active = (excess > 0)[:, :, None] * region.normals
-        row = np.zeros((count, excess.shape[1], width + reading.p))
+        row = np.zeros((count, excess.shape[1], width + numeric.p))
         row[:, :, k * n : (k + 1) * n] = active @ points.by_q[each, point]
         row[:, :, width:] = active @ points.by_theta[each, point]
         values.append(excess)

@@ -13,7 +13,7 @@ from itertools import islice
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
@@ -64,10 +64,10 @@ class Refutation:
 
 
 def refute_structure(
-    model: RobotModel, reading: FloatReading, program: ir.Program, task: ir.Task, conduct: Conduct
+    model: RobotModel, numeric: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
 ) -> Refutation:
     """Try to prove that a structure cannot bring effectors from the start to where they must be."""
-    asked = _Asked(model, reading, program.workspaces[task.workspace], task, conduct)
+    asked = _Asked(model, numeric, program.workspaces[task.workspace], task, conduct)
     for question in pose_questions(asked.workspace, task):
         refuted = asked.poses(question) or asked.bodies(question)
         if refuted is not None:
@@ -87,7 +87,7 @@ class _Asked:
     """What was asked about a robot so far; ``witnesses`` has the poses found for each question."""
 
     model: RobotModel
-    reading: FloatReading
+    numeric: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
     conduct: Conduct
@@ -96,7 +96,7 @@ class _Asked:
 
     def poses(self, question: PoseQuestion) -> Refutation | None:
         """Poses of the effectors alone: found, refuted, or neither."""
-        witness = find_poses(self.reading, question, self.conduct.seed)
+        witness = find_poses(self.numeric, question, self.conduct.seed)
         self.witnesses.append(witness)
         if witness is not None:
             return None
@@ -112,7 +112,7 @@ class _Asked:
         if demands is None:
             return None
         seed = self.conduct.seed
-        known = clear_poses(self.reading, self.workspace, self.task, question, seed)
+        known = clear_poses(self.numeric, self.workspace, self.task, question, seed)
         for poses in body_scripts(question):
             body = None if poses in known else body_script(self.model, question, demands, poses)
             if body is None:
@@ -125,21 +125,21 @@ class _Asked:
 
     def boxes(self) -> BoxRefutation | None:
         """A covering, where there is hope of one."""
-        robot = self.model, self.reading.graph, self.workspace, self.task
+        robot = self.model, self.numeric.graph, self.workspace, self.task
         if start_is_excluded(*robot):
             return box_refutation(*robot, FOR_A_POSE)
         few = len(self.model.dofs) <= FEW_DOFS
         if not few and not self.calls:
             return None
         rng = np.random.default_rng(self.conduct.seed)
-        drawn = list(islice(designs(self.reading, rng), DESIGNS))
+        drawn = list(islice(designs(self.numeric, rng), DESIGNS))
         if way_is_seen(*robot, self.witnesses, drawn):
             return None
         return box_refutation(*robot, WITHOUT_PROOF)
 
     def drives(self) -> BoxRefutation | None:
         """A covering that shows the drives to be far too weak."""
-        robot = self.model, self.reading.graph, self.workspace, self.task
+        robot = self.model, self.numeric.graph, self.workspace, self.task
         return drive_refutation(*robot, BEFORE_MOTIONS)
 
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.arrays import Array
+from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.claimed_task import claimed_task, read_claim
 from solvers.verifier.claims.outcome import Outcome, Refused
@@ -24,10 +24,8 @@ from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSe
 from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
-from solvers.verifier.proofs.tube_checks import PointReading
+from solvers.verifier.proofs.tube_checks import PointMap
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
-
-Array = NDArray[np.float64]
 
 FLOAT_BITS = 53
 """Bounds at an instant are floats: more bits do not make them narrower than that."""
@@ -45,7 +43,7 @@ class CertifiedTube:
         points: (m, p, d, 2) bounds of the positions of all points in m; effectors come first.
         disturbed: whether it holds all disturbed motions of a task with ``robust``.
         segments: the solutions themselves, as polynomials in the coordinates of the equations.
-        reading: how positions follow from the coordinates of the equations.
+        point_map: how positions follow from the coordinates of the equations.
         rows: (n, n) the integer matrix D that gives the joints' coordinates, q = D y.
     """
 
@@ -55,7 +53,7 @@ class CertifiedTube:
     points: Array
     disturbed: bool
     segments: tuple[TubeSegment, ...]
-    reading: PointReading
+    point_map: PointMap
     rows: tuple[tuple[int, ...], ...]
 
     def at(self, time: float) -> Array:
@@ -74,7 +72,9 @@ class CertifiedTube:
             ValueError: the motion has ended, or has not begun.
         """
         with working_precision(FLOAT_BITS):
-            return np.array([_bounds(place) for place in self.reading.positions(self._state(time))])
+            return np.array(
+                [_bounds(place) for place in self.point_map.positions(self._state(time))]
+            )
 
     def _state(self, time: float) -> list[arb]:
         if not 0 <= time <= self.times[-1]:
@@ -138,13 +138,13 @@ def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
         over = segment.at(half + SIGNED * half)
         segments.append(segment)
         states.append(_bounds(_joint_states(rows, over)))
-        places = robot.reading.positions(over)
+        places = robot.point_map.positions(over)
         points.append(np.array([_bounds(place) for place in places]))
     ends = [0.0, *(float((each.start + each.length).mid()) for each in segments)]
     found, n = np.array(states).reshape(len(segments), -1, 2), len(rows)
     return CertifiedTube(
         np.array(ends), found[:, :n], found[:, n:], np.array(points), robust is not None,
-        tuple(segments), robot.reading, rows,
+        tuple(segments), robot.point_map, rows,
     )  # fmt: skip
 
 

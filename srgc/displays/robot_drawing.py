@@ -7,14 +7,12 @@ from fractions import Fraction
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.robots.robot import RobotDof, RobotModel
 from grammar_lang.constants import to_float
 from srgc.report.motion.drawn_robot import DrawnJoint, DrawnRobot, drawn_robot
 from srgc.report.motion.view import fitted
-
-Array = NDArray[np.float64]
 
 WIDTH = 320.0
 MARGIN = 0.15

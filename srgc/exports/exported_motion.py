@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from solvers.motions.fine_motion import fine_motion
@@ -22,8 +22,6 @@ from srgc.exports.friction import dampings, left_out
 from srgc.exports.planned_inputs import free_inputs, planned_inputs
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
-
-Array = NDArray[np.float64]
 
 POSITION_UNITS = {"revolute": "rad", "prismatic": "m"}
 EFFORT_UNITS = {"revolute": "N*m", "prismatic": "N"}
@@ -86,15 +84,15 @@ def exported_motion(design: FoundDesign) -> ExportedMotion:
 def _integrated(design: FoundDesign) -> ExportedMotion:
     model, step = design.model, design.task.step
     graph = robot_graph(model, design.task.gravity)
-    reading = FloatReading(graph)
+    numeric = NumericRobot(graph)
     planned = planned_inputs(design)
     count, n = len(planned.u), len(model.dofs)
-    moved = fine_motion(reading, planned, float(step))
+    moved = fine_motion(numeric, planned, float(step))
     held = planned.u[[*range(count), count - 1]]
-    rates = reading.acceleration(moved.x, held, planned.theta)[0]
+    rates = numeric.acceleration(moved.x, held, planned.theta)[0]
     q, v = moved.x[:, :n], moved.x[:, n : 2 * n]
-    tips = reading.points(q, planned.theta).value[:, : len(model.effectors)]
-    effort = _efforts(design, reading, moved.x, rates[:, :n], held, planned.theta)
+    tips = numeric.points(q, planned.theta).value[:, : len(model.effectors)]
+    effort = _efforts(design, numeric, moved.x, rates[:, :n], held, planned.theta)
     names = design_names(design, design_tree(design))
     kinds = [dof.kind for dof in model.dofs]
     return ExportedMotion(
@@ -132,7 +130,7 @@ def _quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, .
 
 def _efforts(
     design: FoundDesign,
-    reading: FloatReading,
+    numeric: NumericRobot,
     x: Array,
     acceleration: Array,
     held: Array,
@@ -148,11 +146,11 @@ def _efforts(
     q, v = x[:, :n], x[:, n : 2 * n]
     bias: Array = np.array(
         [
-            np.asarray(reading.graph.bias(*sample, theta, reading.constants).full())[:, 0]
+            np.asarray(numeric.graph.bias(*sample, theta, numeric.constants).full())[:, 0]
             for sample in zip(q, v, strict=True)
         ]
     )
-    mass = reading.mass_matrix(q, theta)
+    mass = numeric.mass_matrix(q, theta)
     inertial: Array = (mass @ acceleration[:, :, None])[:, :, 0]
     friction: Array = np.array(dampings(design)) * v
     return inertial + bias + friction

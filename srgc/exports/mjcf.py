@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
 
-from compiler.arithmetic.balls import working_precision
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
 from compiler.rigid_links.link_shape import Shape
 from compiler.rigid_links.mass_moments import inertial

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from compiler.arithmetic.balls import closed_ball, working_precision
+from compiler.expressions.evaluators.balls import closed_ball, working_precision
 from compiler.rigid_links.ball_pose import nearest
 from compiler.rigid_links.rigid_tree import PRECISION
 from grammar_lang import ir

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles
 from compiler.rigid_links.link_shape import Shape
 from compiler.rigid_links.mass_moments import MassMoments, inertial, legal, token

@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.maps.obstacle_pieces import expanded
 from solvers.design_follower import PathTask
@@ -108,8 +109,8 @@ def follower_of(found: FoundDesign, record: FoundRecord) -> Follower:
     if not found.model.dofs:
         raise UsageFault("the robot cannot move: it has no motion whose robustness could vary")
     program, task = expanded(found.program, found.task)
-    reading = FloatReading(robot_graph(found.model, task.gravity))
-    place = PathTask(program, task, reading, task_on_samples(task), record.seed)
+    numeric = NumericRobot(robot_graph(found.model, task.gravity))
+    place = PathTask(program, task, numeric, task_on_samples(task), record.seed)
     effector, path = found.claim.effector, found.claim.path
     follower = place.along(record.cells, effector, record.leader, path)
     if follower is None:
@@ -121,10 +122,10 @@ def motion_of(found: FoundDesign, follower: Follower) -> Trajectory:
     """The motion of a design on the samples, by simulation."""
     theta = np.array([float(value) for value in found.theta])
     u = np.array([[float(exact(text)) for text in row] for row in found.claim.inputs])
-    u = u.reshape(len(found.claim.inputs), follower.reading.m)
+    u = u.reshape(len(found.claim.inputs), follower.numeric.m)
     start = np.concatenate([[float(value) for value in found.start], follower.limits.own_start])
     step = float(found.task.step)
-    x = follower.reading.simulate(start, u, theta, step, follower.substeps)
+    x = follower.numeric.simulate(start, u, theta, step, follower.substeps)
     return Trajectory(x, u, theta)
 
 

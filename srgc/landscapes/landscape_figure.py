@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.parameters.sample import Sample
 from srgc.landscapes.landscape import Landscape
 from srgc.landscapes.landscape_request import Axis

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from compiler.robots.robot import RobotModel, RobotParameter
 from grammar_lang import ir
 from grammar_lang.constants import to_float

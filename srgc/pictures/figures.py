@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.polytope import polytope_of
 from compiler.robots.input_bounds import input_bounds
@@ -37,8 +38,8 @@ def workspace_figure(
     """
     trajectory = design.configuration.outcome.trajectory
     n = len(design.model.dofs)
-    reading = FloatReading(robot_graph(design.model, task.gravity))
-    points = reading.points(trajectory.x[:, :n], trajectory.theta).value[..., :2]
+    numeric = NumericRobot(robot_graph(design.model, task.gravity))
+    points = numeric.points(trajectory.x[:, :n], trajectory.theta).value[..., :2]
     with figure_settings():
         figure = Figure(figsize=(6.6, 6.2))
         figure.subplots_adjust(left=0.09, right=0.98, bottom=0.08, top=0.92)
@@ -47,8 +48,8 @@ def workspace_figure(
         _draw_cells(axes, result, design)
         _draw_regions(axes, workspace)
         _draw_skeleton(axes, _skeletons(design, task))
-        _draw_ghosts(axes, points, design, reading)
-        tips = _effector_line(design, reading, float(task.step))
+        _draw_ghosts(axes, points, design, numeric)
+        tips = _effector_line(design, numeric, float(task.step))
         axes.plot(*tips.T, color=INK, lw=2.0, label="effector", zorder=6)
         axes.plot(*tips[0], "o", color=INK, ms=5, zorder=7)
         axes.plot(*tips[-1], "*", color=INK, ms=11, zorder=7)
@@ -148,7 +149,7 @@ def _draw_regions(axes: Axes, workspace: ir.Workspace) -> None:
         )  # fmt: skip
 
 
-def _effector_line(design: Design, reading: FloatReading, step: float) -> Array:
+def _effector_line(design: Design, numeric: NumericRobot, step: float) -> Array:
     """The way of the leading effector, (K, 2), between the samples by Hermite's cubic.
 
     Chords would cut corners, and with few samples go through obstacles that the motion avoids.
@@ -161,7 +162,7 @@ def _effector_line(design: Design, reading: FloatReading, step: float) -> Array:
     instants = np.arange(parts * samples[-1] + 1) / parts
     q, slopes = trajectory.x[:, :n], trajectory.x[:, n : 2 * n] * step
     between = np.asarray(CubicHermiteSpline(samples, q, slopes)(instants))
-    line: Array = reading.points(between, trajectory.theta).value[:, design.leader, :2]
+    line: Array = numeric.points(between, trajectory.theta).value[:, design.leader, :2]
     return line
 
 
@@ -170,9 +171,9 @@ def _skeletons(design: Design, task: ir.Task) -> list[Array]:
     model, trajectory = design.model, design.configuration.outcome.trajectory
     # The same robot with every frame as an effector: its points are the origins.
     jointed = replace(model, effectors=tuple(range(len(model.frames))))
-    reading = FloatReading(robot_graph(jointed, task.gravity))
+    numeric = NumericRobot(robot_graph(jointed, task.gravity))
     q = trajectory.x[:, : len(model.dofs)]
-    origins = reading.points(q, trajectory.theta).value[..., :2]
+    origins = numeric.points(q, trajectory.theta).value[..., :2]
     ends = dict.fromkeys([*model.effectors, *(body.frame for body in model.bodies)])
     return [origins[:, [WORLD, *model.chain(frame)]] for frame in ends]
 
@@ -194,17 +195,17 @@ def _draw_skeleton(axes: Axes, chains: list[Array]) -> None:
             axes.plot(*chain[sample].T, color=ARM, alpha=alpha, lw=0.7, zorder=3)
 
 
-def _draw_ghosts(axes: Axes, points: Array, design: Design, reading: FloatReading) -> None:
+def _draw_ghosts(axes: Axes, points: Array, design: Design, numeric: NumericRobot) -> None:
     """Poses of the robot at equally spaced samples, the last one strong."""
     effectors = len(design.model.effectors)
     for sample, alpha in _ghost_samples(len(points)):
         last = sample == len(points) - 1
-        for hull in reading.graph.hulls:
+        for hull in numeric.graph.hulls:
             body = points[sample, [effectors + i for i in hull]]
             axes.plot(
                 *body.T, color=ARM, alpha=alpha, lw=2.6 if last else 1.6,
                 marker="o", ms=3, solid_capstyle="round", zorder=4,
-                label="robot" if last and hull == reading.graph.hulls[0] else None,
+                label="robot" if last and hull == numeric.graph.hulls[0] else None,
             )  # fmt: skip
 
 

@@ -18,8 +18,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.abstraction import Abstraction, Cell
 from compiler.geometry.double_description import Point
 from compiler.geometry.polytope import AXES, Polytope, polytope_of
@@ -28,7 +28,6 @@ from compiler.views.workspace_view import cell_label, drawn
 from grammar_lang.ir import Workspace
 from srgc.pictures.svg_figure import COLOURS, INK, PATH, figure_settings, svg_text
 
-Array = NDArray[np.float64]
 PAPER, MOST_PAPER = 7.0, 16.0
 """The longer side of the picture in inches; it grows with the cells up to the second."""
 POINTS = 72.0

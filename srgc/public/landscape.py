@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from srgc.faults import UsageFault
 
@@ -13,10 +13,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from compiler.arrays import Array
     from srgc.landscapes.landscape import Landscape as Evaluated
     from srgc.results.found_design import FoundDesign
-
-    Array: TypeAlias = NDArray[np.float64]
 
 
 LEAST_POINTS, MOST_POINTS = 2, 1000

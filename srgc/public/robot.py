@@ -16,13 +16,12 @@ from srgc.public.spoken_faults import spoken
 from srgc.public.words import symbols
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    from compiler.discretisation.float_reading import FloatReading
+    from compiler.arrays import Array
+    from compiler.discretisation.numeric_robot import NumericRobot
     from compiler.robots.robot import RobotParameter
 
-    Array: TypeAlias = NDArray[np.float64]
 
 Values: TypeAlias = "Mapping[str, float] | Sequence[float]"
 """Parameters by their names, as in ``{"4.length": 2.23}``, or all of them in order; in SI units."""
@@ -66,11 +65,11 @@ class Robot:
         return tuple(dof.kind for dof in self.chosen.model.dofs)
 
     @cached_property
-    def _reading(self) -> FloatReading:
-        from compiler.discretisation.float_reading import FloatReading
+    def _numeric(self) -> NumericRobot:
+        from compiler.discretisation.numeric_robot import NumericRobot
         from compiler.dynamics.equations_of_motion import robot_graph
 
-        return FloatReading(robot_graph(self.chosen.model, self.chosen.gravity))
+        return NumericRobot(robot_graph(self.chosen.model, self.chosen.gravity))
 
     @cached_property
     def _values(self) -> Array:
@@ -82,7 +81,7 @@ class Robot:
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M, shape (n, n) or (K, n, n); in kg m^2, and kg for sliding joints."""
         poses, single = self._poses(q, "q")
-        found = self._reading.mass_matrix(poses, self._values)
+        found = self._numeric.mass_matrix(poses, self._values)
         return found[0] if single else found
 
     @spoken
@@ -95,9 +94,9 @@ class Robot:
         if len(poses) != len(rates) and 1 not in (len(poses), len(rates)):
             raise UsageFault(f"`q` has {len(poses)} poses, and `qd` {len(rates)}")
         poses, rates = np.broadcast_arrays(poses, rates)
-        function = self._reading.graph.centrifugal
+        function = self._numeric.graph.centrifugal
         rows = [
-            function(pose, rate, self._values, self._reading.constants).full()[:, 0]
+            function(pose, rate, self._values, self._numeric.constants).full()[:, 0]
             for pose, rate in zip(poses, rates, strict=True)
         ]
         found = np.array(rows, dtype=np.float64).reshape(len(rows), len(self.dofs))
@@ -109,9 +108,9 @@ class Robot:
         import numpy as np
 
         poses, single = self._poses(q, "q")
-        function = self._reading.graph.gravitational
+        function = self._numeric.graph.gravitational
         rows = [
-            function(pose, self._values, self._reading.constants).full()[:, 0] for pose in poses
+            function(pose, self._values, self._numeric.constants).full()[:, 0] for pose in poses
         ]
         found = np.array(rows, dtype=np.float64).reshape(len(rows), len(self.dofs))
         return found[0] if single else found
@@ -121,7 +120,7 @@ class Robot:
         """The positions of its e effectors in m, shape (e, d) or (K, e, d); d is 2 or 3."""
         poses, single = self._poses(q, "q")
         count = len(self.chosen.model.effectors)
-        found = self._reading.points(poses, self._values).value[:, :count]
+        found = self._numeric.points(poses, self._values).value[:, :count]
         return found[0] if single else found
 
     @spoken

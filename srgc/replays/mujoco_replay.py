@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from solvers.motions.trajectory import Trajectory
 from srgc.exports.design_export import mujoco_text
 from srgc.exports.design_names import design_names, design_tree
 from srgc.exports.planned_inputs import free_inputs, planned_inputs
 from srgc.faults import UsageFault
-from srgc.replays.replayed_motion import Array, ReplayedMotion
+from srgc.replays.replayed_motion import ReplayedMotion
 from srgc.results.found_design import FoundDesign
 
 INTEGRATORS = {

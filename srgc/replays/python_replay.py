@@ -13,11 +13,12 @@ import numpy as np
 import scipy
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from srgc.exports.planned_inputs import planned_inputs
 from srgc.faults import UsageFault
-from srgc.replays.replayed_motion import Array, ReplayedMotion
+from srgc.replays.replayed_motion import ReplayedMotion
 from srgc.results.found_design import FoundDesign
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-15
@@ -32,11 +33,11 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         UsageFault: it has numbers that are no doubles, or the method finds no steps.
     """
     planned = planned_inputs(design)
-    reading = FloatReading(robot_graph(design.model, design.task.gravity))
+    numeric = NumericRobot(robot_graph(design.model, design.task.gravity))
     n, step = len(design.model.dofs), design.task.step
 
     def rate(_time: float, x: Array, u: Array) -> Array:
-        rest = reading.acceleration(x[None, :], u[None, :], planned.theta)[0][0]
+        rest = numeric.acceleration(x[None, :], u[None, :], planned.theta)[0][0]
         return np.concatenate([x[n : 2 * n], rest])
 
     within = np.linspace(0.0, float(step), INSTANTS + 1)
@@ -51,7 +52,7 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         states += list(solution.y.T)
         times += [float((number + i / Fraction(INSTANTS)) * step) for i in range(1, INSTANTS + 1)]
     found = np.array(states)
-    tips = reading.points(found[:, :n], planned.theta).value[:, : len(design.model.effectors)]
+    tips = numeric.points(found[:, :n], planned.theta).value[:, : len(design.model.effectors)]
     return ReplayedMotion(
         "SciPy", scipy.__version__, "DOP853", None, np.array(times), found[:, : 2 * n], tips,
         INSTANTS,

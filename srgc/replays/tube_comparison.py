@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compiler.arrays import Array
 from solvers.verifier.certified_tube import CertifiedTube
-from srgc.replays.replayed_motion import Array, ReplayedMotion
+from srgc.replays.replayed_motion import ReplayedMotion
 
 
 @dataclass(frozen=True, slots=True)

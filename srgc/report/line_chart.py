@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from compiler.arrays import Array
 from srgc.report.html_text import number, text
-from srgc.report.trajectory import Array
 
 WIDTH, HEIGHT = 360, 190
 LEFT, RIGHT, TOP, BOTTOM = 56, 58, 10, 26

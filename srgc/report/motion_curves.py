@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.maps.obstacle_pieces import expanded
 from compiler.robots.input_bounds import InputBound, input_bounds
 from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
@@ -14,7 +15,7 @@ from grammar_lang import ir
 from grammar_lang.constants import to_float
 from srgc.report.evidence import Evidence
 from srgc.report.line_chart import Curve, thinned
-from srgc.report.trajectory import Array, Trajectory
+from srgc.report.trajectory import Trajectory
 from srgc.results.found_design import FoundDesign
 
 POINTS = 160

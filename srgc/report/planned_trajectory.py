@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.fine_motion import fine_motion
 from srgc.exports.planned_inputs import planned_inputs
@@ -24,10 +24,10 @@ def planned_trajectory(found: FoundDesign) -> Trajectory:
         UsageFault: the inputs are not those of the task, or the motion has no values in doubles.
     """
     planned, step, n = planned_inputs(found), found.task.step, len(found.model.dofs)
-    reading = FloatReading(robot_graph(found.model, found.task.gravity))
+    numeric = NumericRobot(robot_graph(found.model, found.task.gravity))
     with np.errstate(all="ignore"):
-        x = fine_motion(reading, planned, float(step)).x
-        tips = reading.points(x[:, :n], planned.theta).value[:, : len(found.model.effectors)]
+        x = fine_motion(numeric, planned, float(step)).x
+        tips = numeric.points(x[:, :n], planned.theta).value[:, : len(found.model.effectors)]
     if not (np.isfinite(x).all() and np.isfinite(tips).all()):
         raise UsageFault("the motion of the certificate cannot be simulated in doubles")
     times = np.array([float(i * step) for i in range(len(x))])

@@ -10,7 +10,7 @@ from math import isfinite
 from typing import Any
 
 from compiler.candidates.reconfiguration import Reconfiguration
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.state_and_input import robot_inputs, robot_states
@@ -219,8 +219,8 @@ def trajectory_csv(design: Design, task: ir.Task) -> str:
     trajectory = design.configuration.outcome.trajectory
     n, d = len(design.model.dofs), design.model.dimension
     states, inputs_of = robot_states(design.model), robot_inputs(design.model)
-    reading = FloatReading(robot_graph(design.model, task.gravity))
-    tips = reading.points(trajectory.x[:, :n], trajectory.theta).value
+    numeric = NumericRobot(robot_graph(design.model, task.gravity))
+    tips = numeric.points(trajectory.x[:, :n], trajectory.theta).value
     effectors = len(design.model.effectors)
     head = ["t", *(f"q{i + 1}" for i in range(n)), *(f"qd{i + 1}" for i in range(n))]
     head += [f"s{i + 1}" for i in range(len(states))]

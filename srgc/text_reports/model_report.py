@@ -6,15 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from compiler.descriptions.document import Fact, Section, section_of_lines
-from compiler.descriptions.latex_document import to_latex
-from compiler.descriptions.model_reading import model_reading
-from compiler.descriptions.model_sections import motion_sections
+from compiler.descriptions.document import Fact, Section, section_of_lines, to_latex, to_text
+from compiler.descriptions.model_formulas import model_formulas, motion_sections
 from compiler.descriptions.robot_sections import robot_sections
-from compiler.descriptions.text_document import to_text
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import UndefinedValueError
 from compiler.encodings.model_script import model_script
+from compiler.expressions.tape import UndefinedValueError
 from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
 from compiler.robots.defined_scalars import scalars_are_defined
 from compiler.robots.robot import RodBody, SolidBody
@@ -70,7 +67,7 @@ def _sections(robot: ChosenRobot, *, whole: bool) -> Iterator[Section]:
     yield Section("Robot", tuple(_facts(robot)))
     yield from robot_sections(robot.model, robot.word, robot.task)
     if len(robot.model.dofs) <= MOST_WRITTEN or whole:
-        yield from motion_sections(model_reading(robot.model, robot.gravity))
+        yield from motion_sections(model_formulas(robot.model, robot.gravity))
     else:
         text = f"left out for {len(robot.model.dofs)} degrees of freedom: --whole writes them"
         yield section_of_lines("Equations of motion", [text])

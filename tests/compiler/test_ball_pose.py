@@ -7,13 +7,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import arb
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.arrays import Array
+from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, doubles, nearest
-
-Array = NDArray[np.float64]
 
 
 def built(turns: list[tuple[int, Fraction]]) -> tuple[Pose, Array]:

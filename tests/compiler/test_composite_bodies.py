@@ -7,11 +7,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.arithmetic.balls import BallArithmetic, ball, constant_ball
-from compiler.definiteness.interval_reading import Ends, IntervalArithmetic, around
 from compiler.dynamics.energy_graph import energy_graph
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import BallEvaluator, ball, constant_ball
+from compiler.expressions.evaluators.intervals import Ends, IntervalEvaluator, around
+from compiler.expressions.tape import tape
 from tests.oracles.driven_chains import Segment, problem, robot_of
 from tests.oracles.driven_robots import driven
 from tests.oracles.mass_points import energy, mass_points
@@ -37,9 +37,9 @@ def test_energies_are_those_of_point_masses(model):
     theta = theta[: len(model.parameters)]
     inputs = [ball(Fraction(float(x))) for x in [*q, *theta]]
     inputs += [constant_ball(item) for item in graph.constants]
-    mass = np.array([float(x) for x in graph.mass.run(inputs, BallArithmetic())]).reshape(n, n)
+    mass = np.array([float(x) for x in graph.mass.evaluate(inputs, BallEvaluator())]).reshape(n, n)
     assert np.allclose(mass, mass.T, rtol=0, atol=0)
-    height, *slope = (float(x) for x in graph.potential.run(inputs, BallArithmetic()))
+    height, *slope = (float(x) for x in graph.potential.evaluate(inputs, BallEvaluator()))
     cloud = mass_points(model, theta)
     assert v @ mass @ v / 2 + height == pytest.approx(
         energy(cloud, q, v, PULLS[model.dimension]), rel=1e-9, abs=1e-9
@@ -66,9 +66,9 @@ def test_enclosures_hold_all_values_and_are_the_narrower_ones():
     assert graph.shape == (1, 2)
     box = [Ends(ball(Fraction(i, 8)), ball(Fraction(i + 1, 8))) for i in (1, 4, -3)]
     box.append(Ends(ball(Fraction(1, 2)), ball(Fraction(7, 10))))
-    run = IntervalArithmetic()
-    found = graph.mass.run([*box, *map(_around, graph.constants)], run)
-    natural = tape(other.mass_matrix).run([*box, *map(_around, other.constants)], run)
+    run = IntervalEvaluator()
+    found = graph.mass.evaluate([*box, *map(_around, graph.constants)], run)
+    natural = tape(other.mass_matrix).evaluate([*box, *map(_around, other.constants)], run)
     widths = [sum(float(x.high - x.low) for x in entries) for entries in (found, natural)]
     assert widths[0] < 0.7 * widths[1]
     rng = np.random.default_rng(1)
@@ -76,7 +76,7 @@ def test_enclosures_hold_all_values_and_are_the_narrower_ones():
         values = [float(s.low) + rng.random() * float(s.high - s.low) for s in box]
         inputs = [ball(Fraction(x)) for x in values] + [constant_ball(c) for c in other.constants]
         for side, entry in zip(
-            found, tape(other.mass_matrix).run(inputs, BallArithmetic()), strict=True
+            found, tape(other.mass_matrix).evaluate(inputs, BallEvaluator()), strict=True
         ):
             assert side.ball().overlaps(entry)
 
@@ -108,7 +108,7 @@ def test_what_is_viscous_friction(own, damping):
         assert graph.damping is None
         return
     inputs = [ball(0), ball(0), *map(constant_ball, graph.constants)]
-    found = graph.damping.run(inputs, BallArithmetic())
+    found = graph.damping.evaluate(inputs, BallEvaluator())
     assert found[0].overlaps(ball(Fraction(damping)))
     assert found[0].rad() < 1e-9
     assert found[1].is_zero()

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.arithmetic.scalars import ScalarTable
+from compiler.expressions.scalars import ScalarTable
 from compiler.robots.defined_scalars import scalars_are_defined
 from compiler.robots.robot import WORLD
 from tests.oracles.robots import Builder

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from flint import arb
 
-from compiler.arithmetic.balls import ball
-from compiler.definiteness.interval_reading import Ends, around
+from compiler.expressions.evaluators.balls import ball
+from compiler.expressions.evaluators.intervals import Ends, around
 from compiler.motion_bounds.drive_budget import Ramp, RateBounds, budget
 from compiler.motion_bounds.drive_metric import (
     EffortGroup,

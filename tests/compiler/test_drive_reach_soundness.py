@@ -7,8 +7,8 @@ import random
 import numpy as np
 import pytest
 
-from compiler.arithmetic.balls import constant_ball
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.balls import constant_ball
 from tests.oracles.driven_chains import Segment, answer, problem, robot_of, spot
 
 STEPS, FINE = 8, 40

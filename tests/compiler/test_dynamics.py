@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import WORLD, FrameNode, RobotModel, Turn
 from tests.oracles.lagrangian import PointCloud, rod_points
 from tests.oracles.mass_points import mass_points
@@ -22,7 +23,6 @@ from tests.oracles.mixed_robots import mixed_robot
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder, evaluate, rod_chain
 
-Array = NDArray[np.float64]
 PULL = (Fraction(1, 3), Fraction(-981, 100))
 
 

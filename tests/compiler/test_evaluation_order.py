@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.arithmetic.scalars import Constant
+from compiler.expressions.scalars import Constant
 from compiler.grammars.derivation import Derivation, replay
 from compiler.robots.robot import PointBody, RobotModel
 from compiler.semantics.attributes import SemanticsError, evaluate

@@ -8,9 +8,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.arithmetic.balls import working_precision
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.pose_questions import effector_choices, pose_questions
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.languages.structures import structures
 from compiler.robots.given_start import GivenStart, given_start
 from compiler.robots.normalise import normalise

@@ -12,13 +12,14 @@ import pytest
 import z3
 from pysmt.smtlib.parser import SmtLibParser
 
-from compiler.arithmetic.scalars import Constant
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.model_script import model_script
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir
 from tests.oracles.random_robots import random_robot
-from tests.oracles.robots import Array, Builder, interval, rod_chain
+from tests.oracles.robots import Builder, interval, rod_chain
 
 UNIT_POINTS = [(3, 4, 5), (5, -12, 13), (-8, 15, 17), (7, 24, 25), (-20, -21, 29), (12, 35, 37)]
 HALF_POINTS = [(20, 21, 29), (35, 12, 37), (45, 28, 53)]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from compiler.arithmetic.scalars import ParameterLeaf
+from compiler.expressions.scalars import ParameterLeaf
 from compiler.grammars.derivation import Derivation, replay
 from compiler.graphs.labelled_graph import LabelledGraph, labelled_graph
 from compiler.languages.language import language

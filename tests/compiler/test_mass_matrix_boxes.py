@@ -8,8 +8,8 @@ from fractions import Fraction
 import pytest
 from flint import arb
 
-from compiler.definiteness.exact_reading import PiLinear
-from compiler.definiteness.interval_reading import INFINITY, Ends
+from compiler.expressions.evaluators.exact import PiLinear
+from compiler.expressions.evaluators.intervals import INFINITY, Ends
 from compiler.mass_matrix.boxes import Side, halves, hull, middle, natural_values, robot_box
 from grammar_lang import ir
 from tests.oracles.robots import rod_chain

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from flint import arb
 
-from compiler.definiteness.exact_reading import PiLinear
-from compiler.definiteness.interval_reading import Ends
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.exact import PiLinear
+from compiler.expressions.evaluators.intervals import Ends
+from compiler.expressions.tape import tape
 from compiler.mass_matrix.bodies_at_rest import BodyMotions, RestTest
 from compiler.mass_matrix.boxes import Box, Side, domains, hull, robot_box
 from compiler.mass_matrix.mass_matrix_check import Definiteness, mass_matrix_check
@@ -97,7 +97,7 @@ def confirmed(model: RobotModel, found: Definiteness) -> None:
             assert contains(domain, number(value))
         if not witness.identically:
             inputs = [*map(number, witness.point), *map(exact, graph.constants)]
-            entries = tape(graph.mass_matrix).run(inputs, Multiprecision())
+            entries = tape(graph.mass_matrix).evaluate(inputs, Multiprecision())
             vector = [fraction(item) for item in witness.vector]
             pairs = product(range(n), repeat=2)
             form = sum(vector[i] * vector[j] * entries[j * n + i] for i, j in pairs)

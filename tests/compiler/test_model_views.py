@@ -7,19 +7,29 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.descriptions.document import Entry, Equation, Fact, Remark, Section, section_of_lines
+from compiler.descriptions.document import (
+    TEXT_WIDTH,
+    Entry,
+    Equation,
+    Fact,
+    Remark,
+    Section,
+    section_of_lines,
+    to_latex,
+    to_text,
+)
 from compiler.descriptions.domain_text import domain_text
-from compiler.descriptions.expression_printer import ExpressionPrinter, Notation
-from compiler.descriptions.latex_document import to_latex
-from compiler.descriptions.latex_notation import LatexNotation
-from compiler.descriptions.model_reading import model_reading
-from compiler.descriptions.model_sections import motion_sections
+from compiler.descriptions.expression_printer import (
+    ExpressionPrinter,
+    LatexNotation,
+    Notation,
+    TextNotation,
+)
+from compiler.descriptions.model_formulas import model_formulas, motion_sections
 from compiler.descriptions.model_symbols import model_symbols
 from compiler.descriptions.robot_sections import robot_sections
-from compiler.descriptions.text_document import WIDTH, to_text
-from compiler.descriptions.text_notation import TextNotation
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.trigonometric_polynomial import (
     Abbreviation,
     Opaque,
     Pi,
@@ -197,7 +207,7 @@ def test_documents() -> None:
     assert "name    50 %\nlonger  a_b\n" in text
     assert "q1  first  in {1, 2}\nthat is #1\n" in text
     assert "y = -a + b - xxx" in text
-    assert max(map(len, text.splitlines())) <= WIDTH
+    assert max(map(len, text.splitlines())) <= TEXT_WIDTH
     assert "M > 0\ndone\n" in text
     assert r"\section*{Facts \& more}" in latex
     assert r"name & 50 \% \\" in latex
@@ -220,9 +230,9 @@ def balanced(latex: str) -> bool:
 def test_every_symbol_of_the_equations_is_in_the_legend(seed: int, dimension: int) -> None:
     model = random_robot(seed, dimension, 3 if dimension == 2 else 2)
     word = ["X"] * 40
-    reading = model_reading(model, (Fraction(1), Fraction(2), Fraction(3))[:dimension])
-    sections = [*robot_sections(model, word, None), *motion_sections(reading)]
-    for latex in (to_latex(sections), to_latex(motion_sections(reading))):
+    described = model_formulas(model, (Fraction(1), Fraction(2), Fraction(3))[:dimension])
+    sections = [*robot_sections(model, word, None), *motion_sections(described)]
+    for latex in (to_latex(sections), to_latex(motion_sections(described))):
         assert balanced(latex)
     entries = [item for s in sections for item in s.items if isinstance(item, Entry)]
     equations = [item for s in sections for item in s.items if isinstance(item, Equation)]
@@ -263,7 +273,7 @@ def test_planar_robots() -> None:
 def test_a_robot_without_joints() -> None:
     builder = Builder()
     builder.effector(builder.link(WORLD, builder.parameter()))
-    sections = motion_sections(model_reading(builder.build(), (Fraction(0), Fraction(-1))))
+    sections = motion_sections(model_formulas(builder.build(), (Fraction(0), Fraction(-1))))
     assert [section.title for section in sections] == ["Positions of the effectors, in m"]
     assert to_text(sections).splitlines()[-2:] == ["e1_x = l1", "e1_y = 0"]
     assert robot_graph(builder.build()).mass_matrix.numel_out(0) == 0

@@ -9,17 +9,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import closed_ball
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.balls import closed_ball
 from compiler.robots.normalise import normalise
 from compiler.robots.robot import WORLD, FrameNode, Joint, RobotModel
 from compiler.robots.robot_key import robot_key
 from grammar_lang import ir
 from tests.oracles.robots import Builder, evaluate, interval
-
-Array = NDArray[np.float64]
 
 
 def bounds(limits: ir.Interval | None) -> tuple[float, float] | None:

@@ -9,8 +9,7 @@ import pytest
 
 from compiler.grammars.derivation import replay
 from compiler.graphs.labelled_graph import labelled_graph
-from compiler.rigid_links.effector_modules import effector_modules
-from compiler.rigid_links.part_names import PartNames, part_names
+from compiler.rigid_links.part_names import PartNames, effector_modules, part_names
 from compiler.rigid_links.rigid_tree import rigid_tree
 from compiler.semantics.family import RobotFamily
 from grammar_lang import ir

@@ -6,17 +6,16 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import ball, working_precision
-from compiler.arithmetic.scalars import Constant
+from compiler.arrays import Array
+from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.expressions.scalars import Constant
 from compiler.rigid_links.ball_pose import WORLD_POSE, doubles
 from compiler.rigid_links.mass_moments import Inertial, inertial, token
 from compiler.rigid_links.rigid_tree import PRECISION, RigidTreeError, axis_of, rigid_tree
 from compiler.robots.robot import WORLD, RobotModel, SolidBody
 from tests.oracles.robots import Builder, interval
 
-Array = NDArray[np.float64]
 TINY = Fraction(1, 10**9)
 
 

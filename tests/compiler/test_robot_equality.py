@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.arithmetic.scalars import ScalarTable
+from compiler.expressions.scalars import ScalarTable
 from compiler.robots.robot import (
     FrameNode,
     Joint,

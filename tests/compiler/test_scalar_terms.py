@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.arithmetic.balls import working_precision
 from compiler.encodings.real_terms import RealScript, between
 from compiler.encodings.scalar_terms import ScalarTerms
+from compiler.expressions.evaluators.balls import working_precision
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
 from solvers.verdict import Fails, Holds

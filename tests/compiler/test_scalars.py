@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.arithmetic.scalars import (
+from compiler.expressions.evaluators.floats import FloatEvaluator
+from compiler.expressions.scalars import (
     Apply,
-    Constant,
-    ParameterLeaf,
-    PiConstant,
     ScalarTable,
-    read_scalars,
+    evaluate_scalars,
 )
+from tests.oracles.exact_chain import Rationals
 
 rationals = st.fractions(min_value=-9, max_value=9, max_denominator=9)
 PARAMETERS = (Fraction(3, 7), Fraction(-5, 2))
@@ -31,27 +29,7 @@ OPERATIONS = {
 def value_of(table: ScalarTable, scalar: int) -> Fraction:
     """The exact value at PARAMETERS of a scalar without transcendental functions."""
 
-    def leaf(node: Constant | PiConstant | ParameterLeaf) -> Fraction:
-        match node:
-            case Constant(value):
-                return value
-            case ParameterLeaf(index):
-                return PARAMETERS[index]
-        raise AssertionError("pi is not rational")
-
-    def apply(node: Apply, arguments: list[Fraction]) -> Fraction:
-        match node.operation, arguments:
-            case "neg", [a]:
-                return -a
-            case "abs", [a]:
-                return abs(a)
-            case "^", [a]:
-                return a**node.exponent
-            case operation, [a, b]:
-                return OPERATIONS[operation](a, b)
-        raise AssertionError(node)
-
-    return read_scalars(table.nodes, leaf, apply)[scalar]
+    return evaluate_scalars(table.nodes, Rationals(), PARAMETERS)[scalar]
 
 
 @st.composite
@@ -136,9 +114,5 @@ def test_long_sums_are_read_without_recursion() -> None:
     total = table.parameter(0)
     for _ in range(20_000):
         total = table.unary("sin", table.binary("+", total, table.parameter(0)))
-    values = read_scalars(
-        table.nodes,
-        lambda _: 0.5,
-        lambda node, a: math.sin(a[0]) if node.operation == "sin" else a[0] + a[1],
-    )
+    values = evaluate_scalars(table.nodes, FloatEvaluator(), [0.5])
     assert abs(values[total]) <= 1

@@ -6,10 +6,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.controlled_system import controlled_system
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -19,7 +19,6 @@ from tests.oracles.mass_points import energy, mass_points
 from tests.oracles.mixed_robots import mixed_robot
 from tests.oracles.robots import evaluate, rod_chain
 
-Array = NDArray[np.float64]
 PULL = {
     2: (Fraction(1, 3), Fraction(-981, 100)),
     3: (Fraction(1, 3), Fraction(-2, 7), Fraction(-981, 100)),
@@ -32,10 +31,10 @@ def robot(dimension: int, joints: int, *, tree: bool) -> RobotModel:
     return mixed_robot(1, dimension, joints, tree=tree)
 
 
-def samples(reading: FloatReading, count: int) -> tuple[Array, Array, Array]:
-    rng = np.random.default_rng(reading.size)
-    x, u = rng.uniform(-1, 1, (count, reading.size)), rng.uniform(-3, 3, (count, reading.m))
-    return x, u, rng.uniform(0.8, 1.6, reading.p)
+def samples(numeric: NumericRobot, count: int) -> tuple[Array, Array, Array]:
+    rng = np.random.default_rng(numeric.size)
+    x, u = rng.uniform(-1, 1, (count, numeric.size)), rng.uniform(-3, 3, (count, numeric.m))
+    return x, u, rng.uniform(0.8, 1.6, numeric.p)
 
 
 @pytest.mark.parametrize(("dimension", "joints", "tree"), SHAPES)
@@ -44,21 +43,21 @@ def test_jacobians_of_random_robots_with_dynamics_of_their_own(
 ) -> None:
     """Differences of order four in every direction of (x, u, theta)."""
     model = driven(robot(dimension, joints, tree=tree))
-    reading = FloatReading(robot_graph(model, PULL[dimension]))
-    assert reading.r == 1
-    assert reading.m == joints
-    x, u, theta = samples(reading, 3)
-    found = reading.step(x, u, theta, 0.0625, 2)
-    rates, slopes = reading.acceleration(x, u, theta)
-    sizes, h = [reading.size, reading.size + reading.m], 1e-3
+    numeric = NumericRobot(robot_graph(model, PULL[dimension]))
+    assert numeric.r == 1
+    assert numeric.m == joints
+    x, u, theta = samples(numeric, 3)
+    found = numeric.step(x, u, theta, 0.0625, 2)
+    rates, slopes = numeric.acceleration(x, u, theta)
+    sizes, h = [numeric.size, numeric.size + numeric.m], 1e-3
 
     def moved(shift: Array) -> tuple[Array, Array]:
         dx, du, dtheta = np.split(shift, sizes)
         place = x + dx, u + du, theta + dtheta
-        return reading.step(*place, 0.0625, 2).value, reading.acceleration(*place)[0]
+        return numeric.step(*place, 0.0625, 2).value, numeric.acceleration(*place)[0]
 
     jacobian = np.concatenate([found.state, found.input, found.parameter], axis=2)
-    for j, unit in enumerate(np.eye(reading.size + reading.m + reading.p)):
+    for j, unit in enumerate(np.eye(numeric.size + numeric.m + numeric.p)):
         points = {c: moved(c * h * unit) for c in (-2, -1, 1, 2)}
         for place, by_all in enumerate((jacobian, slopes)):
             near = points[1][place] - points[-1][place]
@@ -77,10 +76,10 @@ def test_forces_and_accelerations_are_those_of_the_validated_graph(
     model = driven(robot(dimension, joints, tree=tree))
     for coordinates in (None, absolute_angles(model)):
         graph = robot_graph(model, PULL[dimension], coordinates)
-        reading, system = FloatReading(graph), controlled_system(graph)
-        x, u, theta = samples(reading, 4)
-        rates, _ = reading.acceleration(x, u, theta)
-        n, rng = reading.n, np.random.default_rng(7)
+        numeric, system = NumericRobot(graph), controlled_system(graph)
+        x, u, theta = samples(numeric, 4)
+        rates, _ = numeric.acceleration(x, u, theta)
+        n, rng = numeric.n, np.random.default_rng(7)
         for row in range(4):
             q, w = x[row, :n], x[row, n:]
             wanted = evaluate(graph, "acceleration", q, w, u[row], theta)
@@ -96,12 +95,12 @@ def test_forces_and_accelerations_are_those_of_the_validated_graph(
 def test_energy_of_random_robots_is_conserved(dimension: int, joints: int, tree: bool) -> None:
     """Accelerations integrated to 12 digits; energies of point masses, without a mass matrix."""
     model, pull = robot(dimension, joints, tree=tree), PULL[dimension]
-    reading = FloatReading(robot_graph(model, pull))
-    x, _, theta = samples(reading, 1)
-    u, n = np.zeros((1, reading.m)), reading.n
+    numeric = NumericRobot(robot_graph(model, pull))
+    x, _, theta = samples(numeric, 1)
+    u, n = np.zeros((1, numeric.m)), numeric.n
 
     def slope(_: float, state: Array) -> Array:
-        rates, _jacobian = reading.acceleration(state[None, :], u, theta)
+        rates, _jacobian = numeric.acceleration(state[None, :], u, theta)
         return np.concatenate([state[n:], rates[0]])
 
     times = np.linspace(0, 1, 6)
@@ -115,10 +114,10 @@ def test_energy_of_random_robots_is_conserved(dimension: int, joints: int, tree:
 
 
 def test_the_rollout_is_the_step_repeated() -> None:
-    reading = FloatReading(robot_graph(driven(rod_chain(3)), PULL[2]))
-    x, u, theta = samples(reading, 5)
-    states = reading.simulate(x[0], u, theta, 0.125, 3)
+    numeric = NumericRobot(robot_graph(driven(rod_chain(3)), PULL[2]))
+    x, u, theta = samples(numeric, 5)
+    states = numeric.simulate(x[0], u, theta, 0.125, 3)
     assert states.shape == (6, 7)
     for row in range(5):
-        step = reading.step(states[row : row + 1], u[row : row + 1], theta, 0.125, 3)
+        step = numeric.step(states[row : row + 1], u[row : row + 1], theta, 0.125, 3)
         np.testing.assert_allclose(step.value[0], states[row + 1], rtol=1e-12, atol=1e-12)

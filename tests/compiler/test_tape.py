@@ -9,9 +9,14 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from compiler.arithmetic.balls import BallArithmetic, ball, constant_ball, working_precision
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import (
+    BallEvaluator,
+    ball,
+    constant_ball,
+    working_precision,
+)
+from compiler.expressions.tape import tape
 from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.driven_robots import driven
 from tests.oracles.exact_chain import DIGITS, Multiprecision, contains, exact
@@ -42,7 +47,7 @@ def test_inputs_are_numbered_through_all_columns() -> None:
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y", 3)
     program = tape(as_function(ca.vertcat(x[1] - y[2], x[0] / y[0], -7 * y[1]), x, y))
     values = [Fraction(i + 2, 3) for i in range(5)]
-    found = program.run([ball(v) for v in values], BallArithmetic())
+    found = program.evaluate([ball(v) for v in values], BallEvaluator())
     expected = [values[1] - values[4], values[0] / values[2], -7 * values[3]]
     with mp.workdps(DIGITS):
         numbers = [mp.mpf(e.numerator) / e.denominator for e in expected]
@@ -56,7 +61,7 @@ def test_every_operation_has_its_meaning_in_balls() -> None:
         ca.fabs(-x), 1 / x, 2 * x,
     )  # fmt: skip
     program = tape(as_function(expression, x, y))
-    names = {name for name, *_ in program.instructions}
+    names = {name for name, _ in program.nodes}
     assert {"sq", "sqrt", "sin", "cos", "tan", "fabs", "inv", "twice", "neg", "div"} <= names
     with mp.workdps(DIGITS):
         a, b = mp.mpf(7) / 5, mp.mpf(3) / 11
@@ -64,7 +69,7 @@ def test_every_operation_has_its_meaning_in_balls() -> None:
             a + b, a - b, a * b, a / b, -a, a**2, mp.sqrt(a), mp.sin(a), mp.cos(a), mp.tan(a),
             a, 1 / a, 2 * a,
         ]  # fmt: skip
-        found = program.run([ball(Fraction(7, 5)), ball(Fraction(3, 11))], BallArithmetic())
+        found = program.evaluate([ball(Fraction(7, 5)), ball(Fraction(3, 11))], BallEvaluator())
         assert all(contains(f, e) for f, e in zip(found, expected, strict=True))
 
 
@@ -132,7 +137,7 @@ def test_graphs_hold_no_inexact_constant_and_balls_enclose_the_exact_value(
     program, values = tape(getattr(graph, name)), point(graph, name, 1)
     with working_precision(53):
         balls = [*map(ball, values), *map(constant_ball, graph.constants)]
-        found = program.run(balls, BallArithmetic())
+        found = program.evaluate(balls, BallEvaluator())
     function = getattr(graph, name)
     floats, start = [], 0
     for i in range(function.n_in() - 1):
@@ -143,7 +148,7 @@ def test_graphs_hold_no_inexact_constant_and_balls_enclose_the_exact_value(
     with mp.workdps(DIGITS):
         numbers = [mp.mpf(v.numerator) / v.denominator for v in values]
         numbers += [exact(constant) for constant in graph.constants]
-        expected = program.run(numbers, Multiprecision())
+        expected = program.evaluate(numbers, Multiprecision())
         assert all(contains(f, e) for f, e in zip(found, expected, strict=True))
     np.testing.assert_allclose(doubles, [float(e) for e in expected], rtol=1e-9, atol=1e-9)
 
@@ -155,7 +160,7 @@ def test_the_ball_reading_encloses_the_independent_formula() -> None:
     values = [*map(Fraction, angles), *map(Fraction, lengths)]
     with working_precision(100):
         balls = [*map(ball, values), *map(constant_ball, graph.constants)]
-        found = tape(graph.mass_matrix).run(balls, BallArithmetic())
+        found = tape(graph.mass_matrix).evaluate(balls, BallEvaluator())
     with mp.workdps(DIGITS):
         r, (l1, l2), q2 = mp.mpf(3) / 10, map(mp.mpf, lengths), mp.mpf(angles[1])
         d12 = r * (l2**3 / 3 + l1 * l2**2 / 2 * mp.cos(q2))
@@ -170,7 +175,7 @@ def test_a_folded_double_would_have_been_noticed() -> None:
     graph = robot_graph(rod_chain(1, [Fraction(3, 10)]))
     with working_precision(100):
         balls = [ball(0), ball(1), *map(constant_ball, graph.constants)]
-        (found,) = tape(graph.mass_matrix).run(balls, BallArithmetic())
+        (found,) = tape(graph.mass_matrix).evaluate(balls, BallEvaluator())
         assert found.contains(ball(Fraction(1, 10)))
         assert not found.contains(ball(Fraction(0.1 + 0.2) / 3))
 

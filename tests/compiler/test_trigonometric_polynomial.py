@@ -8,7 +8,7 @@ from fractions import Fraction
 import mpmath as mp
 import pytest
 
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.trigonometric_polynomial import (
     Opaque,
     Pi,
     PolynomialRing,

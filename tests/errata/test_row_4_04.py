@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.linearisation import SecondOrderForm, second_order_form
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.controlled_system import controlled_system
@@ -13,8 +13,6 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from tests.oracles.e_matrices import EMatrices
 from tests.oracles.robots import evaluate, point_chain, rod_chain
 from tests.oracles.two_rods import rates as rod_rates
-
-Array = NDArray[np.float64]
 
 
 def form_of(links: int, q: Array, v: Array, a: Array, theta: Array) -> SecondOrderForm:

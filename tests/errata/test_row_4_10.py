@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import FULL, ControlProblem, Effort
@@ -19,7 +19,6 @@ from tests.oracles.robots import rod_chain
 from tests.oracles.turning_link import DT, limits
 from tests.oracles.two_rods import rates, tip
 
-Array = NDArray[np.float64]
 LENGTHS = np.array([1.0, 0.5])
 STEPS = 16
 ONCE = Effort(1, 1e-5, 1e-9, 0)
@@ -42,12 +41,12 @@ def two_links() -> tuple[ControlProblem, Trajectory]:
         np.array([STEPS, STEPS]), np.array([0, 0]), np.array([[0.0, -1.0], [1.0, 0.0]]),
         np.array([-0.9, 0.8]),
     )  # fmt: skip
-    reading = FloatReading(robot_graph(rod_chain(2)))
+    numeric = NumericRobot(robot_graph(rod_chain(2)))
     groups = (InputGroup((0, 1), -10.0, 10.0, norm2=False),)
     x = np.zeros((STEPS + 1, 4))
     x[:, :2] = np.linspace([0, 0], [0.9, 0.6], STEPS + 1)
     seed = Trajectory(x, np.zeros((STEPS, 2)), LENGTHS)
-    return ControlProblem(reading, DT, 16, limits(2, 0.0), groups, lambda _: rows), seed
+    return ControlProblem(numeric, DT, 16, limits(2, 0.0), groups, lambda _: rows), seed
 
 
 def simulated_end(at: Trajectory) -> Array:

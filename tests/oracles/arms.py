@@ -7,7 +7,7 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from compiler.arithmetic.scalars import Apply, Constant, ParameterLeaf, PiConstant, ScalarTable
+from compiler.expressions.scalars import Apply, Constant, ParameterLeaf, PiConstant, ScalarTable
 from compiler.robots.robot import (
     FrameNode,
     Joint,

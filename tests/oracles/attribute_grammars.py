@@ -6,10 +6,11 @@ import random
 from fractions import Fraction
 from typing import TypeAlias
 
-from compiler.arithmetic.scalars import Apply, Constant, ParameterLeaf, PiConstant, read_scalars
+from compiler.expressions.scalars import evaluate_scalars
 from compiler.grammars.derivation import Derivation, tree
 from compiler.robots.robot import Joint, Offset, PointBody, RobotModel, Turn
 from grammar_lang import ir
+from tests.oracles.exact_chain import Rationals
 from tests.oracles.robots import interval
 
 Productions: TypeAlias = list[ir.Production]
@@ -194,17 +195,8 @@ def read_model(
 ) -> tuple[list[tuple[Path, Fraction]], list[Path]]:
     """Points and effectors of a model, with the steps that lead to them."""
 
-    def leaf(node: Constant | PiConstant | ParameterLeaf) -> Fraction:
-        if isinstance(node, ParameterLeaf):
-            return sizes[model.parameters[node.index].symbol]
-        assert isinstance(node, Constant)
-        return node.value
-
-    def apply(node: Apply, arguments: list[Fraction]) -> Fraction:
-        a, b = arguments
-        return a + b if node.operation == "+" else a * b
-
-    values = read_scalars(model.scalars, leaf, apply)
+    known = [sizes.get(parameter.symbol, Fraction(0)) for parameter in model.parameters]
+    values = evaluate_scalars(model.scalars, Rationals(), known)
 
     def path(frame: int) -> Path:
         found: list[tuple[str, int, Fraction]] = []

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.polytope import polytope_of
 from compiler.robots.robot import RobotModel, RodBody, SolidBody
 from grammar_lang import ir
 from tests.oracles.arms import frames_of, scalar_values
 from tests.oracles.planes import box
 
-Array = NDArray[np.float64]
 WIDE = ((-9, 9), (-9, 9))
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from compiler.arithmetic.balls import working_precision
 from compiler.coverings.box_tree import LEAF, CoordinateTree, Part
 from compiler.coverings.covered_poses import CoveredPoses
 from compiler.coverings.motion_demands import motion_demands
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.languages.structures import structures
 from compiler.motion_bounds.drive_reach import DriveBound, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel

@@ -9,12 +9,12 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import ball, constant_ball
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, constant_ball
+from compiler.expressions.tape import tape
 from compiler.geometry.polytope import Polytope
 from compiler.robots.robot import WORLD, RobotModel
 from compiler.specifications.monitor import AtomKey
@@ -22,13 +22,12 @@ from grammar_lang import ir
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.region_distance import region_distance
-from solvers.verifier.proofs.tube_checks import PointReading
+from solvers.verifier.proofs.tube_checks import PointMap
 from solvers.verifier.proofs.vector_field import VectorField
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder
 from tests.oracles.tasks import task
 
-Array = NDArray[np.float64]
 F = Fraction
 ACCURACY = Accuracy(10, 96, 1e-10)
 LENGTHS = (F(13, 10), F(9, 10))
@@ -125,21 +124,21 @@ def horizon_task() -> ir.Task:
 
 
 @lru_cache
-def segments(seed: int) -> tuple[PointReading, tuple[TubeSegment, ...]]:
+def segments(seed: int) -> tuple[PointMap, tuple[TubeSegment, ...]]:
     """The tube of a motion, and what turns it into positions."""
     graph = robot_graph(model(), PULL)
     tail = (*(ball(x) for x in LENGTHS), *map(constant_ball, graph.constants))
     field = VectorField(tape(graph.balance), tape(graph.variation), 2, tail)
     torques = [[ball(x) for x in u] for u in inputs(seed)]
     found = tube(field, [ball(x) for x in START], torques, ball(STEP), ACCURACY)
-    return PointReading(tape(graph.points), field, 2), tuple(found)
+    return PointMap(tape(graph.points), field, 2), tuple(found)
 
 
 def proof(seed: int, regions: Mapping[AtomKey, Polytope]) -> FormulaProof:
     """The atoms along the tube of a motion; within the working precision of ``ACCURACY``."""
-    reading, tiles = segments(seed)
+    point_map, tiles = segments(seed)
     distances = {atom: region_distance(shape) for atom, shape in regions.items()}
-    found = FormulaProof(reading, distances, horizon_task())
+    found = FormulaProof(point_map, distances, horizon_task())
     for segment in tiles:
         found.add(segment, [ball(x) for x in inputs(seed)[segment.number]])
     return found

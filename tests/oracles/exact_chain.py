@@ -1,11 +1,15 @@
-"""Sums and products at 60 digits: mpmath readings of constants, tapes and the one-rod arm."""
+"""Sums and products at 60 digits: mpmath values of constants, tapes and the one-rod arm."""
 
 from __future__ import annotations
+
+import operator
+from fractions import Fraction
 
 import mpmath as mp
 from flint import arb
 
-from compiler.arithmetic.scalars import Constant, PiConstant
+from compiler.expressions.evaluator import Evaluator
+from compiler.expressions.scalars import Constant, PiConstant
 
 DIGITS = 60
 
@@ -24,32 +28,33 @@ def contains(ball: arb, value: mp.mpf) -> bool:
     return bool(ball.overlaps(around))
 
 
-class Multiprecision:
-    """The arithmetic of mpmath for tapes."""
+class Multiprecision(Evaluator[mp.mpf]):
+    """Numbers of mpmath, at its working precision."""
 
-    def integer(self, value: int) -> mp.mpf:
-        return mp.mpf(value)
+    neg = staticmethod(operator.neg)
+    fabs = staticmethod(abs)
+    sqrt, sin, cos, tan = map(staticmethod, (mp.sqrt, mp.sin, mp.cos, mp.tan))
+    sign = staticmethod(mp.sign)
+    add, sub, mul, div = map(
+        staticmethod, (operator.add, operator.sub, operator.mul, operator.truediv)
+    )
 
-    def unary(self, name: str, argument: mp.mpf) -> mp.mpf:
-        match name:
-            case "neg":
-                return -argument
-            case "sq":
-                return argument**2
-            case "twice":
-                return 2 * argument
-            case "inv":
-                return 1 / argument
-            case "fabs":
-                return abs(argument)
-        return getattr(mp, name)(argument)
+    def constant(self, value: Fraction | int) -> mp.mpf:
+        return mp.mpf(Fraction(value).numerator) / Fraction(value).denominator
 
-    def binary(self, name: str, left: mp.mpf, right: mp.mpf) -> mp.mpf:
-        match name:
-            case "add":
-                return left + right
-            case "sub":
-                return left - right
-            case "mul":
-                return left * right
-        return left / right
+    def pi(self) -> mp.mpf:
+        return +mp.pi
+
+
+class Rationals(Evaluator[Fraction]):
+    """Fractions: no roots, no angles."""
+
+    neg = staticmethod(operator.neg)
+    fabs = staticmethod(abs)
+    power = staticmethod(operator.pow)
+    add, sub, mul, div = map(
+        staticmethod, (operator.add, operator.sub, operator.mul, operator.truediv)
+    )
+
+    def constant(self, value: Fraction | int) -> Fraction:
+        return Fraction(value)

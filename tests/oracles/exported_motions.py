@@ -9,9 +9,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from compiler.arrays import Array
 
 
 @dataclass(frozen=True)

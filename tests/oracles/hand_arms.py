@@ -12,10 +12,10 @@ from itertools import pairwise
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from compiler.arrays import Array
+
 Torque = Callable[[float, float, Array, float], float]
 """The torque on a joint from its coordinate, its rate, the states of its drive and its input."""
 Slope = Callable[[float, float, Array, float], list[float]]

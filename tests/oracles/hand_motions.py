@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from tests.oracles.hand_arms import SimulatedArm
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,10 @@ from fractions import Fraction
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.robots import AXES, Builder, interval
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

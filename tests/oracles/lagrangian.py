@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from compiler.arrays import Array
+
 Positions = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
 
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import scalar_floats
+from compiler.arrays import Array
+from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.robot import Joint, Offset, PointBody, RobotModel, RodBody, SolidBody, Turn
 from tests.oracles.lagrangian import PointCloud
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 GAUSS = 0.5 / np.sqrt(3.0)
 

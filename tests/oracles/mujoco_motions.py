@@ -12,12 +12,10 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from tests.oracles.mujoco_dynamics import MujocoRobot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,13 @@ from math import acos, atan2, cos, hypot, sin
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import RobotModel, RodBody, SolidBody
 from tests.oracles.arms import frames_of, scalar_values
 from tests.oracles.planes import hull
 
-Array = NDArray[np.float64]
 Points = list[tuple[float, float]]
 
 

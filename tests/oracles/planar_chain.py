@@ -13,9 +13,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from compiler.arrays import Array
 
 
 def coefficients(lengths: Array, masses: Array) -> Array:

@@ -8,7 +8,7 @@ from functools import cache
 import networkx as nx
 import numpy as np
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
@@ -29,11 +29,11 @@ def planned_arm():
     cells = abstract(workspace)
     family = family_of(program, task)
     model = family.robot(family.replay(LABELS))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
     free = [i for i, cell in enumerate(cells.cells) if "O" not in cell.propositions]
     adjacency = nx.Graph((a, b) for a in free for b in cells.neighbours[a] if b in free)
     path = nx.shortest_path(adjacency, cells.index("S"), cells.index("T"))
-    return Follower(reading, workspace, task, cells, 0, tuple(path), 2e-3, 0)
+    return Follower(numeric, workspace, task, cells, 0, tuple(path), 2e-3, 0)
 
 
 @cache

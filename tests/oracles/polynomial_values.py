@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import mpmath as mp
 
-from compiler.formulas.trigonometric_polynomial import (
+from compiler.expressions.trigonometric_polynomial import (
     COSINE,
     ONE,
     Abbreviation,

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from compiler.arrays import Array
 from tests.oracles.hand_arms import SimulatedArm
 from tests.oracles.random_tasks import RandomTask, limits, placed, poses
 from tests.oracles.spec_figures import Area, Figures
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 

@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 from math import cos, radians, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from tests.oracles.hand_arms import HandArm
-
-Array = NDArray[np.float64]
 
 MODULES = """\
 module B {{ role base; }}

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant, ScalarTable
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.scalars import Constant, ScalarTable
 from compiler.robots.robot import (
     WORLD,
     Body,
@@ -28,7 +28,6 @@ from compiler.robots.robot import (
 )
 from grammar_lang import ir
 
-Array = NDArray[np.float64]
 Number = Fraction | int
 AXES = {"x": (0, 1), "y": (1, 1), "z": (2, 1), "-x": (0, -1), "-y": (1, -1), "-z": (2, -1)}
 

@@ -10,11 +10,9 @@ from fractions import Fraction
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from grammar_lang import ir
-
-Array = NDArray[np.float64]
 
 
 def robustness(

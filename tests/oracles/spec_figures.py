@@ -13,10 +13,10 @@ from itertools import combinations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-Array = NDArray[np.float64]
+from compiler.arrays import Array
+
 SCALE = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000), "": Fraction(1)}
 NUMBER = r"-?[0-9]+(?:\.[0-9]+)?"
 SHAPE = re.compile(

@@ -9,10 +9,10 @@ from math import cos, sin
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control_problem import ControlProblem
 from solvers.motions.linear_model import PositionRows
@@ -20,11 +20,10 @@ from solvers.motions.motion_limits import InputGroup, MotionLimits
 from solvers.motions.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
 
-Array = NDArray[np.float64]
 DT = 0.125
 LENGTH = 1.5
 INERTIA = LENGTH**3 / 3
-ONE = FloatReading(robot_graph(rod_chain(1)))
+ONE = NumericRobot(robot_graph(rod_chain(1)))
 ANGLE = 1.1
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.body_demands import body_demands
 from compiler.encodings.body_smt import body_script
@@ -50,16 +50,16 @@ def robot_of(found: ir.Program, task: ir.Task) -> RobotModel:
 
 def answer(right: float, clauses: str = SHELF) -> Refutation:
     found, task = task_of(right, clauses)
-    reading = FloatReading(robot_graph(robot_of(found, task), task.gravity))
-    return refute_structure(reading.graph.model, reading, found, task, Conduct(seed=0))
+    numeric = NumericRobot(robot_graph(robot_of(found, task), task.gravity))
+    return refute_structure(numeric.graph.model, numeric, found, task, Conduct(seed=0))
 
 
 def sampled(right: float, clauses: str = SHELF) -> frozenset[tuple[str, ...]]:
     found, task = task_of(right, clauses)
-    reading = FloatReading(robot_graph(robot_of(found, task), task.gravity))
+    numeric = NumericRobot(robot_graph(robot_of(found, task), task.gravity))
     workspace = found.workspaces[task.workspace]
     (question,) = pose_questions(workspace, task)
-    return frozenset(clear_poses(reading, workspace, task, question, 0))
+    return frozenset(clear_poses(numeric, workspace, task, question, 0))
 
 
 def test_a_shelf_that_no_link_gets_around() -> None:

@@ -384,7 +384,7 @@ def test_rules_without_a_value_prove_nothing():
     arm = ArmBuilder().revolute()
     arm.link(arm.apply("/", 1, 0)).effector()
     reason = why_not(covering("", "aaaa"), arm.model(), world(S, spot("T", 0, 2)), errand())
-    assert "no exact reading" in str(reason)
+    assert "no exact value" in str(reason)
     arm = ArmBuilder().revolute()
     arm.link(arm.apply("sqrt", arm.parameter(-2, -1))).effector()
     assert not proved(covering("A", "aaaa"), arm.model(), world(S, spot("T", 0, 2)), errand())

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import shapely
 
-from compiler.arithmetic.balls import working_precision
 from compiler.coverings.box_tree import Part, coordinate_boxes
 from compiler.coverings.covered_poses import CoveredPoses
 from compiler.coverings.motion_demands import motion_demands
 from compiler.coverings.sides import ChoiceSide, coordinate_sides
+from compiler.expressions.evaluators.balls import working_precision
 from grammar_lang import ir
 from solvers.verifier.refutations.box_check import why_not
 from tests.oracles.arms import ArmBuilder

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from compiler.coverings.box_tree import text
 from compiler.coverings.motion_demands import motion_demands
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.languages.structures import structures
 from compiler.robots.robot import RobotModel
@@ -61,8 +61,8 @@ def answer(
     clauses: str, regions: str, arms: str, changes: tuple[tuple[str, str], ...] = ()
 ) -> Refutation:
     found, task, model = robot(clauses, regions, arms, changes)
-    reading = FloatReading(robot_graph(model, task.gravity))
-    return refute_structure(model, reading, found, task, Conduct(seed=0))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    return refute_structure(model, numeric, found, task, Conduct(seed=0))
 
 
 @pytest.mark.parametrize(

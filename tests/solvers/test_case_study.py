@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
@@ -122,9 +122,9 @@ def test_the_published_lengths_on_the_path_found(made):
     cells = abstract(workspace)
     family = family_of(program, task)
     model = family.robot(family.replay(tuple(design["derivation"])))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
     path = tuple(cells.index(name) for name in dict.fromkeys(design["path"][0]))
-    follower = Follower(reading, workspace, task, cells, 0, path, 2e-3, 0)
+    follower = Follower(numeric, workspace, task, cells, 0, path, 2e-3, 0)
     outcome = evaluate(follower, np.array(PUBLISHED), FULL)
     assert outcome.feasible
     assert design["robustness"] >= outcome.robustness

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.control import shortfall, synthesise_control
 from solvers.motions.control_problem import (
@@ -73,14 +73,14 @@ def test_rate_limits_raise_the_peak() -> None:
 
 def check_motion(problem: ControlProblem, outcome: ControlOutcome) -> None:
     """A feasible outcome is a motion of the discretised robot within limits, reaching its rows."""
-    at, reading = outcome.trajectory, problem.reading
-    after = reading.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
+    at, numeric = outcome.trajectory, problem.numeric
+    after = numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
     np.testing.assert_allclose(at.x[1:], after, atol=1e-9)
-    points = reading.points(at.x[:, : reading.n], at.theta)
+    points = numeric.points(at.x[:, : numeric.n], at.theta)
     assert problem.rows_of(points.value).excess(points).max(initial=0.0) < 1e-5
     assert input_margin(problem.groups, at.u) >= 0
     assert outcome.robustness == pytest.approx(input_margin(problem.groups, at.u))
-    bounds, n = problem.limits, reading.n
+    bounds, n = problem.limits, numeric.n
     assert np.all(at.x[:, :n] <= bounds.upper + 1e-5)
     assert np.all(at.x[:, :n] >= bounds.lower - 1e-5)
     assert np.abs(at.x[0, n:]).max() <= bounds.start_rates + 1e-9
@@ -132,13 +132,13 @@ def least_fictitious(steps: int, bound: float, reach: float) -> float:
 
 @pytest.mark.parametrize("norm2", [False, True])
 def test_two_links_reach_a_height_at_rest(norm2: bool) -> None:
-    reading, steps = FloatReading(robot_graph(rod_chain(2))), 16
+    numeric, steps = NumericRobot(robot_graph(rod_chain(2))), 16
     rows = PositionRows(
         np.array([steps, steps]), np.array([0, 0]), np.array([[0.0, -1.0], [1.0, 0.0]]),
         np.array([-0.9, 0.8]),
     )  # fmt: skip
     problem = ControlProblem(
-        reading, DT, 2, limits(2, 0.0), (InputGroup((0, 1), -10.0, 10.0, norm2),), lambda _: rows
+        numeric, DT, 2, limits(2, 0.0), (InputGroup((0, 1), -10.0, 10.0, norm2),), lambda _: rows
     )
     x = np.zeros((steps + 1, 4))
     x[:, :2] = np.linspace([0, 0], [0.9, 0.6], steps + 1)

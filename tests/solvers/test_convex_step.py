@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.backends.conic import NotSolved, Status
 from solvers.motions.convex_step import ConvexStep
@@ -20,11 +20,10 @@ from solvers.motions.trajectory import Trajectory
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain
 
-Array = NDArray[np.float64]
 DT = 0.125
 STEPS = 6
-READING = FloatReading(robot_graph(rod_chain(2)))
-THREE = FloatReading(robot_graph(rod_chain(3)))
+NUMERIC = NumericRobot(robot_graph(rod_chain(2)))
+THREE = NumericRobot(robot_graph(rod_chain(3)))
 ACCURACY = 1e-9
 FREE = MotionLimits(
     lower=np.full(2, -np.inf),
@@ -41,9 +40,9 @@ NONE = PositionRows(
 )
 
 
-def linearised(seed: int, reading: FloatReading = READING) -> Model:
+def linearised(seed: int, numeric: NumericRobot = NUMERIC) -> Model:
     """About a random trajectory that obeys no dynamics."""
-    rng, n = np.random.default_rng(seed), reading.n
+    rng, n = np.random.default_rng(seed), numeric.n
     x = np.concatenate(
         [
             np.cumsum(rng.uniform(-0.2, 0.2, (STEPS + 1, n)), axis=0),
@@ -54,9 +53,9 @@ def linearised(seed: int, reading: FloatReading = READING) -> Model:
     about = Trajectory(x, rng.uniform(-2, 2, (STEPS, n)), rng.uniform(1, 2, n))
     return Model(
         about,
-        reading.step(x[:-1], about.u, about.theta, DT, 1),
-        reading.points(x[:, :n], about.theta),
-        fictitious_inputs(reading, about, DT),
+        numeric.step(x[:-1], about.u, about.theta, DT, 1),
+        numeric.points(x[:, :n], about.theta),
+        fictitious_inputs(numeric, about, DT),
     )
 
 
@@ -298,9 +297,9 @@ def test_without_constraints_standing_still_is_best() -> None:
     about = Trajectory(x, np.ones((STEPS, 2)), np.array([1.0, 0.5]))
     model = Model(
         about,
-        READING.step(x[:-1], about.u, about.theta, DT, 1),
-        READING.points(x[:, :2], about.theta),
-        fictitious_inputs(READING, about, DT),
+        NUMERIC.step(x[:-1], about.u, about.theta, DT, 1),
+        NUMERIC.points(x[:, :2], about.theta),
+        fictitious_inputs(NUMERIC, about, DT),
     )
     found = ConvexStep(Case().question).solve(model, NONE, TrustRegion(0.5))
     assert isinstance(found, StepResult)
@@ -312,7 +311,7 @@ def test_a_unit_of_fictitious_input_is_the_effort_that_causes_it() -> None:
     """At rest, a unit torque held for a step moves q by B'_q and q' by B'_v, to first order."""
     theta, q = np.array([1.0, 0.5]), np.array([0.3, 0.4])
     about = Trajectory(np.tile([*q, 0.0, 0.0], (2, 1)), np.zeros((1, 2)), theta)
-    matrix = fictitious_inputs(READING, about, DT)[0]
+    matrix = fictitious_inputs(NUMERIC, about, DT)[0]
     mass, _, _ = chain_dynamics(theta, np.ones(2), q, np.zeros(2), (0, 0))
     np.testing.assert_allclose(matrix[:2, :2], DT**2 / 2 * np.linalg.inv(mass), rtol=1e-10)
     np.testing.assert_allclose(matrix[2:, 2:], DT * np.linalg.inv(mass), rtol=1e-10)

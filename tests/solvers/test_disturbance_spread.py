@@ -8,7 +8,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.discretisation.float_reading import Array, FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.motions.disturbance_spread import disturbance_spread
 from solvers.motions.trajectory import Trajectory
@@ -19,18 +20,18 @@ SUBSTEPS = 8
 
 def moved(labels: Sequence[str], disturbances: str, start: Array, u: Array):
     where = scene(labels, spec(len(u), disturbances))
-    reading = FloatReading(robot_graph(where.model, where.task.gravity))
+    numeric = NumericRobot(robot_graph(where.model, where.task.gravity))
     theta = np.zeros(0)
-    x = reading.simulate(start, u, theta, float(where.task.step), SUBSTEPS)
-    return where, reading, Trajectory(x, u, theta)
+    x = numeric.simulate(start, u, theta, float(where.task.step), SUBSTEPS)
+    return where, numeric, Trajectory(x, u, theta)
 
 
 def test_a_slide_against_its_closed_form() -> None:
     """1.5 kg: x = x0 + v0 t + the double integral of u / m, each disturbance at its end."""
     u = np.array([[3.0], [-2.0], [0.5], [4.0], [-1.0], [-4.0]])
     radii = "robust start 3 cm; robust start 2 cm/s; robust effort 4 %;"
-    where, reading, motion = moved(SLIDE, radii, np.array([0.2, 0.5]), u)
-    found = disturbance_spread(reading, where.task, motion, SUBSTEPS)
+    where, numeric, motion = moved(SLIDE, radii, np.array([0.2, 0.5]), u)
+    found = disturbance_spread(numeric, where.task, motion, SUBSTEPS)
     h, pushed = 0.1, 0.04 * np.abs(u[:, 0]) / 1.5
     places, rates = [], []
     for sample in range(7):
@@ -51,13 +52,13 @@ def test_two_links_against_differences() -> None:
     u = rng.uniform(-2, 2, (8, 2))
     radii = "robust start 0.3 deg; robust start 0.2 deg/s; robust effort 1 %;"
     start = np.array([0.4, -1.1, 0.3, 0.7])
-    where, reading, motion = moved(TWO, radii, start, u)
+    where, numeric, motion = moved(TWO, radii, start, u)
     angle, rate = np.deg2rad(0.3), np.deg2rad(0.2)
     step, small = float(where.task.step), 1e-3
 
     def simulated(start: Array, u: Array) -> tuple[Array, Array]:
-        x = reading.simulate(start, u, motion.theta, step, SUBSTEPS)
-        return x, reading.points(x[:, :2], motion.theta).value
+        x = numeric.simulate(start, u, motion.theta, step, SUBSTEPS)
+        return x, numeric.points(x[:, :2], motion.theta).value
 
     states, places = (np.zeros_like(each) for each in simulated(start, u))
     for number in range(4 + u.size):
@@ -71,7 +72,7 @@ def test_two_links_against_differences() -> None:
         )
         states += np.abs(one[0] - other[0]) / (2 * small)
         places += np.abs(one[1] - other[1]) / (2 * small)
-    found = disturbance_spread(reading, where.task, motion, SUBSTEPS)
+    found = disturbance_spread(numeric, where.task, motion, SUBSTEPS)
     np.testing.assert_allclose(found.points, np.linalg.norm(places, axis=2), rtol=1e-5)
     expected = states.max(axis=0).reshape(2, 2).T
     np.testing.assert_allclose(found.states, expected, rtol=1e-5)
@@ -79,8 +80,8 @@ def test_two_links_against_differences() -> None:
 
 def test_without_disturbances_there_is_none() -> None:
     u = np.ones((3, 1))
-    where, reading, motion = moved(SLIDE, "robust effort 1 %;", np.array([0.2, 0.5]), u)
+    where, numeric, motion = moved(SLIDE, "robust effort 1 %;", np.array([0.2, 0.5]), u)
     still = Trajectory(motion.x, np.zeros_like(u), motion.theta)
-    assert disturbance_spread(reading, where.task, still, SUBSTEPS).widest == 0
+    assert disturbance_spread(numeric, where.task, still, SUBSTEPS).widest == 0
     assert where.task.robust is not None
     assert where.task.robust.effort == Fraction(1, 100)

@@ -10,10 +10,10 @@ from math import cos, sin
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import working_precision
+from compiler.arrays import Array
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
 from compiler.specifications.rest import REST_RATE
@@ -26,7 +26,6 @@ from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import box_of, driven_robot
 from tests.oracles.planar_chain import chain_dynamics
 
-Array = NDArray[np.float64]
 F = Fraction
 FAMILY = """
 module B { role base; }

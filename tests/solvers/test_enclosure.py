@@ -13,9 +13,9 @@ import pytest
 from flint import arb, ctx
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import ball, constant_ball, working_precision
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
+from compiler.expressions.tape import tape
 from compiler.robots.robot import WORLD
 from solvers.verifier.proofs.enclosure import (
     Accuracy,
@@ -235,7 +235,7 @@ def test_the_tube_satisfies_the_differential_equation() -> None:
         x = [value(i, h) for i in range(4)]
         constants = [number(c.value) if hasattr(c, "value") else +mp.pi for c in graph.constants]
         inputs = [*x, mp.mpf(1), mp.mpf(-2), mp.mpf(1), mp.mpf(3) / 2, *constants]
-        slopes = [*x[2:], *program.run(inputs, Multiprecision())]
+        slopes = [*x[2:], *program.evaluate(inputs, Multiprecision())]
         for i in range(4):
             assert abs(rate(i, h) - slopes[i]) < 1e-17
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from compiler.arithmetic.balls import working_precision
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.specifications.monitor import AtomKey
 from compiler.specifications.task_formula import task_formula
 from grammar_lang import ir

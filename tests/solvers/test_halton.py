@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import qmc
 
 from solvers.parameters.searches.cube import Halton
+from tests.oracles.loaded_modules import loaded_after
 
 
 @pytest.mark.parametrize("axes", [1, 2, 6, 12])
@@ -46,3 +47,10 @@ def test_points_are_the_same_however_they_are_asked_for() -> None:
     np.testing.assert_array_equal(Halton(6, 3).points(0, 50)[:, :4], whole)
     assert not np.any(np.all(Halton(4, 4).points(0, 50) == whole, axis=1))
     assert Halton(0, 1).points(0, 3).shape == (3, 0)
+
+
+def test_the_sequence_needs_no_casadi() -> None:
+    """In a fresh interpreter, wherever its module is."""
+    loaded = loaded_after(f"import {Halton.__module__}")
+    assert "numpy" in loaded
+    assert {name.partition(".")[0] for name in loaded}.isdisjoint({"casadi", "scipy", "flint"})

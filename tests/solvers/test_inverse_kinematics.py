@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
 from solvers.motions.inverse_kinematics import branches, solve_positions
 from tests.oracles.robots import Builder, rod_chain
 
-Array = NDArray[np.float64]
-TWO = FloatReading(robot_graph(rod_chain(2)))
-THREE = FloatReading(robot_graph(rod_chain(3)))
+TWO = NumericRobot(robot_graph(rod_chain(2)))
+THREE = NumericRobot(robot_graph(rod_chain(3)))
 LENGTHS = np.array([1.0, 0.5])
 
 
@@ -98,20 +97,20 @@ def test_other_points_than_the_effector() -> None:
     assert q[0, 0] == pytest.approx(0.7)
 
 
-def slider(low: float, high: float) -> tuple[FloatReading, tuple[Array, Array]]:
+def slider(low: float, high: float) -> tuple[NumericRobot, tuple[Array, Array]]:
     """A turret with a slide."""
     builder = Builder()
     slide = builder.joint(builder.joint(WORLD), "x", "prismatic")
     builder.effector(slide)
     limits = np.array([-np.pi, low]), np.array([np.pi, high])
-    return FloatReading(robot_graph(builder.build())), limits
+    return NumericRobot(robot_graph(builder.build())), limits
 
 
 def test_slides_start_within_their_range() -> None:
     """A range that holds no number between -pi and pi."""
-    reading, limits = slider(5.0, 10.0)
+    numeric, limits = slider(5.0, 10.0)
     target = 7.5 * np.array([np.cos(2.0), np.sin(2.0)])
-    found = branches(reading, np.zeros(0), 0, target, limits, 1, 4)
+    found = branches(numeric, np.zeros(0), 0, target, limits, 1, 4)
     np.testing.assert_allclose(found[0], [2.0, 7.5], atol=1e-6)
     assert np.all((found[:, 1] >= 5.0) & (found[:, 1] <= 10.0))
 
@@ -135,11 +134,11 @@ def test_slide_positions_a_turn_apart_are_two_branches() -> None:
     builder = Builder()
     slide = builder.joint(WORLD, "x", "prismatic")
     builder.effector(builder.move(builder.joint(slide), "x", builder.number(4)))
-    reading = FloatReading(robot_graph(builder.build()))
+    numeric = NumericRobot(robot_graph(builder.build()))
     # The tip on the axis at x = 0 + 4 cos q: height h leaves two slides, 2 sqrt(16 - h^2) apart.
     height = np.sqrt(16 - np.pi**2)
     limits = np.array([-9.0, 0.0]), np.array([9.0, np.pi])
-    found = branches(reading, np.zeros(0), 0, np.array([0.0, height]), limits, 1, 6)
+    found = branches(numeric, np.zeros(0), 0, np.array([0.0, height]), limits, 1, 6)
     slides = sorted(round(float(q[0]), 4) for q in found)
     assert slides[0] == pytest.approx(-np.pi, abs=1e-4)
     assert slides[-1] == pytest.approx(np.pi, abs=1e-4)

@@ -14,10 +14,10 @@ import pytest
 from flint import arb
 from scipy.integrate import solve_ivp
 
-from compiler.arithmetic.balls import ball, constant_ball, working_precision
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
+from compiler.expressions.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
@@ -46,8 +46,8 @@ NONE = PositionRows(
 
 @pytest.mark.parametrize("free", [False, True])
 def test_the_optimum_is_that_of_the_readable_formulation(*, free: bool) -> None:
-    reading = FloatReading(robot_graph(driven(rod_chain(2))))
-    assert (reading.size, reading.m) == (5, 2)
+    numeric = NumericRobot(robot_graph(driven(rod_chain(2))))
+    assert (numeric.size, numeric.m) == (5, 2)
     rng = np.random.default_rng(3)
     x = np.concatenate(
         [
@@ -59,9 +59,9 @@ def test_the_optimum_is_that_of_the_readable_formulation(*, free: bool) -> None:
     about = Trajectory(x, rng.uniform(-1, 1, (STEPS, 2)), np.array([1.3, 0.8]))
     model = Model(
         about,
-        reading.step(x[:-1], about.u, about.theta, DT, 2),
-        reading.points(x[:, :2], about.theta),
-        fictitious_inputs(reading, about, DT),
+        numeric.step(x[:-1], about.u, about.theta, DT, 2),
+        numeric.points(x[:, :2], about.theta),
+        fictitious_inputs(numeric, about, DT),
     )
     inf = np.full(2, np.inf)
     limits = MotionLimits(-inf, inf, -inf, inf, 0.0, 0.3, None, np.array([0.25]))
@@ -141,7 +141,7 @@ def test_the_tube_contains_the_exact_motion_of_a_motor() -> None:
 def test_the_tube_contains_the_motion_of_a_driven_arm() -> None:
     """Against scipy's DOP853 at 1e-12 on the float graph, friction in |rate| included."""
     model = driven(rod_chain(2))
-    graph, reading = robot_graph(model), FloatReading(robot_graph(model))
+    graph, numeric = robot_graph(model), NumericRobot(robot_graph(model))
     theta, start = np.array([1.25, 0.75]), np.array([0.5, -0.25, 0.75, 1.5, -0.5])
     inputs = np.array([[3.0, -2.0], [-4.0, 1.0]])
     assert len(robot_states(model)) == 1
@@ -158,7 +158,7 @@ def test_the_tube_contains_the_motion_of_a_driven_arm() -> None:
     for number, u in enumerate(inputs):
 
         def slope(_: float, at: np.ndarray, u: np.ndarray = u) -> np.ndarray:
-            value, _ = reading.acceleration(at[None, :], u[None, :], theta)
+            value, _ = numeric.acceleration(at[None, :], u[None, :], theta)
             return np.concatenate([at[2:4], value[0]])
 
         x = solve_ivp(slope, (0, 0.1), x, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]

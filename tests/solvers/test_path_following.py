@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import solvers.motions.path_following
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
@@ -33,9 +33,9 @@ def follower(tmp_path, *changes):
     workspace = program.workspaces[task.workspace]
     family = family_of(program, task)
     model = family.robot(family.replay(WORD))
-    reading = FloatReading(robot_graph(model, task.gravity))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
     cells = abstract(workspace)
-    return Follower(reading, workspace, task, cells, 0, (cells.index("S"),), 2e-3, 0)
+    return Follower(numeric, workspace, task, cells, 0, (cells.index("S"),), 2e-3, 0)
 
 
 def test_limits_are_kept_at_a_distance_that_grows_with_the_margin(tmp_path):
@@ -78,7 +78,7 @@ def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):
         )  # fmt: skip
         state = answer.y[:, -1]
     ends = [
-        swing.reading.simulate(np.zeros(2), u, theta, 0.5, substeps)[-1]
+        swing.numeric.simulate(np.zeros(2), u, theta, 0.5, substeps)[-1]
         for substeps in (swing.substeps, fine.substeps)
     ]
     coarse_error, fine_error = (np.abs(end - state).max() for end in ends)

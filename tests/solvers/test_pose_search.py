@@ -4,7 +4,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.reachability_smt import refutation_script
 from grammar_lang import ir
@@ -16,7 +16,7 @@ from tests.oracles.questions import question, random_robot
 
 
 def search(model, asked, seed=0):
-    return find_poses(FloatReading(robot_graph(model)), asked, seed)
+    return find_poses(NumericRobot(robot_graph(model)), asked, seed)
 
 
 def inside(rows, point):
@@ -93,8 +93,8 @@ def test_effectors_by_name():
     found = search(model, asked)
     check(model, asked, found)
     assert (found.start_effector, found.effector) == (0, 1)
-    reading = FloatReading(robot_graph(model))
-    assert find_poses_of(reading, asked, (1, 0), 0) is None
+    numeric = NumericRobot(robot_graph(model))
+    assert find_poses_of(numeric, asked, (1, 0), 0) is None
     assert search(model, question(reach_effector=2)) is None
 
 

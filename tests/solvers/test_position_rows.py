@@ -7,10 +7,10 @@ from itertools import pairwise, product
 import cvxpy as cp
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from compiler.discretisation.float_reading import Points
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import Points
 from solvers.motions.position_rows import (
     ConvexSet,
     Dwell,
@@ -18,8 +18,6 @@ from solvers.motions.position_rows import (
     Separation,
     separating_planes,
 )
-
-Array = NDArray[np.float64]
 
 
 def convex_set(points: Array) -> ConvexSet:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.geometry.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.verifier.proofs.region_cover import box_around, may_be

@@ -11,7 +11,7 @@ import pytest
 from flint import arb
 from scipy.optimize import nnls
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.geometry.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.verifier.proofs.region_distance import Gap, region_distance

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.polytope import polytope_of
 from grammar_lang import ir
@@ -25,8 +25,6 @@ from tests.oracles.planar_bodies import bodies_of, depth
 from tests.oracles.planes import box, box_rows, hull, row
 from tests.oracles.tasks import task
 
-Array = NDArray[np.float64]
-
 CELLS = [((1, 2), (-2, 0)), ((0, 2), (0, 1)), ((-1, 1), (1, 2))]
 """From the right, around a tilted obstacle, to above the base."""
 OBSTACLE = (("1.5", "0.9"), ("2.4", "1.5"), ("1.2", "2"), ("0.9", "1.5"))
@@ -38,15 +36,15 @@ def corridor(
     built = ArmBuilder()
     for length in lengths:
         built.revolute().link(length)
-    reading = FloatReading(robot_graph(built.effector().model()))
+    numeric = NumericRobot(robot_graph(built.effector().model()))
     regions = (hull("O", "obstacle", *obstacle),)
     workspace = ir.Workspace("W", 2, box("bounds", "bounds", (-4, 4), (-4, 4)), regions)
     avoided = task(ir.Avoid(("O",), "body", Fraction(1, 50)))
     sets = tuple(convex_set(polytope_of(box_rows(*cell), 2)) for cell in cells or CELLS)
     n = len(lengths)
     limits = np.full(n, -np.pi), np.full(n, np.pi)
-    clearance = body_clearance(Avoidances(reading, workspace, avoided))
-    return Corridor(reading, np.zeros(0), 0, sets, clearance, limits, 2e-3, given)
+    clearance = body_clearance(Avoidances(numeric, workspace, avoided))
+    return Corridor(numeric, np.zeros(0), 0, sets, clearance, limits, 2e-3, given)
 
 
 def dense(q: Array) -> Array:
@@ -56,7 +54,7 @@ def dense(q: Array) -> Array:
 
 
 def is_clear(where: Corridor, q: Array, least: float) -> bool:
-    model = where.reading.graph.model
+    model = where.numeric.graph.model
     corners = [[Fraction(x) for x in corner] for corner in OBSTACLE]
     return all(depth(bodies_of(model, pose, np.zeros(0)), corners) > least for pose in q)
 
@@ -64,7 +62,7 @@ def is_clear(where: Corridor, q: Array, least: float) -> bool:
 def cells_at(where: Corridor, q: Array, slack: float) -> list[list[int]]:
     """Per pose the cells that the effector is in, up to a distance."""
     shapes = [shapely.box(float(x[0]), float(y[0]), float(x[1]), float(y[1])) for x, y in CELLS]
-    tips = [effector_positions(where.reading.graph.model, pose, np.zeros(0))[0] for pose in q]
+    tips = [effector_positions(where.numeric.graph.model, pose, np.zeros(0))[0] for pose in q]
     return [
         [i for i, s in enumerate(shapes) if s.distance(shapely.Point(tip)) <= slack] for tip in tips
     ]
@@ -143,7 +141,7 @@ def test_a_way_of_one_pose_stands_still() -> None:
 def test_an_arm_in_space() -> None:
     """About z and then twice about y; points of its links against the rows of a tilted block."""
     built = ArmBuilder(3).revolute().revolute(axis=1).link(1).revolute(axis=1).link("0.8")
-    reading = FloatReading(robot_graph(built.effector().model()))
+    numeric = NumericRobot(robot_graph(built.effector().model()))
     rows = (
         row(1, 1, 1, "1.6"), row(-1, -1, -1, "-0.8"), row(1, -1, 0, "0.5"), row(-1, 1, 0, "0.7"),
         row(1, 1, -2, "1"), row(-1, -1, 2, "1.5"),
@@ -152,18 +150,18 @@ def test_an_arm_in_space() -> None:
     bounds = box("bounds", "bounds", (-3, 3), (-3, 3), (-3, 3))
     workspace = ir.Workspace("W", 3, bounds, (block,))
     avoided = task(ir.Avoid(("O",), "body", Fraction(0)))
-    clearance = body_clearance(Avoidances(reading, workspace, avoided))
+    clearance = body_clearance(Avoidances(numeric, workspace, avoided))
     sides = [((1, 2), (-1, 0), (0, 1)), ((-1, 2), (-1, 2), (1, 2)), ((-1, 0), (1, 2), (0, 1))]
     cells = tuple(convex_set(polytope_of(box_rows(*side), 3)) for side in sides)
     limits = np.full(3, -np.pi), np.full(3, np.pi)
-    where = Corridor(reading, np.zeros(0), 0, cells, clearance, limits, 0.01)
+    where = Corridor(numeric, np.zeros(0), 0, cells, clearance, limits, 0.01)
     free = where.clear(where.drawn(np.random.default_rng(0)).q)
     assert 0.3 < free.mean() < 0.95  # the block is in the way
     found = joint_paths(where, None, 2, 0)
     assert found
     normals = np.array([[float(a) for a in one.normal] for one in rows])
     offsets = np.array([float(one.offset) for one in rows])
-    model = reading.graph.model
+    model = numeric.graph.model
     for path in found:
         for pose in dense(path.q)[::4]:
             frames = frames_of(model, pose, np.zeros(0))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
@@ -28,7 +28,7 @@ def follower(spec: str) -> Follower:
     (task,) = program.tasks.values()
     workspace = program.workspaces[task.workspace]
     family = family_of(program, task)
-    reading = FloatReading(robot_graph(family.robot(family.replay(WORD)), task.gravity))
+    numeric = NumericRobot(robot_graph(family.robot(family.replay(WORD)), task.gravity))
     cells = abstract(workspace)
     graph = nx.Graph(
         (i, j)
@@ -37,7 +37,7 @@ def follower(spec: str) -> Follower:
         if not {"O"} & (cells.cells[i].propositions | cells.cells[j].propositions)
     )
     path = nx.shortest_path(graph, cells.index("S"), cells.index("T"))
-    return Follower(reading, workspace, task, cells, 0, tuple(path), 2e-3, 0)
+    return Follower(numeric, workspace, task, cells, 0, tuple(path), 2e-3, 0)
 
 
 def clearance(theta: tuple[float, float], q: np.ndarray) -> float:

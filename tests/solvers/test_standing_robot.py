@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.robots.robot import WORLD
@@ -35,12 +35,12 @@ WORKSPACE = ir.Workspace(
 def lengths(*formulas: ir.Formula, reach: str | None = None) -> list[float]:
     builder = Builder()
     builder.effector(builder.link(WORLD, builder.parameter(F(1, 2), 2)))
-    reading = FloatReading(robot_graph(builder.build(), (F(0), F(0))))
+    numeric = NumericRobot(robot_graph(builder.build(), (F(0), F(0))))
     given = task(reach=reach or "A")
     if reach is None:
         given = replace(given, reach=None)
     given = replace(given, satisfy=tuple(ir.Satisfy(formula) for formula in formulas))
-    found = standing_configurations(reading, WORKSPACE, given, abstract(WORKSPACE), 0, 1)
+    found = standing_configurations(numeric, WORKSPACE, given, abstract(WORKSPACE), 0, 1)
     return [float(configuration.outcome.trajectory.theta[0]) for _, configuration in found]
 
 

@@ -9,9 +9,9 @@ from math import factorial
 import pytest
 from flint import arb
 
-from compiler.arithmetic.balls import ball, constant_ball, working_precision
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
+from compiler.expressions.tape import tape
 from solvers.verifier.proofs.enclosure import tube
 from solvers.verifier.proofs.step_control import good_length
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES

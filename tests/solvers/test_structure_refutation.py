@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.languages.structures import structures
 from compiler.semantics.family import family_of
@@ -35,8 +35,8 @@ def answer(clauses: str) -> Refutation:
     found, task = task_of(clauses)
     (derivation,) = structures(family_of(found, task).language, 7)
     model = family_of(found, task).robot(derivation)
-    reading = FloatReading(robot_graph(model, task.gravity))
-    return refute_structure(model, reading, found, task, Conduct(seed=0))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    return refute_structure(model, numeric, found, task, Conduct(seed=0))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 import z3
 
 import solvers.synthesis
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.geometry.bisection import bisections
@@ -59,8 +59,8 @@ class Robot:
         return robot_graph(self.model)
 
     @property
-    def reading(self) -> FloatReading:
-        return FloatReading(self.graph)
+    def numeric(self) -> NumericRobot:
+        return NumericRobot(self.graph)
 
 
 TURNER, BEYOND = Robot(small_specs.TURNER), Robot(small_specs.BEYOND_REACH)
@@ -68,9 +68,9 @@ TURNER, BEYOND = Robot(small_specs.TURNER), Robot(small_specs.BEYOND_REACH)
 
 def simulated() -> object:
     """A step with derivatives, for which equations of motion are made first."""
-    reading = TURNER.reading
-    theta = np.full(reading.p, 1.5)
-    return reading.step(np.zeros((200, reading.size)), np.zeros((200, reading.m)), theta, 0.1, 2)
+    numeric = TURNER.numeric
+    theta = np.full(numeric.p, 1.5)
+    return numeric.step(np.zeros((200, numeric.size)), np.zeros((200, numeric.m)), theta, 0.1, 2)
 
 
 def planned() -> object:
@@ -86,7 +86,7 @@ def covering() -> str:
 
 def refuted() -> object:
     return refute_structure(
-        BEYOND.model, BEYOND.reading, BEYOND.program, BEYOND.task, Conduct(journal=Memory())
+        BEYOND.model, BEYOND.numeric, BEYOND.program, BEYOND.task, Conduct(journal=Memory())
     )
 
 
@@ -245,13 +245,13 @@ def test_what_is_refuted_stays_so_without_a_second_proof() -> None:
 
 
 def test_states_are_as_fine_as_time_allows() -> None:
-    reading = TURNER.reading
-    start = Trajectory(np.zeros((6, 2)), np.full((5, 1), 0.7), np.full(reading.p, 1.5))
-    fine = fine_motion(reading, start, 0.5).x
+    numeric = TURNER.numeric
+    start = Trajectory(np.zeros((6, 2)), np.full((5, 1), 0.7), np.full(numeric.p, 1.5))
+    fine = fine_motion(numeric, start, 0.5).x
     with time_limit(Asked(0)):
-        assert fine_motion(reading, start, 0.5).x is start.x
+        assert fine_motion(numeric, start, 0.5).x is start.x
     with time_limit(Asked(1)):
-        coarse = fine_motion(reading, start, 0.5).x
+        coarse = fine_motion(numeric, start, 0.5).x
     assert 0 < np.max(np.abs(coarse - fine)) < 1e-4
 
 

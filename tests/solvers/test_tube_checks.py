@@ -11,7 +11,7 @@ from flint import arb
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.proofs.apart import Apart
 from solvers.verifier.proofs.tube_checks import Inside, Row, Slice, row
 

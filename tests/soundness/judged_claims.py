@@ -14,14 +14,13 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from tests.oracles.hand_arms import HandArm, SimulatedArm
 from tests.oracles.hand_motions import Diverges, SampledMotion, sampled_motion
 from tests.oracles.spec_figures import Area, Figures, cell_of, figures_of, share_a_facet
 from tests.soundness.known_families import Family
 
-Array = NDArray[np.float64]
 CLEAR = 1e-6
 REST = 1e-3
 SAMPLES = 2400

@@ -9,8 +9,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD, RobotModel
 from srgc.exports.mjcf import mjcf_text
@@ -19,7 +19,6 @@ from tests.oracles.exported_robots import exported, random_lengths, solid_robot
 from tests.oracles.mujoco_dynamics import MujocoRobot
 from tests.oracles.robots import Builder, evaluate, rod_chain
 
-Array = NDArray[np.float64]
 RELATIVE = 1e-9
 PULL = {2: (Fraction(5, 3), Fraction(-981, 100)), 3: (Fraction(1, 3), Fraction(-2), Fraction(-9))}
 CASES = [

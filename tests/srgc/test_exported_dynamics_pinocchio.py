@@ -6,15 +6,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from srgc.exports.urdf import urdf_text
 from tests.oracles.exported_robots import exported, random_lengths, solid_robot
 from tests.oracles.robots import evaluate, rod_chain
 
-Array = NDArray[np.float64]
 PULL = {2: (Fraction(5, 3), Fraction(-981, 100)), 3: (Fraction(1, 3), Fraction(-2), Fraction(-9))}
 RELATIVE = 1e-9
 

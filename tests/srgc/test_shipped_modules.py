@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from compiler.arrays import Array
 from tests.oracles import result_files
 from tests.oracles.planar_chain import chain_dynamics
 from tests.srgc.conftest import ROOT, Ran
@@ -20,7 +20,6 @@ from tests.srgc.conftest import ROOT, Ran
 Run = Callable[..., Ran]
 Made = Callable[[str], Path]
 Values = Mapping[int, float]
-Array = NDArray[np.float64]
 
 
 def turn(axis: str, angle: float) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from grammar_lang.load import load
 from solvers.progress import Conduct
@@ -40,8 +40,8 @@ def test_the_trace_does_not_cut_corners(drawn):
     _, task, result = drawn
     (length,) = (float(p.value) for p in result.design.parameters)
     model, trajectory = result.design.model, result.design.configuration.outcome.trajectory
-    reading = FloatReading(robot_graph(model, task.gravity))
-    line = _effector_line(result.design, reading, float(task.step))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    line = _effector_line(result.design, numeric, float(task.step))
     angles = np.unwrap(np.arctan2(line[:, 1], line[:, 0]))
     assert np.abs(np.diff(angles)).max() < np.abs(np.diff(trajectory.x[:, 0])).max() / 5
     middles = np.hypot(*((line[1:] + line[:-1]) / 2).T)

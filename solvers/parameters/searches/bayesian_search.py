@@ -19,7 +19,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.cube import Cube, Halton
 from solvers.parameters.searches.gaussian_process import (
     GaussianProcess,

@@ -14,7 +14,7 @@ from math import prod
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 
 BITS = 52
 """Digits are used as long as all of them together are an exact double."""

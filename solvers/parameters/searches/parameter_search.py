@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 from solvers.parameters.searches.cube import Cube, Halton
 
 TRIES = 200

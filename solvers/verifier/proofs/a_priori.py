@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat
 
-from compiler.arithmetic.ball_matrices import SIGNS, absolute, both_signs, column
+from compiler.expressions.ball_matrices import SIGNS, absolute, both_signs, column
 from solvers.verifier.proofs.lohner_path import Path
 from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, VectorField
 

@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
-from compiler.arithmetic.balls import working_precision
+from compiler.arrays import Array
+from compiler.expressions.evaluators.balls import working_precision
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.finding import Finding, inside
 from solvers.verifier.proofs.initial_set import InitialSet
@@ -26,8 +25,6 @@ from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import Slice, Status
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot, follow
 from solvers.verifier.proofs.watch import Watch
-
-Array: TypeAlias = NDArray[np.float64]
 
 SUBSTEPS = 4
 """Of Runge and Kutta's method, per step of the task."""
@@ -162,7 +159,7 @@ def _measure(scene: Scene, motion: Motion, name: str) -> Measure | None:
         target = scene.polytope(scene.workspace.region(reach.region))
         return Measure(
             lambda robot, state: (
-                inside(name, target, robot.reading.positions(state)[motion.effector], 0.0).margin
+                inside(name, target, robot.point_map.positions(state)[motion.effector], 0.0).margin
             ),
             at_end=True,
         )
@@ -172,6 +169,6 @@ def _measure(scene: Scene, motion: Motion, name: str) -> Measure | None:
 
 
 def _still(robot: DrivenRobot, state: Sequence[arb]) -> Slice:
-    points = robot.reading.positions(state)
+    points = robot.point_map.positions(state)
     none = arb(0)
     return Slice(none, none, tuple(tuple((x, none, none) for x in point) for point in points))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from compiler.arithmetic.balls import BALLS
-from compiler.dynamics.tape import Tape
+from compiler.expressions.evaluators.balls import BALLS
+from compiler.expressions.tape import Tape
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.tube_checks import MOST_SPLITS, Status
 

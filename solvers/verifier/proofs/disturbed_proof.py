@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.specifications.disturbance_radii import disturbance_radii
 from grammar_lang import ir
 from solvers.verifier.proofs.counterexample import counterexample

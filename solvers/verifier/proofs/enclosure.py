@@ -22,8 +22,9 @@ from fractions import Fraction
 
 from flint import arb, arb_poly
 
-from compiler.arithmetic.ball_matrices import SIGNS
-from compiler.arithmetic.balls import UncertainSignError, ball, working_precision
+from compiler.expressions.ball_matrices import SIGNS
+from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.expressions.evaluators.series import UncertainSignError
 from solvers.verifier.proofs.a_priori import (
     Deviation,
     Drive,

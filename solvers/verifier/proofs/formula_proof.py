@@ -14,7 +14,7 @@ from itertools import pairwise, product
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball
+from compiler.expressions.evaluators.balls import ball
 from compiler.specifications.attained_until import attained
 from compiler.specifications.boolean_parts import boolean_parts, boolean_value
 from compiler.specifications.monitor import AtomKey, Verdicts, key
@@ -29,7 +29,7 @@ from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
     MOST_UNBOUNDED_SPLITS,
     REFINEMENT,
-    PointReading,
+    PointMap,
     Slice,
     Status,
 )
@@ -88,7 +88,7 @@ class FormulaProof:
     again and again; what it raises ends the proof.
     """
 
-    reading: PointReading
+    point_map: PointMap
     regions: Mapping[AtomKey, RegionDistance]
     task: ir.Task
     tick: Callable[[], None] = lambda: None
@@ -273,5 +273,5 @@ class FormulaProof:
         """Positions over a slice, its ends in units of the step; None where not finite."""
         first, last = span
         middle = ball(((first + last) / 2 - segment.steps[0]) * self.task.step)
-        found = self.reading.over(segment, u, middle, ball((last - first) / 2 * self.task.step))
+        found = self.point_map.over(segment, u, middle, ball((last - first) / 2 * self.task.step))
         return None if found is None else found[0]

@@ -22,7 +22,7 @@ from math import comb
 
 from flint import arb, arb_mat
 
-from compiler.arithmetic.ball_matrices import (
+from compiler.expressions.ball_matrices import (
     absolute,
     both_signs,
     column,

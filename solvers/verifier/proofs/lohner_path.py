@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_poly, arb_series, ctx
 
-from compiler.arithmetic.ball_matrices import SIGNS
+from compiler.expressions.ball_matrices import SIGNS
 from solvers.verifier.proofs.vector_field import Coefficients, VectorField
 
 

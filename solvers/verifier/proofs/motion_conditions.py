@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, scalar_balls
+from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
 from compiler.robots.robot import RobotModel, RodBody
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir

@@ -7,9 +7,9 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.arithmetic.balls import BallArithmetic, ball, closed_ball, scalar_balls
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import BALLS, ball, closed_ball, scalar_balls
+from compiler.expressions.tape import tape
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
 from compiler.specifications.rest import REST_RATE
@@ -25,7 +25,7 @@ def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) 
     Along the tube the pivots stay away from zero, or the enclosure would fail, so M stays so.
     """
     n = len(graph.model.dofs)
-    flat = tape(graph.mass_matrix).run([*state[:n], *tail], BallArithmetic())
+    flat = tape(graph.mass_matrix).evaluate([*state[:n], *tail], BALLS)
     matrix = [[flat[j * n + i] for j in range(n)] for i in range(n)]
     least_pivot = arb("inf")
     for k in range(n):

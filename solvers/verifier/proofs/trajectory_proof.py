@@ -7,8 +7,8 @@ disturbances, along another one that holds all disturbed motions.
 
 from __future__ import annotations
 
-from compiler.arithmetic.balls import working_precision
-from compiler.dynamics.tape import UndefinedValueError
+from compiler.expressions.evaluators.balls import working_precision
+from compiler.expressions.tape import UndefinedValueError
 from compiler.specifications.task_formula import missing_effector
 from solvers.verifier.proofs.cell_path import cell_path
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
@@ -90,7 +90,7 @@ def _findings(
     robot = driven_robot(scene, motion)
     found = [positive_mass(scene.graph, robot.state, robot.tail)]
     found += unphysical(scene.model, robot.tail)
-    found += start_findings(scene, motion, robot.state, robot.reading.positions(robot.state))
+    found += start_findings(scene, motion, robot.state, robot.point_map.positions(robot.state))
     if any(finding.status is Status.FAILS for finding in found):
         return tuple(found)
     followed = follow(robot, InitialSet(robot.state), None, accuracy, watch)

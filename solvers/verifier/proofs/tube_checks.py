@@ -19,8 +19,9 @@ from heapq import heappop, heappush
 
 from flint import arb, arb_series, ctx
 
-from compiler.arithmetic.balls import BALLS, SERIES, ball
-from compiler.dynamics.tape import Tape
+from compiler.expressions.evaluators.balls import BALLS, ball
+from compiler.expressions.evaluators.series import SERIES
+from compiler.expressions.tape import Tape
 from compiler.geometry.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.vector_field import VectorField
@@ -187,7 +188,7 @@ class Inside(Constraint):
 
 
 @dataclass(frozen=True, slots=True)
-class PointReading:
+class PointMap:
     """Turns a tube into enclosures of positions: ``tape`` maps (q, theta, k) to all points."""
 
     tape: Tape
@@ -258,7 +259,7 @@ class StateLimit:
 
 
 def check_segment(
-    reading: PointReading,
+    point_map: PointMap,
     segment: TubeSegment,
     u: Sequence[arb],
     constraints: Sequence[Constraint],
@@ -269,7 +270,7 @@ def check_segment(
     pending = [(Stretch(segment, u, half, half, 0), tuple(constraints), tuple(limits))]
     while pending:
         stretch, open_constraints, open_limits = pending.pop()
-        found = reading.over(segment, u, stretch.middle, stretch.half)
+        found = point_map.over(segment, u, stretch.middle, stretch.half)
         if found is None:
             last = stretch.depth == MOST_UNBOUNDED_SPLITS
             again, limits_again = open_constraints, open_limits
@@ -324,23 +325,23 @@ def _settle(constraint: Constraint, over: Slice, stretch: Stretch) -> bool:
     return True
 
 
-def close_margins(reading: PointReading, constraints: Sequence[Constraint]) -> None:
+def close_margins(point_map: PointMap, constraints: Sequence[Constraint]) -> None:
     """Refine the margins of what holds along a whole tube, where they are least.
 
     A margin is a bound on all slices: it is no larger than the one of any slice that is left.
     """
     for constraint in constraints:
         if constraint.status is Status.HOLDS and constraint.held:
-            _close_margin(reading, constraint)
+            _close_margin(point_map, constraint)
 
 
-def _close_margin(reading: PointReading, constraint: Constraint) -> None:
+def _close_margin(point_map: PointMap, constraint: Constraint) -> None:
     """Halve the slice of the least margin until that is close to what its middle shows."""
     held, count = constraint.held, len(constraint.held)
     while True:
         least = heappop(held)
         stretch = least.stretch
-        found = reading.over(stretch.segment, stretch.inputs, stretch.middle, stretch.half)
+        found = point_map.over(stretch.segment, stretch.inputs, stretch.middle, stretch.half)
         if found is None:
             constraint.margin = min(least.margin, constraint.hope)
             constraint.time = float((stretch.segment.start + stretch.middle).mid())
@@ -357,7 +358,7 @@ def _close_margin(reading: PointReading, constraint: Constraint) -> None:
             constraint.note(Status.HOLDS, min(lower, constraint.hope), over)
             return
         for half in stretch.halves():
-            within = reading.over(half.segment, half.inputs, half.middle, half.half)
+            within = point_map.over(half.segment, half.inputs, half.middle, half.half)
             margin = lower
             if within is not None:
                 bound, middle = constraint.bound(within[0])

@@ -8,8 +8,8 @@ from textwrap import shorten
 
 from flint import arb
 
-from compiler.arithmetic.balls import ball, closed_ball, constant_ball
-from compiler.dynamics.tape import tape
+from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
+from compiler.expressions.tape import tape
 from compiler.robots.parameter_values import value_ball
 from compiler.robots.state_and_input import robot_states
 from compiler.specifications.formula_text import formula_text
@@ -27,7 +27,7 @@ from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import (
     Constraint,
-    PointReading,
+    PointMap,
     StateLimit,
     Status,
     check_segment,
@@ -51,7 +51,7 @@ class DrivenRobot:
     scene: Scene
     motion: Motion
     field: VectorField
-    reading: PointReading
+    point_map: PointMap
     state: tuple[arb, ...]
     inputs: tuple[tuple[arb, ...], ...]
 
@@ -69,12 +69,12 @@ def driven_robot(scene: Scene, motion: Motion) -> DrivenRobot:
     own, n = robot_states(graph.model), len(graph.model.dofs)
     slopes = tape(graph.input_slopes) if scene.task.robust is not None else None
     field = VectorField(tape(graph.balance), tape(graph.variation), n, tail, len(own), slopes)
-    reading = PointReading(tape(graph.points), field, graph.model.dimension)
+    point_map = PointMap(tape(graph.points), field, graph.model.dimension)
     exact = [graph.coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
     state = [ball(value) for part in exact for value in part]
     state += [arb(0) if item.initial is None else closed_ball(item.initial) for item in own]
     inputs = tuple(tuple(ball(value) for value in step) for step in motion.inputs)
-    return DrivenRobot(scene, motion, field, reading, tuple(state), inputs)
+    return DrivenRobot(scene, motion, field, point_map, tuple(state), inputs)
 
 
 @dataclass(slots=True)
@@ -95,7 +95,7 @@ class Followed:
 
     def positions(self) -> list[list[list[arb]]]:
         """Positions (samples, points, d)."""
-        return [self.robot.reading.positions(sample) for sample in self.samples]
+        return [self.robot.point_map.positions(sample) for sample in self.samples]
 
     def findings(self) -> list[Finding]:
         """All that a complete tube shows, but for what is asked of samples alone."""
@@ -104,7 +104,7 @@ class Followed:
         task, last = scene.task, self.samples[-1]
         end = float(task.step) * task.steps
         if task.reach is not None:
-            tip = self.robot.reading.positions(last)[effector]
+            tip = self.robot.point_map.positions(last)[effector]
             target = scene.polytope(scene.workspace.region(task.reach.region))
             found.append(inside(f"target {task.reach.region}", target, tip, end))
             if task.reach.at_rest:
@@ -158,7 +158,7 @@ def follow(
         position_conditions(scene, robot.tail),
         state_limits(scene),
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
-        _formulas(scene, robot.reading, watch.tick),
+        _formulas(scene, robot.point_map, watch.tick),
         [],
     )
     part = arb(0) if effort is None else effort * arb(0, 1)
@@ -168,7 +168,7 @@ def follow(
         for segment in tube(robot.field, initial, robot.inputs, ball(step), accuracy, effort):
             watch.tick()
             inputs = applied[segment.number]
-            check_segment(robot.reading, segment, inputs, found.constraints, found.limits)
+            check_segment(robot.point_map, segment, inputs, found.constraints, found.limits)
             found.formulas.add(segment, inputs)
             if found.defined.is_needed:
                 found.defined.check(segment, inputs)
@@ -178,7 +178,7 @@ def follow(
                 watch.part(int(segment.steps[1]), scene.task.steps)
     except EnclosureFailure as failure:
         found.ended = str(failure)
-    close_margins(robot.reading, found.constraints)
+    close_margins(robot.point_map, found.constraints)
     found.samples = [ends[number] for number in sorted(ends)]
     return found
 
@@ -194,10 +194,10 @@ def box_of(initial: InitialSet) -> list[arb]:
     ]
 
 
-def _formulas(scene: Scene, reading: PointReading, tick: Callable[[], None]) -> FormulaProof:
+def _formulas(scene: Scene, point_map: PointMap, tick: Callable[[], None]) -> FormulaProof:
     """The atoms of the task's formulas, with the sets they speak of."""
     regions = {
         key(atom): region_distance(scene.polytope(scene.workspace.region(atom.region)))
         for atom in atoms(*(clause.formula for clause in scene.task.satisfy))
     }
-    return FormulaProof(reading, regions, scene.task, tick)
+    return FormulaProof(point_map, regions, scene.task, tick)

@@ -14,8 +14,9 @@ from functools import cached_property
 
 from flint import arb, arb_mat, arb_series, ctx
 
-from compiler.arithmetic.balls import BALLS, SERIES
-from compiler.dynamics.tape import Tape
+from compiler.expressions.evaluators.balls import BALLS
+from compiler.expressions.evaluators.series import SERIES
+from compiler.expressions.tape import Tape
 
 Coefficients = list[arb]
 
@@ -50,7 +51,7 @@ class VectorField:
     @cached_property
     def has_kinks(self) -> bool:
         """Whether an absolute value occurs."""
-        return any(name == "fabs" for name, _, _ in self.balance.instructions)
+        return self.balance.uses("fabs")
 
     @cached_property
     def _mass_matrix(self) -> Tape:

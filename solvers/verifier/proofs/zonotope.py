@@ -24,7 +24,7 @@ from functools import cached_property
 
 from flint import arb, arb_mat
 
-from compiler.arithmetic.ball_matrices import SIGNS, absolute, column_of_ones
+from compiler.expressions.ball_matrices import SIGNS, absolute, column_of_ones
 from solvers.verifier.proofs.initial_set import InitialSet
 
 MOST_COLUMNS, KEPT_COLUMNS = 8, 5

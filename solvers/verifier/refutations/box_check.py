@@ -7,7 +7,6 @@ touch one after the other.  No solver and no float is believed.
 
 from __future__ import annotations
 
-from compiler.arithmetic.balls import working_precision
 from compiler.coverings.box_tree import (
     MOST_VARIABLES,
     BoxTreeError,
@@ -17,6 +16,7 @@ from compiler.coverings.box_tree import (
 )
 from compiler.coverings.covered_poses import Cover, CoveredPoses
 from compiler.coverings.motion_demands import Passage, motion_demands
+from compiler.expressions.evaluators.balls import working_precision
 from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
@@ -54,7 +54,7 @@ def _why_not(
     except BoxTreeError:
         raise
     except ValueError as error:
-        return f"the robot has no exact reading: {error}"
+        return f"the equations of the robot have no exact value: {error}"
     for number, (box, leaf) in enumerate(parameter_boxes(tree, len(model.parameters)), 1):
         cover = poses.cover(box, leaf.coordinates)
         if not _refuted(cover, drive if leaf.reason == "!" else None):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import degrees, floor, log10
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from srgc.report.evidence import Evidence
 from srgc.report.html_text import json_script, number, text, with_unit
 from srgc.report.motion.drawn_robot import DrawnRobot
@@ -23,8 +23,6 @@ from srgc.report.motion.scene_marks import (
 from srgc.report.motion.tube_boxes import TubeBoxes
 from srgc.report.motion.view import NAMED, View
 from srgc.results.found_design import FoundDesign
-
-Array = NDArray[np.float64]
 
 POSES = 6
 WIDEST_BOX = 15.0

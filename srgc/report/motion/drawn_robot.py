@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compiler.arithmetic.scalars import Constant
-from compiler.discretisation.float_reading import FloatReading, scalar_floats
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.floats import scalar_floats
+from compiler.expressions.scalars import Constant
 from compiler.robots.robot import (
     WORLD,
     FrameNode,
@@ -27,8 +28,6 @@ from compiler.robots.robot import (
     Step,
 )
 from grammar_lang import ir
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ class DrawnRobot:
     ``bones`` lead from frame to frame, where these are apart; ``effectors`` are in their order.
     """
 
-    reading: FloatReading
+    numeric: NumericRobot
     theta: Array
     rods: tuple[DrawnRod, ...]
     masses: tuple[DrawnMass, ...]
@@ -74,17 +73,17 @@ class DrawnRobot:
 
     def points(self, q: Array) -> Array:
         """All points at coordinates q (K, n), shape (K, points, d), in metres."""
-        return self.reading.points(q, self.theta).value
+        return self.numeric.points(q, self.theta).value
 
 
 def drawn_robot(model: RobotModel, theta: Sequence[Fraction]) -> DrawnRobot:
     """The parts of a robot whose parameters have these values (SI)."""
     values = np.array([float(value) for value in theta])
     marked, tips = _marked(model)
-    reading = FloatReading(robot_graph(marked))
+    numeric = NumericRobot(robot_graph(marked))
     scalars = scalar_floats(marked.scalars, values)
     rods, masses = [], []
-    for body, hull in zip(model.bodies, reading.graph.hulls, strict=True):
+    for body, hull in zip(model.bodies, numeric.graph.hulls, strict=True):
         first = len(marked.effectors) + hull[0]
         if isinstance(body, RodBody):
             radius = None if body.radius is None else scalars[body.radius]
@@ -92,7 +91,7 @@ def drawn_robot(model: RobotModel, theta: Sequence[Fraction]) -> DrawnRobot:
         else:
             masses.append(DrawnMass(first, not isinstance(body, PointBody)))
     return DrawnRobot(
-        reading,
+        numeric,
         values,
         tuple(rods),
         tuple(masses),

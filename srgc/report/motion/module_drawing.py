@@ -13,17 +13,15 @@ from itertools import product
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compiler.discretisation.float_reading import FloatReading
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotDof, RodBody
 from grammar_lang import ir
 from grammar_lang.constants import to_float
 from srgc.report.motion.module_marks import MarkedRobot
 from srgc.report.motion.view import NAMED, sight
-
-Array = NDArray[np.float64]
 
 BENDS = tuple(radians(angle) for angle in (20, 35, 50, 70, -35, -50))
 SLIDES = (0.35, 0.7, 1.0)
@@ -84,12 +82,12 @@ def module_drawing(
     theta: Sequence[Fraction],
 ) -> ModuleDrawing:
     """The drawing of a robot whose parameters have these values (SI)."""
-    reading = FloatReading(robot_graph(robot.model))
+    numeric = NumericRobot(robot_graph(robot.model))
     values = np.array([float(value) for value in theta])
     poses = _poses(robot.model.dofs)
-    points = reading.points(poses, values).value
+    points = numeric.points(poses, values).value
     best = points[_clearest(points, robot)]
-    hulls = [[len(robot.model.effectors) + i for i in hull] for hull in reading.graph.hulls]
+    hulls = [[len(robot.model.effectors) + i for i in hull] for hull in numeric.graph.hulls]
     return _drawing(robot, word, modules, best, hulls)
 
 

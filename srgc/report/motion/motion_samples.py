@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from compiler.arrays import Array
 
 SHARPEST = 0.12
 """Radians that a joint turns at most from one drawn instant to the next; a rod that is drawn by

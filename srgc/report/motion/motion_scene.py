@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from srgc.report.evidence import Evidence
 from srgc.report.motion.drawn_robot import DrawnRobot, drawn_robot
 from srgc.report.motion.motion_samples import motion_samples
@@ -17,8 +17,6 @@ from srgc.report.motion.view import View, fitted
 from srgc.report.motion.workspace_shapes import WorkspaceShape, workspace_shapes
 from srgc.report.trajectory import Trajectory
 from srgc.results.found_design import FoundDesign
-
-Array = NDArray[np.float64]
 
 MOST_NUMBERS = 40_000
 """Coordinates of points that a page holds at most; the instants are as many as that allows."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from srgc.report.html_text import name_in_picture, text
 from srgc.report.motion.module_drawing import DrawnModule, ModuleDrawing
 from srgc.report.motion.scene_marks import axis_ends, line_path, place
 from srgc.report.motion.view import View, fitted
-
-Array = NDArray[np.float64]
 
 HALF_LINE = 8.0
 LETTER = 8.0

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from srgc.report.motion.motion_scene import MotionScene, RobotMotion
 from srgc.report.motion.scene_marks import THINNEST_CAPSULE
 from srgc.report.motion.tube_boxes import TubeBoxes
 from srgc.report.motion.view import NAMED, View, sight
-
-Array = NDArray[np.float64]
 
 GRID = 0.04
 """Width of the grid in units of the picture."""
@@ -79,7 +77,7 @@ def _motion(motion: RobotMotion, grid: _Grid, cells: list[str], view: View) -> d
         "joints": [[joint.point, -1 if joint.tip is None else joint.tip] for joint in robot.joints],
         "masses": [mass.point for mass in robot.masses],
         "effectors": list(robot.effectors),
-        "kinds": [dof.kind for dof in robot.reading.graph.model.dofs],
+        "kinds": [dof.kind for dof in robot.numeric.graph.model.dofs],
         "cells": cells,
         "visits": visits,
         "tube": None if motion.tube is None else _tube(motion.tube, grid),

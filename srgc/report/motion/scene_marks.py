@@ -9,15 +9,13 @@ import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.robots.robot import WORLD
 from srgc.report.html_text import name_in_picture, text
 from srgc.report.motion.drawn_robot import DrawnJoint, DrawnRobot
 from srgc.report.motion.view import View
 from srgc.report.motion.workspace_shapes import WorkspaceShape
-
-Array = NDArray[np.float64]
 
 AXIS_LENGTH = 34.0
 """Length on the picture of the line that shows a joint's axis, where that is in the picture."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from compiler.arrays import Array
 
 if TYPE_CHECKING:
     from solvers.verifier.certified_tube import CertifiedTube
 
-Array = NDArray[np.float64]
 
 MOST_BOXES = 240
 MOST_INSTANTS = 90

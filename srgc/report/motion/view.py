@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from compiler.arrays import Array
 
 WIDTH, TALLEST, FLATTEST = 720.0, 620.0, 260.0
 """Size of a picture in its own units, which are about pixels."""

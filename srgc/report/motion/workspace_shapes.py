@@ -8,14 +8,13 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.geometry.volume import around
 from grammar_lang.ir import Workspace
 
-Array = NDArray[np.float64]
 ShapeKind = Literal["bounds", "cell", "region", "obstacle", "target"]
 
 

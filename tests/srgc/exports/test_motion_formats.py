@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from tests.conftest import srgc_process
 from tests.oracles import result_files
 from tests.oracles.driven_claims import CASES, Driven
@@ -27,7 +27,6 @@ from tests.srgc.conftest import Ran
 
 Export = Callable[..., Ran]
 Result = Callable[[str], Path]
-Array = NDArray[np.float64]
 CLOSE = 1e-9
 MOTIONS = ("csv", "json", "ros2", "npz")
 

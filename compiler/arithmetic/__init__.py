@@ -1,1 +1,0 @@
-"""Scalar expressions, and balls and rationals that enclose their values."""

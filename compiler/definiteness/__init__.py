@@ -1,1 +1,0 @@
-"""The interval and the exact reading of a graph."""

@@ -1,0 +1,211 @@
+"""A robot in doubles: its equations of motion and points, over all steps at once.
+
+The discrete step and its exact derivatives are those of ``step_map.py``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.batched_function import BatchedFunction
+from compiler.discretisation.step_map import rates_of_change, step_map, value_map
+from compiler.dynamics.controlled_system import ControlledSystem, controlled_system
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.scalars import Constant
+from compiler.robots.state_and_input import robot_inputs, robot_states
+
+TRACKING_ROUNDS = 4
+TRACKING_DAMPING = 1e-4
+LONGEST_STEP = 0.3
+"""Per round, in radians or metres."""
+
+
+@dataclass(frozen=True, slots=True)
+class Linearisation:
+    """The step map about (x, u, theta) at K samples: value and Jacobians.
+
+    Shapes: value (K, N), state (K, N, N), input (K, N, m), parameter (K, N, p).
+    """
+
+    value: Array
+    state: Array
+    input: Array
+    parameter: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Positions of m points at K samples: value (K, m, d), by_q (K, m, d, n), by_theta (.., p)."""
+
+    value: Array
+    by_q: Array
+    by_theta: Array
+
+
+class NumericRobot:
+    """Evaluates a robot's graph in doubles; not for proofs.
+
+    A state x has N = 2n + r entries: n coordinates, n rates and the r states of the modules' own;
+    there are m inputs and p parameters.
+    """
+
+    def __init__(self, graph: RobotGraph) -> None:
+        self.graph = graph
+        self.n = len(graph.model.dofs)
+        self.r = len(robot_states(graph.model))
+        self.m = len(robot_inputs(graph.model))
+        self.p = len(graph.model.parameters)
+        self.d = graph.model.dimension
+        self.constants = np.array(
+            [float(c.value) if isinstance(c, Constant) else np.pi for c in graph.constants]
+        )
+        self.size = 2 * self.n + self.r
+        self._rollouts: dict[tuple[str, int, int], ca.Function] = {}
+
+    # Made when first asked for: most structures are judged by their points alone.
+
+    @cached_property
+    def _system(self) -> ControlledSystem:
+        return controlled_system(self.graph)
+
+    @cached_property
+    def _rates(self) -> BatchedFunction:
+        return BatchedFunction.of(rates_of_change(self._system))
+
+    @cached_property
+    def _step(self) -> BatchedFunction:
+        system, width = self._system, 1 + self.size + self.m + self.p
+        return BatchedFunction(lambda lanes: step_map(system, lanes), (self.size, width))
+
+    @cached_property
+    def _points(self) -> ca.Function:
+        return _with_jacobians(self.graph.points, (0, 1))
+
+    @cached_property
+    def _points_on_lanes(self) -> BatchedFunction:
+        """Positions with their derivatives in q and theta, a row per coordinate of a point."""
+        p, k = self._points.size1_in(1), self._points.size1_in(2)
+        q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
+        value, *jacobians = self._points(q, *ca.vertsplit(shared, [0, p, p + k]))
+        rows = ca.densify(ca.horzcat(value, *jacobians))
+        return BatchedFunction.of(ca.Function("points", [q, shared], [ca.cse(rows)]))
+
+    @cached_property
+    def _points_of_designs(self) -> BatchedFunction:
+        """The same with parameters of its own for every sample."""
+        q, theta, k = (ca.SX.sym(f"i{i}", self._points.size1_in(i)) for i in range(3))
+        rows = ca.densify(ca.horzcat(*self._points(q, theta, k)))
+        return BatchedFunction.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))
+
+    @cached_property
+    def _mass_matrix(self) -> BatchedFunction:
+        """M column by column, so that a row of results is one column of it."""
+        p, k = self.graph.mass_matrix.size1_in(1), self.graph.mass_matrix.size1_in(2)
+        q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
+        mass = self.graph.mass_matrix(q, *ca.vertsplit(shared, [0, p, p + k]))
+        square = ca.reshape(ca.densify(mass), self.n, self.n)
+        return BatchedFunction.of(ca.Function("mass", [q, shared], [ca.cse(square)]))
+
+    def acceleration(self, x: Array, u: Array, theta: Array) -> tuple[Array, Array]:
+        """The derivative of rates and own states (K, n + r), its Jacobian in (x, u, theta)."""
+        shared = np.concatenate([theta, self._system.constants])
+        found = self._rates((x, u), shared)
+        return found[:, :, 0], found[:, :, 1:]
+
+    def step(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Linearisation:
+        """The state ``dt`` later and its Jacobians; x (K, N), u (K, m), theta (p,)."""
+        size = self.size
+        shared = np.concatenate([theta, self._system.constants, [dt / substeps]])
+        found = self._step((x, u), shared)
+        for _ in range(substeps - 1):
+            further = self._step((found[:, :, 0], u), shared)
+            carried = further[:, :, 1 : 1 + size] @ found[:, :, 1:]
+            found[:, :, 0] = further[:, :, 0]
+            found[:, :, 1:] = carried
+            found[:, :, 1 + size :] += further[:, :, 1 + size :]
+        value, state, input_, parameter = np.split(found, [1, 1 + size, 1 + size + self.m], axis=2)
+        return Linearisation(value[:, :, 0], state, input_, parameter)
+
+    def simulate(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Array:
+        """States (k + 1, N) from an initial one (N,) under inputs (k, m), by the step map."""
+        key = ("simulate", len(u), substeps)
+        if key not in self._rollouts:
+            self._rollouts[key] = _rollout(self._system, substeps, len(u))
+        tail = np.concatenate([theta, self._system.constants, [dt / substeps]])
+        columns = np.tile(tail[:, None], (1, len(u)))
+        states = self._rollouts[key](x, np.concatenate([u.T, columns]))
+        return np.concatenate([x[None, :], np.asarray(states.full()).T])
+
+    def track(
+        self, first: Array, theta: Array, point: int, waypoints: Array, box: tuple[Array, Array]
+    ) -> Array:
+        """Coordinates (K, n) that follow waypoints (K, d) continuously from ``first`` (n,).
+
+        Damped least squares, a fixed number of rounds per waypoint, kept within the box.
+        """
+        if len(waypoints) < 2:
+            return first[None, :]
+        key = ("track", len(waypoints) - 1, point)
+        if key not in self._rollouts:
+            self._rollouts[key] = _tracker(self._points, self.n, self.d, point, len(waypoints) - 1)
+        tail = np.concatenate([*box, theta, self.constants])
+        columns = np.tile(tail[:, None], (1, len(waypoints) - 1))
+        found = self._rollouts[key](first, np.concatenate([waypoints[1:].T, columns]))
+        return np.concatenate([first[None, :], np.asarray(found.full()).T])
+
+    def points(self, q: Array, theta: Array) -> Points:
+        """Effectors first, then body points, at K samples; q (K, n), theta (p,) or (K, p)."""
+        count, d, n = len(q), self.d, self.n
+        if theta.ndim == 1:
+            found = self._points_on_lanes((q,), np.concatenate([theta, self.constants]))
+        else:
+            found = self._points_of_designs((q, theta), self.constants)
+        m = found.shape[1] // d
+        parts = found.reshape(count, m, d, 1 + n + self.p)
+        return Points(parts[..., 0], parts[..., 1 : 1 + n], parts[..., 1 + n :])
+
+    def mass_matrix(self, q: Array, theta: Array) -> Array:
+        """M at K samples, shape (K, n, n)."""
+        return self._mass_matrix((q,), np.concatenate([theta, self.constants]))
+
+
+def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Function:
+    """The function together with its dense Jacobians in some of its inputs."""
+    symbols = [ca.SX.sym(f"i{i}", function.size1_in(i)) for i in range(function.n_in())]
+    value = function(*symbols)
+    jacobians = [ca.densify(ca.jacobian(value, symbols[i])) for i in inputs]
+    return ca.Function("points", symbols, ca.cse([ca.densify(value), *jacobians]))
+
+
+def _rollout(system: ControlledSystem, substeps: int, steps: int) -> ca.Function:
+    """All steps of the classical Runge-Kutta method in one call."""
+    step = value_map(system)
+    x, extra = (ca.SX.sym(name, step.size1_in(i)) for i, name in enumerate(("x", "e")))
+    after = x
+    for _ in range(substeps):
+        after = step(after, extra)
+    return ca.Function("step", [x, extra], [after]).mapaccum("simulate", steps)
+
+
+def _tracker(points: ca.Function, n: int, d: int, point: int, steps: int) -> ca.Function:
+    """Damped least squares from waypoint to waypoint in one call."""
+    p, c = points.size1_in(1), points.size1_in(2)
+    q, extra = ca.SX.sym("q", n), ca.SX.sym("e", d + 2 * n + p + c)
+    target, lower, upper, theta, k = ca.vertsplit(
+        extra, [0, d, d + n, d + 2 * n, d + 2 * n + p, d + 2 * n + p + c]
+    )
+    rows = slice(point * d, point * d + d)
+    at = q
+    for _ in range(TRACKING_ROUNDS):
+        value, jacobian, _ = points(at, theta, k)
+        error, slope = target - value[rows], jacobian[rows, :]
+        gram = slope @ slope.T + TRACKING_DAMPING * ca.SX.eye(d)
+        step = slope.T @ (ca.inv(gram) @ error)
+        longest = ca.fmax(1, ca.norm_2(step) / LONGEST_STEP)
+        at = ca.fmin(ca.fmax(at + step / longest, lower), upper)
+    return ca.Function("follow", [q, extra], [at]).mapaccum("track", steps)

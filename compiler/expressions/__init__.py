@@ -1,0 +1,1 @@
+"""Expression graphs, and the evaluators that give them values."""

@@ -1,0 +1,118 @@
+"""Balls: an expression graph in validated arithmetic.
+
+Every ball contains the exact value; nothing here compares floats with a tolerance.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from fractions import Fraction
+from threading import RLock
+from typing import Any, ClassVar
+
+from flint import arb, ctx, fmpq
+
+from compiler.expressions.evaluator import Evaluator, evaluate_expression
+from compiler.expressions.scalars import (
+    Constant,
+    PiConstant,
+    ScalarNode,
+    evaluate_constant,
+    evaluate_scalars,
+)
+from grammar_lang import ir
+
+_CONTEXT = RLock()
+"""flint has one context for all threads.  A series that another thread cuts short has coefficients
+that are 0 and should not be: what is then computed contains nothing."""
+
+
+@contextmanager
+def working_precision(bits: int) -> Iterator[None]:
+    """Ball arithmetic with so many bits within the block; other threads wait for theirs."""
+    with _CONTEXT:
+        before = ctx.prec, ctx.cap
+        ctx.prec = bits
+        try:
+            yield
+        finally:
+            ctx.prec, ctx.cap = before
+
+
+def ball(value: Fraction | int) -> arb:
+    """A ball around a rational."""
+    exact = Fraction(value)
+    return arb(fmpq(exact.numerator, exact.denominator))
+
+
+def sign_ball(a: arb) -> arb:
+    """The sign, which is also the slope of the absolute value; [-1, 1] where it is not certain."""
+    if a > 0:
+        return arb(1)
+    return arb(-1) if a < 0 else arb(0, 1)
+
+
+def square(a: Any) -> Any:
+    """The square, of a ball or of a series of balls."""
+    return a * a
+
+
+def inverse(a: Any) -> Any:
+    """The reciprocal, of a ball or of a series of balls."""
+    return 1 / a
+
+
+def double(a: Any) -> Any:
+    """The double, of a ball or of a series of balls."""
+    return a + a
+
+
+def _constant(value: Fraction | int) -> arb:
+    return arb(value) if isinstance(value, int) else ball(value)
+
+
+class BallEvaluator(Evaluator[arb]):
+    """Values are balls that contain the exact ones; flint's functions, called without a detour."""
+
+    neg: ClassVar[Any] = staticmethod(operator.neg)
+    fabs: ClassVar[Any] = staticmethod(abs)
+    sqrt: ClassVar[Any] = staticmethod(arb.sqrt)
+    sin: ClassVar[Any] = staticmethod(arb.sin)
+    cos: ClassVar[Any] = staticmethod(arb.cos)
+    sin_cos: ClassVar[Any] = staticmethod(arb.sin_cos)
+    tan: ClassVar[Any] = staticmethod(arb.tan)
+    sign: ClassVar[Any] = staticmethod(sign_ball)
+    sq: ClassVar[Any] = staticmethod(square)
+    inv: ClassVar[Any] = staticmethod(inverse)
+    twice: ClassVar[Any] = staticmethod(double)
+    add: ClassVar[Any] = staticmethod(operator.add)
+    sub: ClassVar[Any] = staticmethod(operator.sub)
+    mul: ClassVar[Any] = staticmethod(operator.mul)
+    div: ClassVar[Any] = staticmethod(operator.truediv)
+    power: ClassVar[Any] = staticmethod(operator.pow)
+    constant: ClassVar[Any] = staticmethod(_constant)
+    pi: ClassVar[Any] = staticmethod(arb.pi)
+
+
+BALLS = BallEvaluator()
+
+
+def constant_ball(constant: Constant | PiConstant) -> arb:
+    """A ball around a constant of a graph."""
+    return evaluate_constant(constant, BALLS)
+
+
+def closed_ball(expression: ir.Expr) -> arb:
+    """A ball around a closed scalar expression.
+
+    Raises:
+        ValueError: the expression is not a closed scalar.
+    """
+    return evaluate_expression(expression, BALLS)
+
+
+def scalar_balls(nodes: Sequence[ScalarNode], theta: Sequence[arb]) -> list[arb]:
+    """A ball around every scalar of a robot, for parameters given as balls."""
+    return evaluate_scalars(nodes, BALLS, theta)

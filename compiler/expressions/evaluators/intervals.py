@@ -1,0 +1,202 @@
+"""Intervals: an expression graph over a box, as the lower and upper end of every value.
+
+Balls are intervals too, but a product of wide balls loses much: (2.75 +- 2.25)^2 reaches below
+zero, [0.5, 5]^2 does not.  The ends are python-flint numbers, rounded outwards.
+
+Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapters 2 and 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from compiler.expressions.evaluator import Evaluator
+from compiler.expressions.evaluators.balls import ball
+
+INFINITY, ZERO, ONE = arb("inf"), arb(0), arb(1)
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """All reals from ``low`` to ``high``, two exact numbers or infinities."""
+
+    low: arb
+    high: arb
+
+    @property
+    def undefined(self) -> bool:
+        """Whether nothing is known."""
+        return bool(self.low.is_nan() or self.high.is_nan())
+
+    @property
+    def finite(self) -> bool:
+        """Whether both ends are finite."""
+        return bool(self.low.is_finite() and self.high.is_finite())
+
+    def ball(self) -> arb:
+        """A ball around a finite interval."""
+        return self.low.union(self.high)
+
+
+UNDEFINED = Ends(arb("nan"), arb("nan"))
+"""A value that is not defined, or not known to be, somewhere; no comparison with it holds."""
+
+
+def around(value: arb) -> Ends:
+    """The ends of a ball."""
+    return outward(value, value)
+
+
+def between(low: Fraction | None, high: Fraction | None) -> Ends:
+    """An interval with rational ends, None for an infinite one."""
+    lower = -INFINITY if low is None else ball(low).lower()
+    return Ends(lower, INFINITY if high is None else ball(high).upper())
+
+
+def outward(low: arb, high: arb) -> Ends:
+    """The lower end of one ball and the upper end of another; undefined if one is not known."""
+    if low.is_nan() or high.is_nan():
+        return UNDEFINED
+    return Ends(low.lower(), high.upper())
+
+
+class IntervalEvaluator(Evaluator[Ends]):
+    """Values are intervals; one that is not defined everywhere is undefined."""
+
+    def constant(self, value: Fraction | int) -> Ends:
+        """An exact integer, or the ends of a ball around a rational."""
+        if isinstance(value, int):
+            return Ends(arb(value), arb(value))
+        return around(ball(value))
+
+    def pi(self) -> Ends:
+        """The ends of a ball around pi."""
+        return around(arb.pi())
+
+    def neg(self, argument: Ends, /) -> Ends:
+        """The opposite."""
+        return Ends(-argument.high, -argument.low)
+
+    def twice(self, argument: Ends, /) -> Ends:
+        """The double."""
+        return outward(argument.low * 2, argument.high * 2)
+
+    def add(self, left: Ends, right: Ends, /) -> Ends:
+        """The sum."""
+        return outward(left.low + right.low, left.high + right.high)
+
+    def sub(self, left: Ends, right: Ends, /) -> Ends:
+        """The difference."""
+        return outward(left.low - right.high, left.high - right.low)
+
+    def mul(self, left: Ends, right: Ends, /) -> Ends:
+        """The product."""
+        return _product(left, right)
+
+    def div(self, left: Ends, right: Ends, /) -> Ends:
+        """The quotient; undefined where the divisor may be zero."""
+        return _product(left, self.inv(right))
+
+    def sq(self, argument: Ends, /) -> Ends:
+        """The square, which is never negative."""
+        size = self.fabs(argument)
+        return outward(size.low * size.low, size.high * size.high)
+
+    def inv(self, argument: Ends, /) -> Ends:
+        """The reciprocal; undefined where the argument may be zero."""
+        if argument.low > 0 or argument.high < 0:
+            return outward(1 / argument.high, 1 / argument.low)
+        return UNDEFINED
+
+    def sqrt(self, argument: Ends, /) -> Ends:
+        """The square root; undefined where the argument may be negative."""
+        if argument.low >= 0:
+            return outward(argument.low.sqrt(), argument.high.sqrt())
+        return UNDEFINED
+
+    def fabs(self, argument: Ends, /) -> Ends:
+        """The absolute value."""
+        if argument.low >= 0:
+            return argument
+        if argument.high <= 0:
+            return Ends(-argument.high, -argument.low)
+        if argument.undefined:
+            return UNDEFINED
+        return Ends(ZERO, argument.high if argument.high > -argument.low else -argument.low)
+
+    def sign(self, argument: Ends, /) -> Ends:
+        """The slopes of the absolute value: both, and all between, where zero is inside."""
+        if argument.undefined:
+            return UNDEFINED
+        return Ends(ONE if argument.low > 0 else -ONE, -ONE if argument.high < 0 else ONE)
+
+    def sin(self, argument: Ends, /) -> Ends:
+        """The sine."""
+        return _wave(argument, arb.sin, Fraction(1, 2))
+
+    def cos(self, argument: Ends, /) -> Ends:
+        """The cosine."""
+        return _wave(argument, arb.cos, Fraction(0))
+
+    def tan(self, argument: Ends, /) -> Ends:
+        """The tangent; undefined where there may be a pole."""
+        if not argument.finite or _integers(argument, Fraction(1, 2)):
+            return UNDEFINED
+        return outward(argument.low.tan(), argument.high.tan())
+
+
+INTERVALS = IntervalEvaluator()
+
+
+def _product(left: Ends, right: Ends) -> Ends:
+    if left.undefined or right.undefined:
+        return UNDEFINED
+    if left.low.is_zero() and left.high.is_zero():
+        return left  # an unlimited factor takes finite values only
+    if right.low.is_zero() and right.high.is_zero():
+        return right
+    if left.low >= 0 and right.low >= 0:
+        return outward(left.low * right.low, left.high * right.high)
+    corners = (
+        left.low * right.low,
+        left.low * right.high,
+        left.high * right.low,
+        left.high * right.high,
+    )
+    if any(corner.is_nan() for corner in corners):
+        return UNDEFINED
+    low, high = corners[0].lower(), corners[0].upper()
+    for corner in corners[1:]:
+        lower, upper = corner.lower(), corner.upper()
+        low = lower if lower < low else low
+        high = upper if upper > high else high
+    return Ends(low, high)
+
+
+def _wave(argument: Ends, function: Callable[[arb], arb], shift: Fraction) -> Ends:
+    """A sine or a cosine, by where its extrema are, in half turns after ``shift``."""
+    if not argument.finite:
+        return UNDEFINED if argument.undefined else Ends(-ONE, ONE)
+    extrema = _integers(argument, shift)
+    if len(extrema) > 1:
+        return Ends(-ONE, ONE)
+    start, end = function(argument.low), function(argument.high)
+    low = start.lower() if start.lower() < end.lower() else end.lower()
+    high = start.upper() if start.upper() > end.upper() else end.upper()
+    if extrema:
+        return Ends(low, ONE) if extrema[0] % 2 == 0 else Ends(-ONE, high)
+    return Ends(low, high)
+
+
+def _integers(argument: Ends, shift: Fraction) -> range:
+    """The integers that x / pi - shift may take in an interval, cut after a few."""
+    pi, offset = arb.pi(), ball(shift)
+    first = (argument.low / pi - offset).lower().ceil().unique_fmpz()
+    last = (argument.high / pi - offset).upper().floor().unique_fmpz()
+    if first is None or last is None:
+        return range(3)
+    return range(int(first), min(int(last), int(first) + 2) + 1)

@@ -1,0 +1,147 @@
+"""Trigonometric polynomials: an expression graph in canonical form, for people.
+
+Where an expression would get too long, intermediate results get names: the outcome is then a
+straight-line program whose steps are short polynomials.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from compiler.expressions.evaluator import Evaluator
+from compiler.expressions.trigonometric_polynomial import (
+    Abbreviation,
+    Pi,
+    PolynomialRing,
+    TrigonometricPolynomial,
+)
+
+MOST_TERMS = 120
+"""An entry with more terms is not shown in one piece."""
+MOST_PRODUCTS = 10_000
+"""So many products of terms are formed in search of the canonical form of one function."""
+MOST_TERMS_NAMED = 8
+"""From so many terms on, an intermediate result gets a name."""
+
+
+class TooManyTerms(ArithmeticError):
+    """The canonical form is longer than anybody would read."""
+
+
+@dataclass(slots=True)
+class _RingEvaluator(Evaluator[TrigonometricPolynomial]):
+    """What needs no decision on length."""
+
+    ring: PolynomialRing
+
+    def constant(self, value: Fraction | int) -> TrigonometricPolynomial:
+        """A rational."""
+        return self.ring.rational(value)
+
+    def pi(self) -> TrigonometricPolynomial:
+        """The symbol pi."""
+        return self.ring.symbol(Pi())
+
+    def neg(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The opposite."""
+        return self.ring.multiply(argument, self.ring.rational(-1))
+
+    def twice(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The double."""
+        return self.ring.multiply(argument, self.ring.rational(2))
+
+    def inv(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The reciprocal."""
+        return self.ring.inverse(self._operand(argument))
+
+    def sqrt(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The square root."""
+        return self.ring.root(self._operand(argument))
+
+    def sin(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The sine."""
+        return self.ring.sine(argument)
+
+    def cos(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The cosine."""
+        return self.ring.cosine(argument)
+
+    def tan(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The tangent."""
+        return self.ring.tangent(self._operand(argument))
+
+    def fabs(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
+        """The absolute value."""
+        return self.ring.absolute(self._operand(argument))
+
+    def _operand(self, number: TrigonometricPolynomial) -> TrigonometricPolynomial:
+        """The argument of a function that makes a symbol of it."""
+        return number
+
+
+@dataclass(slots=True)
+class CanonicalEvaluator(_RingEvaluator):
+    """Values are trigonometric polynomials in canonical form.
+
+    Raises:
+        TooManyTerms: a polynomial or the work as a whole gets too long.
+    """
+
+    products: int = 0
+
+    def add(
+        self, left: TrigonometricPolynomial, right: TrigonometricPolynomial, /
+    ) -> TrigonometricPolynomial:
+        """The sum."""
+        return _bounded(self.ring.add(left, right))
+
+    def mul(
+        self, left: TrigonometricPolynomial, right: TrigonometricPolynomial, /
+    ) -> TrigonometricPolynomial:
+        """The product."""
+        self.products += len(left.terms) * len(right.terms)
+        if self.products > MOST_PRODUCTS:
+            raise TooManyTerms
+        return _bounded(self.ring.multiply(left, right))
+
+
+@dataclass(slots=True)
+class NamingEvaluator(_RingEvaluator):
+    """Values are trigonometric polynomials; intermediate results that get long are named."""
+
+    named: list[Abbreviation] = field(default_factory=list[Abbreviation])
+
+    def add(
+        self, left: TrigonometricPolynomial, right: TrigonometricPolynomial, /
+    ) -> TrigonometricPolynomial:
+        """The sum; of one that is too long, the longer summand is named."""
+        total = self.ring.add(left, right)
+        if len(total.terms) <= MOST_TERMS_NAMED:
+            return total
+        longer, other = (left, right) if len(left.terms) >= len(right.terms) else (right, left)
+        return self.ring.add(self._name(longer), other)
+
+    def mul(
+        self, left: TrigonometricPolynomial, right: TrigonometricPolynomial, /
+    ) -> TrigonometricPolynomial:
+        """The product; of one that is too long, the factors are named."""
+        if 2 * len(left.terms) * len(right.terms) > MOST_TERMS_NAMED:
+            left, right = self._operand(left), self._operand(right)
+        return self.ring.multiply(left, right)
+
+    def _operand(self, number: TrigonometricPolynomial) -> TrigonometricPolynomial:
+        return self._name(number) if len(number.terms) > 1 else number
+
+    def _name(self, number: TrigonometricPolynomial) -> TrigonometricPolynomial:
+        known = len(self.ring.symbols)
+        symbol = Abbreviation(len(self.named) + 1, number)
+        if self.ring.number(symbol) == known:
+            self.named.append(symbol)
+        return self.ring.symbol(symbol)
+
+
+def _bounded(number: TrigonometricPolynomial) -> TrigonometricPolynomial:
+    if len(number.terms) > 4 * MOST_TERMS:
+        raise TooManyTerms
+    return number

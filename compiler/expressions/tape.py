@@ -1,0 +1,213 @@
+"""The straight-line program of an expression graph, to be run with any evaluator.
+
+Every value has a number: inputs first, then constants, then results in the order they are made.
+What no output needs, and what was computed before, is left out; sine and cosine of the same value
+are made at once, which costs power series no more than one of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import casadi as ca
+
+from compiler.expressions.evaluator import Evaluator, Value
+from compiler.time_limits.time_limit import check_time
+
+LARGEST_EXACT_INTEGER = 2**53
+
+INPUT, OUTPUT, CONSTANT = ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_CONST
+
+OPERATIONS = {
+    ca.OP_NEG: "neg",
+    ca.OP_SQ: "sq",
+    ca.OP_SQRT: "sqrt",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_TAN: "tan",
+    ca.OP_FABS: "fabs",
+    ca.OP_SIGN: "sign",
+    ca.OP_INV: "inv",
+    ca.OP_TWICE: "twice",
+    ca.OP_ADD: "add",
+    ca.OP_SUB: "sub",
+    ca.OP_MUL: "mul",
+    ca.OP_DIV: "div",
+}
+"""The method of an evaluator that carries out an instruction."""
+LEAVES = {"input", "constant"}
+SINE_AND_COSINE = "sin_cos"
+
+Node: TypeAlias = tuple[str, tuple[int, ...]]
+"""An operation and the numbers of its arguments; an input or a constant and its index or value."""
+
+
+class UndefinedValueError(ValueError):
+    """A graph that has no value anywhere."""
+
+
+@dataclass(frozen=True)
+class Tape:
+    """An expression graph: distinct nodes, arguments before what uses them, and its outputs.
+
+    Inputs are numbered through all input columns of the function, outputs through its first
+    output.
+    """
+
+    nodes: tuple[Node, ...]
+    results: tuple[int, ...]
+
+    @property
+    def outputs(self) -> int:
+        """How many outputs there are."""
+        return len(self.results)
+
+    def uses(self, name: str) -> bool:
+        """Whether an operation occurs."""
+        return any(name == node for node, _ in self.nodes)
+
+    def first(self, outputs: int) -> Tape:
+        """The program of the first outputs alone."""
+        return Tape(self.nodes, self.results[:outputs])
+
+    def evaluate(self, inputs: Sequence[Value], evaluator: Evaluator[Value]) -> list[Value]:
+        """The outputs at the inputs."""
+        check_time()
+        plan = self._plan
+        # Values of unknown type within the loop: sin_cos makes two of them.
+        values: list[Any] = [inputs[i] for i in plan.used]
+        values += [evaluator.constant(constant) for constant in plan.constants]
+        append = values.append
+        operations: dict[str, Callable[..., Any]] = {
+            name: getattr(evaluator, name) for name in plan.names
+        }
+        for name, arguments in plan.steps:
+            if len(arguments) == 2:
+                a, b = arguments
+                append(operations[name](values[a], values[b]))
+            elif name == SINE_AND_COSINE:
+                values += operations[name](values[arguments[0]])
+            else:
+                append(operations[name](values[arguments[0]]))
+        return [values[i] for i in plan.outputs]
+
+    @cached_property
+    def _plan(self) -> _Plan:
+        return _plan(self.nodes, self.results)
+
+
+def tape(function: ca.Function) -> Tape:
+    """The expression graph of a CasADi function with one output.
+
+    Raises:
+        UndefinedValueError: CasADi has divided by a literal zero.
+        ValueError: a constant that is not an exact integer, or an operation that has no exact
+            value.
+    """
+    nodes: dict[Node, int] = {}
+    register: dict[int, int] = {}
+    written: dict[int, int] = {}
+    for name, target, arguments in _instructions(function):
+        if name == "output":
+            written[target] = register[arguments[0]]
+        else:
+            known = arguments if name in LEAVES else tuple(register[a] for a in arguments)
+            register[target] = nodes.setdefault((name, known), len(nodes))
+    count = function.nnz_out(0)
+    if len(written) < count:
+        # An output that no instruction writes is zero.
+        zero = nodes.setdefault(("constant", (0,)), len(nodes))
+        written = {i: written.get(i, zero) for i in range(count)}
+    return Tape(tuple(nodes), tuple(written[i] for i in range(count)))
+
+
+def _instructions(function: ca.Function) -> Iterator[tuple[str, int, tuple[int, ...]]]:
+    """Name, result register (of an output: its number) and argument registers, indices or value."""
+    starts = [0]
+    for i in range(function.n_in()):
+        starts.append(starts[-1] + function.nnz_in(i))
+    for i in range(function.n_instructions()):
+        check_time()
+        code = function.instruction_id(i)
+        arguments, results = function.instruction_input(i), function.instruction_output(i)
+        if code == INPUT:
+            column, row = arguments
+            yield "input", results[0], (starts[column] + row,)
+        elif code == OUTPUT:
+            yield "output", results[1], (arguments[0],)
+        elif code == CONSTANT:
+            yield "constant", results[0], (_exact(function.instruction_constant(i)),)
+        elif code in OPERATIONS:
+            yield OPERATIONS[code], results[0], tuple(arguments)
+        else:
+            raise ValueError(f"operation {code} has no exact value")
+
+
+def _exact(value: float) -> int:
+    if not math.isfinite(value):
+        raise UndefinedValueError(f"a divisor in the rules is zero: the constant {value!r}")
+    if not value.is_integer() or abs(value) >= LARGEST_EXACT_INTEGER:
+        raise ValueError(f"the graph holds the inexact constant {value!r}")
+    return int(value)
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """Operations by name with the numbers of their arguments, and those of the outputs.
+
+    ``sin_cos`` makes two values; every other operation one.  ``used`` are the inputs that occur,
+    ``names`` the operations.
+    """
+
+    used: tuple[int, ...]
+    constants: tuple[int, ...]
+    names: tuple[str, ...]
+    steps: tuple[Node, ...]
+    outputs: tuple[int, ...]
+
+
+def _plan(nodes: Sequence[Node], outputs: Sequence[int]) -> _Plan:
+    needed = _needed(nodes, outputs)
+    first = [i for i in needed if nodes[i][0] == "input"]
+    second = [i for i in needed if nodes[i][0] == "constant"]
+    number = {node: place for place, node in enumerate([*first, *second])}
+    count = len(number)
+    sines = {arguments for name, arguments in (nodes[i] for i in needed) if name == "sin"}
+    both = {a for name, a in (nodes[i] for i in needed) if name == "cos" and a in sines}
+    pairs: dict[tuple[int, ...], int] = {}
+    steps: list[Node] = []
+    for i in needed:
+        name, arguments = nodes[i]
+        if name in LEAVES:
+            continue
+        known = tuple(number[a] for a in arguments)
+        if name in ("sin", "cos") and arguments in both:
+            if arguments not in pairs:
+                pairs[arguments] = count
+                steps.append((SINE_AND_COSINE, known))
+                count += 2
+            number[i] = pairs[arguments] + (name == "cos")
+            continue
+        steps.append((name, known))
+        number[i] = count
+        count += 1
+    return _Plan(
+        tuple(nodes[i][1][0] for i in first),
+        tuple(nodes[i][1][0] for i in second),
+        tuple(sorted({name for name, _ in steps})),
+        tuple(steps),
+        tuple(number[i] for i in outputs),
+    )
+
+
+def _needed(nodes: Sequence[Node], outputs: Sequence[int]) -> list[int]:
+    """The nodes that outputs need, in the order they are made."""
+    needed = set(outputs)
+    for i in range(len(nodes) - 1, -1, -1):
+        if i in needed and nodes[i][0] not in LEAVES:
+            needed.update(nodes[i][1])
+    return sorted(needed)

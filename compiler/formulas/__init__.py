@@ -1,1 +1,0 @@
-"""A robot's graph as formulas in canonical form."""
