@@ -15,8 +15,9 @@ from grammar_lang import syntax as s
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.names.entities import Entity
+from grammar_lang.names.table import NameTable
 from grammar_lang.productions import GrammarInfo, ProductionInfo
-from grammar_lang.readings import readings
 from grammar_lang.source import Span
 
 Key = tuple[str, str]
@@ -69,8 +70,8 @@ def occurrence_of(owner: s.Ident, info: ProductionInfo, sink: Sink) -> int | Non
     if info.broken:
         return None
     label = info.production.label
-    if owner.text in info.repeated:
-        names = [f"`{n}`" for n in info.repeated[owner.text] if n in info.names]
+    if owner.text in info.word.repeated:
+        names = [f"`{n}`" for n in info.word.repeated[owner.text] if n in info.names]
         message = f"`{owner.text}` occurs more than once in production `{label}`"
         hint = f"write {', '.join(names)}" if names else "an edge has no attributes"
         sink.error(Code.AMBIGUOUS_OCCURRENCE, message, owner.span, hint)
@@ -132,26 +133,14 @@ def _collect(
             yield placed
 
 
-def _reads_root(grammar: GrammarInfo, blocks: Mapping[str, s.Block]) -> bool:
+def _reads_root(grammar: GrammarInfo, blocks: Iterable[s.Block], names: NameTable) -> bool:
     """Whether a production of the start symbol reads ``this.frame``."""
-    for label, block in blocks.items():
-        if grammar.productions[label].production.left != grammar.grammar.start:
-            continue
-        for member in members(block):
-            if member.owner.text == "this" and member.name.text == ROOT_ATTRIBUTE:
-                return True
-    return False
-
-
-def members(block: s.Block) -> Iterator[s.Member]:
-    """Every ``owner.name`` that a block reads."""
-    stack: list[s.Expr] = []
-    for statement in block.statements:
-        if isinstance(statement, s.Rule):
-            stack.append(statement.value)
-        else:
-            stack.extend(argument.value for argument in statement.arguments)
-    return (found for found in readings(stack) if isinstance(found, s.Member))
+    root = Entity("attribute", (grammar.grammar.name, grammar.grammar.start), ROOT_ATTRIBUTE)
+    return any(
+        mention.entity == root and mention.position == ir.THIS and not mention.declares
+        for block in blocks
+        for mention in names.inside(block.span)
+    )
 
 
 def _classify(found: Attributes, start: str, sink: Sink) -> None:
@@ -175,14 +164,14 @@ def _classify(found: Attributes, start: str, sink: Sink) -> None:
 
 
 def collect_attributes(
-    grammar: GrammarInfo, blocks: Mapping[str, s.Block], sink: Sink
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], names: NameTable, sink: Sink
 ) -> Attributes:
     """The attributes that the blocks define; double and impossible definitions are reported."""
     found = Attributes()
     found.rules.extend(_collect(grammar, blocks, found, sink))
     _classify(found, grammar.grammar.start, sink)
     root = (grammar.grammar.start, ROOT_ATTRIBUTE)
-    if root not in found.synthesized and _reads_root(grammar, blocks):
+    if root not in found.synthesized and _reads_root(grammar, blocks.values(), names):
         found.inherited.setdefault(root, grammar.grammar.span)
     return found
 

@@ -6,24 +6,36 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from grammar_lang import ir
+from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean
-from grammar_lang.modules import ModuleInfo
+from grammar_lang.modules import ModuleInfo, lower_module
+from grammar_lang.names.table import NameTable
+from grammar_lang.names.unused import report_unused
 from grammar_lang.productions import GrammarInfo, lower_grammar
-from grammar_lang.resolve import Declarations, declarations
 from grammar_lang.semantics import SemanticsInfo, lower_semantics
 from grammar_lang.source import Source, Span
 from grammar_lang.tasks import Family, Surroundings, lower_task
-from grammar_lang.unused import report_unused
 from grammar_lang.workspaces import lower_workspace
 
 
-def _check_semantics(declared: Declarations, sink: Sink) -> None:
-    for name, semantics in declared.semantics.items():
-        if name not in declared.grammars:
-            hint = did_you_mean(name, declared.grammars, "grammar", sink)
+def _modules(file: t.File, names: NameTable, sink: Sink) -> dict[str, ModuleInfo]:
+    """The modules by name; a second one of a name is checked and left out."""
+    found: dict[str, ModuleInfo] = {}
+    for item in file.items:
+        if isinstance(item, s.Module):
+            info = lower_module(item, sink)
+            if names.declared.is_first(item):
+                found[item.name.text] = info
+    return found
+
+
+def _check_semantics(names: NameTable, sink: Sink) -> None:
+    for name, semantics in names.declared.semantics.items():
+        if names.entity(semantics.grammar) is None:
+            hint = did_you_mean(name, names.declared.grammars, "grammar", sink)
             message = f"semantics of an unknown grammar `{name}`"
             sink.error(Code.UNKNOWN_NAME, message, semantics.grammar.span, hint)
 
@@ -31,7 +43,7 @@ def _check_semantics(declared: Declarations, sink: Sink) -> None:
 def _family(
     grammar: GrammarInfo, semantics: SemanticsInfo | None, modules: Mapping[str, ModuleInfo]
 ) -> Family:
-    symbols = [s.name for p in grammar.grammar.productions for s in p.right]
+    symbols = [x.name for p in grammar.grammar.productions for x in p.right]
     used = [modules[name].module for name in symbols if name in modules]
     joints = {dof.kind for module in used for dof in module.dofs}
     driven = {dof.kind for module in used for dof in module.free_dofs}
@@ -45,43 +57,48 @@ def _family(
 
 
 def lower(
-    file: t.File, sources: tuple[Source, ...], maps: Mapping[Span, ir.ObstacleMap], sink: Sink
+    file: t.File,
+    names: NameTable,
+    sources: tuple[Source, ...],
+    maps: Mapping[Span, ir.ObstacleMap],
+    sink: Sink,
 ) -> ir.Program:
     """The program of a file, meaningful if no error was reported.
 
     Args:
         file: the items of the file and of all it includes.
+        names: what its names stand for.
         sources: the texts that spans point into.
         maps: the files of obstacles, by the span of the path that names each.
         sink: takes the findings.
     """
-    declared = declarations(file, sink)
-    _check_semantics(declared, sink)
+    declared = names.declared
+    modules = _modules(file, names, sink)
+    _check_semantics(names, sink)
     grammars: dict[str, ir.Grammar] = {}
     families: dict[str, Family] = {}
-    infos: dict[str, GrammarInfo] = {}
     for name, grammar in declared.grammars.items():
-        info = infos[name] = lower_grammar(grammar, declared, sink)
+        info = lower_grammar(grammar, names, sink)
         semantics = None
         if name in declared.semantics:
-            semantics = lower_semantics(info, declared.semantics[name], declared.modules, sink)
+            semantics = lower_semantics(info, declared.semantics[name], modules, names, sink)
         blocks = None if semantics is None else semantics.blocks
         grammars[name] = replace(info.grammar, semantics=blocks)
-        families[name] = _family(info, semantics, declared.modules)
+        families[name] = _family(info, semantics, modules)
     workspaces = {name: lower_workspace(w, maps, sink) for name, w in declared.workspaces.items()}
     tasks: dict[str, ir.Task] = {}
-    around = Surroundings(declared, families, workspaces)
+    around = Surroundings(names, modules, families, workspaces)
     for name, task in declared.tasks.items():
         lowered = lower_task(task, around, sink)
         if lowered is not None:
             tasks[name] = lowered
-    report_unused(file, infos, sink)
+    report_unused(names, sink)
     return ir.Program(
-        modules={name: info.module for name, info in declared.modules.items()},
+        modules={name: info.module for name, info in modules.items()},
         terminals=tuple(declared.terminals),
         grammars=grammars,
         workspaces=workspaces,
         tasks=tasks,
         sources=sources,
-        terminal_spans=declared.terminals,
+        terminal_spans={name: found.span for name, found in declared.terminals.items()},
     )

@@ -12,23 +12,6 @@ from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.sorts import UNKNOWN, DimensionUse, Typed
 from grammar_lang.typecheck import plain_name
 
-_KINDS: dict[type, str] = {
-    s.Param: "parameter",
-    s.Const: "constant",
-    s.Dof: "degree of freedom",
-    s.State: "state",
-    s.Input: "input",
-}
-
-
-def kinds(module: s.Module) -> dict[str, str]:
-    """What each name that a module declares is; of several declarations the first counts."""
-    found: dict[str, str] = {}
-    for item in module.items:
-        if isinstance(item, s.Param | s.Const | s.Dof | s.State | s.Input):
-            found.setdefault(item.name.text, _KINDS[type(item)])
-    return found
-
 
 def foreign_member(member: s.Member, sink: Sink) -> Typed:
     """Report ``owner.name`` inside a module."""

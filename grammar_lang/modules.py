@@ -13,7 +13,9 @@ from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean
 from grammar_lang.module_dynamics import Statements, lower_dynamics
-from grammar_lang.module_scope import ModuleScope, kinds
+from grammar_lang.module_scope import ModuleScope
+from grammar_lang.names.declarations import duplicate
+from grammar_lang.names.entities import members
 from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
 from grammar_lang.sorts import UNKNOWN, Sort, Typed, wrong_sort
 from grammar_lang.source import Span
@@ -184,15 +186,9 @@ def not_supported(what: str, span: Span, sink: Sink) -> None:
     )
 
 
-def duplicate(name: s.Ident, first: Span, sink: Sink, hint: str = "choose another name") -> None:
-    """Report a second declaration of a name."""
-    message = f"`{name.text}` is declared twice"
-    sink.error(Code.DUPLICATE_NAME, message, name.span, hint, [(first, "first here")])
-
-
 def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
     """The module and its names; whatever is wrong with it is reported."""
-    reader = _Reader(sink, ModuleScope(kinds(module)))
+    reader = _Reader(sink, ModuleScope({name: each.kind for name, each in members(module).items()}))
     for item in module.items:
         reader.item(item)
     if not reader.roles:

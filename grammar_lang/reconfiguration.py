@@ -13,68 +13,41 @@ from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.findings.spelling import did_you_mean
 from grammar_lang.modules import ModuleInfo
-from grammar_lang.name_kinds import NameKinds
+from grammar_lang.names.declarations import report_unknown
+from grammar_lang.names.entities import Entity, Occurrences
+from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 from grammar_lang.units import ONE
 
 
 @dataclass(slots=True)
-class _Names:
-    """How the occurrences of a word are called: X where it occurs once, else X1 to Xn."""
-
-    word: tuple[s.Ident, ...]
-    places: dict[str, int] = field(default_factory=dict[str, int])
-    repeated: dict[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
-
-    def collect(self, terminals: Mapping[str, Span], sink: Sink) -> None:
-        """Name the occurrences; a name that is another symbol's own is reported."""
-        positions: dict[str, list[int]] = {}
-        for place, symbol in enumerate(self.word):
-            positions.setdefault(symbol.text, []).append(place)
-        for name, places in positions.items():
-            if len(places) == 1:
-                self.places[name] = places[0]
-                continue
-            numbered = tuple(f"{name}{n}" for n in range(1, len(places) + 1))
-            self.repeated[name] = numbered
-            for own, place in zip(numbered, places, strict=True):
-                if own in terminals:
-                    message = f"this occurrence is called `{own}`, which is another symbol's name"
-                    hint = f"rename the symbol `{own}`"
-                    at = self.word[place].span
-                    sink.error(
-                        Code.DUPLICATE_NAME, message, at, hint, [(terminals[own], "declared here")]
-                    )
-                else:
-                    self.places[own] = place
-
-    def place(self, name: s.Ident, sink: Sink) -> int | None:
-        """The position of an occurrence in the word; None where there is none, reported."""
-        if name.text in self.places:
-            return self.places[name.text]
-        if name.text in self.repeated:
-            message = f"`{name.text}` occurs several times in the word"
-            names = ", ".join(f"`{own}`" for own in self.repeated[name.text][:6])
-            sink.error(Code.AMBIGUOUS_OCCURRENCE, message, name.span, f"write one of {names}")
-        else:
-            message = f"the word has no occurrence `{name.text}`"
-            hint = did_you_mean(name.text, self.places, "occurrence", sink)
-            sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
-        return None
-
-
-@dataclass(slots=True)
 class _Reader:
     modules: Mapping[str, ModuleInfo]
-    names: _Names
+    item: t.From
+    word: Occurrences
+    known: tuple[str, ...]
     sink: Sink
     seen: dict[tuple[int, str], Span] = field(default_factory=dict[tuple[int, str], Span])
 
+    def _place(self, name: s.Ident) -> int | None:
+        """The position of an occurrence in the word; None where there is none, reported."""
+        if name.text in self.word.places:
+            return self.word.places[name.text]
+        if name.text in self.word.repeated:
+            message = f"`{name.text}` occurs several times in the word"
+            names = ", ".join(f"`{own}`" for own in self.word.repeated[name.text][:6])
+            self.sink.error(Code.AMBIGUOUS_OCCURRENCE, message, name.span, f"write one of {names}")
+        else:
+            message = f"the word has no occurrence `{name.text}`"
+            hint = did_you_mean(name.text, self.known, "occurrence", self.sink)
+            self.sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
+        return None
+
     def fixed(self, item: t.Fixing) -> ir.Fixed | None:
-        place = self.names.place(item.occurrence, self.sink)
+        place = self._place(item.occurrence)
         if place is None:
             return None
-        module = self.names.word[place].text
+        module = self.item.word[place].text
         if module not in self.modules:
             message = f"`{item.occurrence.text}` is an edge, and edges have no parameters"
             hint = "name an occurrence of a module"
@@ -133,29 +106,35 @@ def _in_domain(value: ir.Expr, domain: ir.Interval | ir.Choices) -> bool:
     return any(not less(value, one) and not less(one, value) for one in domain.values)
 
 
+def _check_clashes(word: Occurrences, terminals: Mapping[str, Entity], sink: Sink) -> None:
+    """Report the occurrences whose name is another symbol's own."""
+    for name, own in word.clashes:
+        message = f"this occurrence is called `{own}`, which is another symbol's name"
+        notes = [(terminals[own].span, "declared here")]
+        sink.error(Code.DUPLICATE_NAME, message, name.span, f"rename the symbol `{own}`", notes)
+
+
 def lower_origin(
-    item: t.From,
-    modules: Mapping[str, ModuleInfo],
-    terminals: Mapping[str, Span],
-    kinds: NameKinds,
-    sink: Sink,
+    item: t.From, modules: Mapping[str, ModuleInfo], names: NameTable, sink: Sink
 ) -> ir.Origin:
     """The existing robot; whatever is wrong with its clause is reported.
 
     Args:
         item: the clause.
         modules: the modules of the file.
-        terminals: its modules and edges, with where they are declared.
-        kinds: what the other names of the file are.
+        names: what the names of the file stand for.
         sink: where errors go.
     """
+    terminals = names.declared.terminals
     for name in item.word:
-        if name.text not in terminals:
-            kinds.report(name, "a module or edge", terminals, sink)
-    names = _Names(item.word)
+        if names.entity(name) is None:
+            report_unknown(name, "a module or edge", terminals, names.declared, sink)
+    word = names.words[item.span]
     if item.fixed:
-        names.collect(terminals, sink)
-    reader = _Reader(modules, names, sink)
+        _check_clashes(word, terminals, sink)
+    first = {name.text: at for at, name in reversed([*enumerate(item.word)])}
+    known = sorted(word.places, key=lambda own: first[item.word[word.places[own]].text])
+    reader = _Reader(modules, item, word, tuple(known), sink)
     found = [reader.fixed(fixing) for fixing in item.fixed]
     return ir.Origin(
         tuple(name.text for name in item.word),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeVar
@@ -14,8 +14,9 @@ from grammar_lang.closed import Constants, coordinates, list_unit
 from grammar_lang.efforts import lower_efforts
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.name_kinds import NameKinds, RegionNames
-from grammar_lang.resolve import Declarations
+from grammar_lang.modules import ModuleInfo
+from grammar_lang.names.declarations import report_unknown
+from grammar_lang.names.table import NameTable
 from grammar_lang.sorts import DimensionUse, Sort, Typed, mismatch, warn_turn, wrong_sort
 from grammar_lang.source import Span
 from grammar_lang.units import (
@@ -49,26 +50,14 @@ class Family:
     uses: tuple[DimensionUse, ...]
 
 
+@dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a task may name: the families and workspaces of its file, and what else is declared."""
+    """What a task may name, and the modules, families and workspaces that were made of it."""
 
-    def __init__(
-        self,
-        declared: Declarations,
-        families: Mapping[str, Family],
-        workspaces: Mapping[str, ir.Workspace],
-    ) -> None:
-        self.declared = declared
-        self.families = families
-        self.workspaces = workspaces
-        self.kinds = NameKinds(declared)
-        self._regions: dict[str, RegionNames] = {}
-
-    def regions(self, workspace: ir.Workspace) -> RegionNames:
-        """The names of the regions of a workspace, gathered once."""
-        if workspace.name not in self._regions:
-            self._regions[workspace.name] = RegionNames(workspace, self.kinds)
-        return self._regions[workspace.name]
+    names: NameTable
+    modules: Mapping[str, ModuleInfo]
+    families: Mapping[str, Family]
+    workspaces: Mapping[str, ir.Workspace]
 
 
 @dataclass(slots=True)
@@ -97,21 +86,34 @@ class _Reader:
         return items[0] if items else None
 
     def region(self, name: s.Ident) -> str:
-        """The name of a region of the workspace; reported if it is none."""
-        if self.workspace is not None:
-            self.around.regions(self.workspace).check(name, self.sink)
+        """The name of a region or map of the workspace; reported if it is none."""
+        if self.workspace is not None and self.around.names.entity(name) is None:
+            known = self.around.names.declared.places[self.workspace.name]
+            self._no_region(name, self.workspace.name, known)
         return name.text
 
     def place(self, name: s.Ident) -> str:
         """The name of a region where the task starts or ends; reported if it is none."""
-        if self.workspace is not None:
-            self.around.regions(self.workspace).check_place(name, self.sink)
+        found = self.around.names.entity(name)
+        if found is not None and found.kind == "map":
+            message = f"`{name.text}` is a map of obstacles, and no place to start or to end"
+            notes = [(found.span, "declared here")]
+            hint = "name a region; a map is avoided, or named in a formula"
+            self.sink.error(Code.WRONG_KIND, message, name.span, hint, notes)
+        elif found is None and self.workspace is not None:
+            known = self.around.names.declared.regions[self.workspace.name]
+            self._no_region(name, self.workspace.name, known)
         return name.text
+
+    def _no_region(self, name: s.Ident, workspace: str, known: Collection[str]) -> None:
+        message = f"workspace `{workspace}` has no region `{name.text}`"
+        due = f"a region of workspace `{workspace}`"
+        report_unknown(name, due, known, self.around.names.declared, self.sink, message)
 
     def named(self, name: s.Ident, known: Mapping[str, Named], due: str) -> Named | None:
         """The thing of that name; reported if there is none."""
-        if name.text not in known:
-            self.around.kinds.report(name, due, known, self.sink)
+        if self.around.names.entity(name) is None:
+            report_unknown(name, due, known, self.around.names.declared, self.sink)
         return known.get(name.text)
 
     def effector(self, expr: s.Expr | None) -> int | None:
@@ -224,7 +226,7 @@ class _Reader:
         """Whether a name in ``avoid`` is the robot itself, not a region that is called so."""
         if name.text != "self":
             return False
-        return self.workspace is None or "self" not in self.around.regions(self.workspace).names
+        return self.around.names.entity(name) is None
 
     def _avoid_self(self, item: t.Avoid, name: s.Ident, margin: Fraction) -> None:
         if item.subject == "effector":
@@ -259,9 +261,7 @@ class _Reader:
             return None
         from grammar_lang.reconfiguration import lower_origin
 
-        declared = self.around.declared
-        kinds = self.around.kinds
-        return lower_origin(item, declared.modules, declared.terminals, kinds, self.sink)
+        return lower_origin(item, self.around.modules, self.around.names, self.sink)
 
     def robust(self) -> ir.Robust | None:
         if not any(isinstance(i, t.RobustStart | t.RobustEffort) for i in self.task.items):

@@ -15,7 +15,7 @@ from grammar_lang.files.map_names import map_name
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.linear import Inequalities
-from grammar_lang.modules import duplicate
+from grammar_lang.names.declarations import duplicate
 from grammar_lang.source import Span
 from grammar_lang.units import LENGTH
 

@@ -80,10 +80,10 @@ def hover(analysis: Analysis, number: int, offset: int) -> lsp.Hover | None:
     text = analysis.sources[number].text
     place: Span | None = None
     parts: list[str] = []
-    mark = analysis.mark(number, offset)
-    if mark is not None:
-        parts.append(hover_name(analysis, mark.key))
-        place = mark.whole
+    mention = analysis.mention(number, offset)
+    if mention is not None:
+        parts.append(hover_name(analysis, mention.entity))
+        place = mention.whole
     elif not _silent(text, offset):
         found = hover_number(text, offset) or _keyword(analysis, number, offset)
         if found is not None:
