@@ -23,7 +23,7 @@ from grammar_lang.attributes import (
 )
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.findings.wording import did_you_mean
 from grammar_lang.modules import ModuleInfo
 from grammar_lang.names.table import NameTable
 from grammar_lang.productions import GrammarInfo, ProductionInfo

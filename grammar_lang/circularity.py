@@ -20,7 +20,7 @@ from itertools import product
 from typing import TypeAlias
 
 from grammar_lang import ir
-from grammar_lang.extent import children
+from grammar_lang.ir.expressions import children
 
 Node: TypeAlias = ir.AttributeOf
 Graph: TypeAlias = dict[Node, list[Node]]

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from grammar_lang import constants, ir
 from grammar_lang import syntax as s
 from grammar_lang.closed import list_unit
-from grammar_lang.extent import too_large
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.findings.wording import did_you_mean
 from grammar_lang.frames import require_axis
+from grammar_lang.ir.expressions import too_large
 from grammar_lang.modules import ModuleInfo
 from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
 from grammar_lang.sorts import (

@@ -13,7 +13,6 @@ from grammar_lang import syntax as s
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
-from grammar_lang.readings import readings
 from grammar_lang.sorts import (
     UNKNOWN,
     DimensionUse,
@@ -24,6 +23,7 @@ from grammar_lang.sorts import (
     require_vector,
     warn_turn,
 )
+from grammar_lang.syntax_expressions import readings
 from grammar_lang.units import LENGTH, ONE
 
 Elaborate: TypeAlias = Callable[[s.Expr], Typed]

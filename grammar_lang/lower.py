@@ -10,7 +10,7 @@ from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.findings.wording import did_you_mean
 from grammar_lang.modules import ModuleInfo, lower_module
 from grammar_lang.names.table import NameTable
 from grammar_lang.names.unused import report_unused

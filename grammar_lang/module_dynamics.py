@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.closed import Constants, ListUnit, list_unit
-from grammar_lang.extent import too_large
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean, nearest
+from grammar_lang.findings.wording import did_you_mean, nearest
+from grammar_lang.ir.expressions import too_large
 from grammar_lang.module_scope import ModuleScope, foreign_member
 from grammar_lang.sorts import (
     UNKNOWN,

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.closed import Constants
-from grammar_lang.extent import too_large
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.findings.wording import did_you_mean
+from grammar_lang.ir.expressions import too_large
 from grammar_lang.module_dynamics import Statements, lower_dynamics
 from grammar_lang.module_scope import ModuleScope
 from grammar_lang.names.declarations import duplicate

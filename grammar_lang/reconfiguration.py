@@ -11,7 +11,7 @@ from grammar_lang import syntax_tasks as t
 from grammar_lang.closed import Constants
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.findings.wording import did_you_mean
 from grammar_lang.modules import ModuleInfo
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.entities import Entity, Occurrences

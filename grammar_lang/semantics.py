@@ -16,11 +16,11 @@ from grammar_lang.attributes import (
 )
 from grammar_lang.circularity import cycle
 from grammar_lang.emissions import Emissions
-from grammar_lang.extent import too_large
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean, nearest
+from grammar_lang.findings.wording import did_you_mean, nearest
 from grammar_lang.ir.expression_text import occurrence_names
+from grammar_lang.ir.expressions import too_large
 from grammar_lang.modules import ModuleInfo
 from grammar_lang.names.declarations import duplicate
 from grammar_lang.names.table import NameTable

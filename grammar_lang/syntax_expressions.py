@@ -5,6 +5,7 @@ Numbers are exact rationals with the text of their unit.  Nodes compare without 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
@@ -147,3 +148,36 @@ class Choices:
     values: tuple[Expr, ...]
     unit: Ident | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+# --- names in expressions ---------------------------------------------------------------------
+
+
+def readings(expressions: Iterable[Expr]) -> Iterator[Name | Member]:
+    """Every ``name`` and every ``owner.name`` in some expressions; walks, never recurses."""
+    stack = list(expressions)
+    while stack:
+        match stack.pop():
+            case Name() | Member() as found:
+                yield found
+            case Call(arguments=arguments):
+                stack.extend(argument.value for argument in arguments)
+            case Tuple(items=items):
+                stack.extend(items)
+            case Scaled(operand=operand) | Negate(operand=operand):
+                stack.append(operand)
+            case Binary(left=left, right=right):
+                stack.extend((left, right))
+            case Number() | AxisName() | WorldName():
+                pass
+
+
+def bounds(domain: Interval | Choices | None) -> tuple[Expr, ...]:
+    """The expressions of an interval or of a set of values."""
+    match domain:
+        case Interval(lower=lower, upper=upper):
+            return lower, upper
+        case Choices(values=values):
+            return values
+        case None:
+            return ()

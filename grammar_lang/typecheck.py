@@ -10,7 +10,7 @@ from grammar_lang import constants, ir
 from grammar_lang import syntax as s
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.findings.wording import did_you_mean
 from grammar_lang.frames import frame_call
 from grammar_lang.sorts import (
     UNKNOWN,

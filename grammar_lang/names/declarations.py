@@ -13,7 +13,7 @@ from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
 from grammar_lang.findings.codes import Code
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean
+from grammar_lang.findings.wording import did_you_mean
 from grammar_lang.names.entities import REGIONS, Entity, Kind, entity, nonterminals, places
 from grammar_lang.source import Span
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import posixpath
+import re
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import field
 from typing import Literal, TypeAlias
 
 from grammar_lang import syntax as s
 from grammar_lang import syntax_tasks as t
-from grammar_lang.files.map_names import map_name
 from grammar_lang.node import node
+from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.source import Span
 
 Kind: TypeAlias = Literal[
@@ -169,3 +171,16 @@ def occurrences(
         else:
             clashes.append((alias, alias.text))
     return Occurrences(found, repeated, tuple(clashes))
+
+
+_NO_LETTER = re.compile(r"[^A-Za-z0-9_]")
+
+
+def map_name(path: str) -> str:
+    """The name of a file without its end, as a NAME: ``maps/yard 2.yaml`` is ``yard_2``.
+
+    What no NAME holds becomes ``_``; a first digit and a reserved word get one in front.
+    """
+    stem = posixpath.splitext(posixpath.basename(path))[0]
+    name = _NO_LETTER.sub("_", stem)
+    return f"_{name}" if not name or name[0].isdigit() or name in RESERVED else name

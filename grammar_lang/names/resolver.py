@@ -13,21 +13,21 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang import syntax_formulas as f
 from grammar_lang import syntax_tasks as t
-from grammar_lang.files.map_names import map_name
 from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.names.declarations import Declarations, declarations, named
 from grammar_lang.names.entities import (
     Entity,
     Occurrences,
     entity,
+    map_name,
     members,
     nonterminals,
     occurrences,
     productions,
 )
 from grammar_lang.names.table import Mention, NameTable
-from grammar_lang.readings import bounds, readings
 from grammar_lang.source import Span
+from grammar_lang.syntax_expressions import bounds, readings
 
 
 def _bare(name: s.Ident) -> Span:

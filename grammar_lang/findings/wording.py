@@ -1,4 +1,4 @@
-"""Hints for misspelt names."""
+"""Words of messages: hints for misspelt names, and numbers of things."""
 
 from __future__ import annotations
 
@@ -58,3 +58,8 @@ def did_you_mean(name: str, known: Collection[str], what: str, sink: Sink) -> st
     names = list(islice(dict.fromkeys(islice(known, 2 * _SHOWN)), _SHOWN + 1))
     shown = ", ".join(f"`{name}`" for name in names[:_SHOWN])
     return f"known: {shown}{', …' if len(names) > _SHOWN else ''}"
+
+
+def counted(number: int, what: str) -> str:
+    """``1 error``, ``2 errors``, ``1,200 errors``."""
+    return f"{number:,} {what}{'' if number == 1 else 's'}"

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import did_you_mean, nearest
+from grammar_lang.findings.wording import did_you_mean, nearest
 
 
 @pytest.mark.parametrize(
