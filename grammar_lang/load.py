@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grammar_lang import ir
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Sink
+from grammar_lang.elaboration.lower import lower
+from grammar_lang.elaboration.recovery import sound_part, without_followers
 from grammar_lang.files.file_set import FileSet, too_large
 from grammar_lang.files.file_tree import FileTree, name_of
 from grammar_lang.files.inclusion import include_all
 from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Sink
-from grammar_lang.lower import lower
 from grammar_lang.names.resolver import resolve_names
 from grammar_lang.names.table import NameTable
 from grammar_lang.paused_collection import without_collection
-from grammar_lang.recovery import sound_part, without_followers
 from grammar_lang.source import Source, Span
-from grammar_lang.syntax_tasks import File
+from grammar_lang.syntax.tasks import File
 
 _START = Span(0, 0)
 

@@ -35,7 +35,7 @@ from compiler.encodings.real_terms import (
 )
 from compiler.encodings.scalar_terms import Angle, absolute
 from grammar_lang import ir
-from grammar_lang.constants import apply
+from grammar_lang.ir.constants import apply
 
 BITS = 128
 PI = "pi"

@@ -42,7 +42,7 @@ from compiler.encodings.real_terms import (
 )
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from grammar_lang.constants import MagnitudeError, Monomial, apply, combine
+from grammar_lang.ir.constants import MagnitudeError, Monomial, apply, combine
 
 OPERATORS = {"+": "add", "-": "sub", "*": "mul", "/": "div"}
 ONE = Fraction(1)

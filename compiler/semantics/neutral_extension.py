@@ -18,7 +18,7 @@ from compiler.semantics.family import RobotFamily
 from compiler.semantics.neutral_parameters import NeutralParameters, Values, neutral_parameters
 from compiler.semantics.parameter_domains import MultipleOfPi, Value
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 
 
 @dataclass(frozen=True, slots=True)

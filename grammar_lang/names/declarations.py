@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.names.entities import REGIONS, Entity, Kind, entity, nonterminals, places
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 
 
 @dataclass

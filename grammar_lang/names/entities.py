@@ -9,10 +9,10 @@ from dataclasses import field
 from typing import Literal, TypeAlias
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
 from grammar_lang.node import node
 from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 
 Kind: TypeAlias = Literal[
     "module",

@@ -11,9 +11,7 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_formulas as f
-from grammar_lang import syntax_tasks as t
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.names.declarations import Declarations, declarations, named
 from grammar_lang.names.entities import (
     Entity,
@@ -27,7 +25,9 @@ from grammar_lang.names.entities import (
 )
 from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Span
-from grammar_lang.syntax_expressions import bounds, readings
+from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import tasks as t
+from grammar_lang.syntax.expressions import bounds, readings
 
 
 def _bare(name: s.Ident) -> Span:

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from grammar_lang import syntax as s
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.names.declarations import named
 from grammar_lang.names.entities import Entity, Kind, members
 from grammar_lang.names.table import NameTable

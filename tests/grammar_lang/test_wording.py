@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean, nearest
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean, nearest
 
 
 @pytest.mark.parametrize(

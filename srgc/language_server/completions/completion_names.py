@@ -9,7 +9,6 @@ from itertools import pairwise
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
 from grammar_lang.names.entities import (
     REGIONS,
     Kind,
@@ -18,6 +17,7 @@ from grammar_lang.names.entities import (
     occurrences,
     productions,
 )
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.completions.cursor import Cursor, open_call
 from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.documents.analysis import Analysis

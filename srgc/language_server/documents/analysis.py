@@ -9,12 +9,12 @@ from pathlib import Path
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.findings.diagnostics import Diagnostic
+from grammar_lang.diagnostics.diagnostic import Diagnostic
 from grammar_lang.load import Loaded, load, load_text
 from grammar_lang.names.declarations import Declarations
 from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Source, Span
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.line_map import UTF16, LineMap
 
 _NOTHING = t.File(())

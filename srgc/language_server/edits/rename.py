@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from lsprotocol import types as lsp
 
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.names.entities import MEMBERS, REGIONS, TERMINALS, Entity
 from grammar_lang.names.table import Mention
 from grammar_lang.parsing.tables import RESERVED

@@ -7,9 +7,9 @@ import re
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.findings.code_pages import has_page, page_text, read_page
+from grammar_lang.diagnostics.code_pages import has_page, page_text, read_page
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.hovers.hover_names import hover_name
 from srgc.language_server.hovers.hover_numbers import hover_number

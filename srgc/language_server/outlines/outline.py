@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
 from grammar_lang.names.entities import Kind
 from grammar_lang.source import Span, written
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.line_map import LineMap
 from srgc.language_server.documents.places import location

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lsprotocol import types as lsp
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.names.entities import Kind
 from grammar_lang.parsing.parse import parse_tokens
 from grammar_lang.parsing.tokens import SKIPPED, Tokens

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.sorts import UNKNOWN, DimensionUse, Typed
-from grammar_lang.typecheck import plain_name
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.sorts import UNKNOWN, DimensionUse, Typed
+from grammar_lang.elaboration.typecheck import plain_name
 
 
 def foreign_member(member: s.Member, sink: Sink) -> Typed:

@@ -1,7 +1,7 @@
 """Values that nobody builds a robot with: probably a wrong unit, or a digit too many.
 
 One table says what is plausible, generously.  Zero always is; intervals and choices are judged
-value by value.  Bare angles above a turn are :func:`grammar_lang.sorts.warn_turn`'s.
+value by value.  Bare angles above a turn are :func:`grammar_lang.elaboration.sorts.warn_turn`'s.
 """
 
 from __future__ import annotations
@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.sorts import Sort, Typed
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.sorts import Sort, Typed
+from grammar_lang.ir import constants
 from grammar_lang.units import (
     DENSITY,
     FORCE,

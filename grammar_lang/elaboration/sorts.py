@@ -13,10 +13,11 @@ from enum import Enum
 from fractions import Fraction
 from typing import Literal, Protocol
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.ir import constants
 from grammar_lang.source import Span
 from grammar_lang.units import ONE, Dimension, Unit, describe, symbol
 

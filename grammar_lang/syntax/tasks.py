@@ -21,7 +21,7 @@ from grammar_lang.syntax import (
     Module,
     Semantics,
 )
-from grammar_lang.syntax_formulas import Formula
+from grammar_lang.syntax.formulas import Formula
 
 # --- workspaces --------------------------------------------------------------------------------
 

@@ -12,13 +12,12 @@ from dataclasses import dataclass, field, replace
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.closed import Constants, ListUnit, list_unit
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean, nearest
-from grammar_lang.ir.expressions import too_large
-from grammar_lang.module_scope import ModuleScope, foreign_member
-from grammar_lang.sorts import (
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean, nearest
+from grammar_lang.elaboration.closed import Constants, ListUnit, list_unit
+from grammar_lang.elaboration.module_scope import ModuleScope, foreign_member
+from grammar_lang.elaboration.sorts import (
     UNKNOWN,
     ZERO,
     DimensionUse,
@@ -27,8 +26,9 @@ from grammar_lang.sorts import (
     mismatch,
     require_scalar,
 )
+from grammar_lang.elaboration.typecheck import Checker, plain_name
+from grammar_lang.ir.expressions import too_large
 from grammar_lang.source import Span
-from grammar_lang.typecheck import Checker, plain_name
 from grammar_lang.units import (
     FORCE,
     FREQUENCY,

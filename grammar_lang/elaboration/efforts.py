@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.closed import Constants
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.plausibility import warn_implausible
-from grammar_lang.sorts import Sort, Typed, mismatch
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.closed import Constants
+from grammar_lang.elaboration.plausibility import warn_implausible
+from grammar_lang.elaboration.sorts import Sort, Typed, mismatch
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from grammar_lang.units import FORCE, TORQUE, Dimension
 
 _EFFORT: dict[ir.DofKind, Dimension] = {"revolute": TORQUE, "prismatic": FORCE}

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.plausibility import warn_implausible
-from grammar_lang.sorts import (
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.plausibility import warn_implausible
+from grammar_lang.elaboration.sorts import (
     UNKNOWN,
     DimensionUse,
     Scope,
@@ -24,8 +24,9 @@ from grammar_lang.sorts import (
     warn_turn,
     wrong_sort,
 )
+from grammar_lang.elaboration.typecheck import Checker, plain_name, read_unit
+from grammar_lang.ir import constants
 from grammar_lang.source import Span
-from grammar_lang.typecheck import Checker, plain_name, read_unit
 from grammar_lang.units import ONE, Dimension, Unit
 
 

@@ -7,25 +7,21 @@ from dataclasses import dataclass
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.attribute_types import Inference, ProductionScope, Types
-from grammar_lang.attributes import (
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean, nearest
+from grammar_lang.elaboration.attribute_types import Inference, ProductionScope, Types
+from grammar_lang.elaboration.attributes import (
     Attributes,
     PlacedRule,
     check_complete,
     collect_attributes,
 )
-from grammar_lang.circularity import cycle
-from grammar_lang.emissions import Emissions
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean, nearest
-from grammar_lang.ir.expression_text import occurrence_names
-from grammar_lang.ir.expressions import too_large
-from grammar_lang.modules import ModuleInfo
-from grammar_lang.names.declarations import duplicate
-from grammar_lang.names.table import NameTable
-from grammar_lang.productions import GrammarInfo
-from grammar_lang.sorts import (
+from grammar_lang.elaboration.circularity import cycle
+from grammar_lang.elaboration.emissions import Emissions
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.productions import GrammarInfo
+from grammar_lang.elaboration.sorts import (
     ZERO,
     DimensionUse,
     Sort,
@@ -33,8 +29,12 @@ from grammar_lang.sorts import (
     mismatch,
     wrong_sort,
 )
+from grammar_lang.elaboration.typecheck import Checker
+from grammar_lang.ir.expression_text import occurrence_names
+from grammar_lang.ir.expressions import too_large
+from grammar_lang.names.declarations import duplicate
+from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
-from grammar_lang.typecheck import Checker
 
 _ENDS = 3
 """So many attributes are named at either end of a long cycle."""

@@ -10,10 +10,10 @@ from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
-from grammar_lang.sorts import (
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.plausibility import warn_implausible, warn_implausible_vector
+from grammar_lang.elaboration.sorts import (
     UNKNOWN,
     DimensionUse,
     Scope,
@@ -23,7 +23,7 @@ from grammar_lang.sorts import (
     require_vector,
     warn_turn,
 )
-from grammar_lang.syntax_expressions import readings
+from grammar_lang.syntax.expressions import readings
 from grammar_lang.units import LENGTH, ONE
 
 Elaborate: TypeAlias = Callable[[s.Expr], Typed]

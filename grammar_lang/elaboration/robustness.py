@@ -6,14 +6,15 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.closed import Constants, not_rational
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.sorts import Sort, Typed
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.closed import Constants, not_rational
+from grammar_lang.elaboration.sorts import Sort, Typed
+from grammar_lang.ir import constants
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, Dimension, describe
 
 Radius: TypeAlias = Literal["length", "angle", "speed", "angular_rate"]

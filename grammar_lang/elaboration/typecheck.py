@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean
-from grammar_lang.frames import frame_call
-from grammar_lang.sorts import (
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.frames import frame_call
+from grammar_lang.elaboration.sorts import (
     UNKNOWN,
     ZERO,
     DimensionUse,
@@ -27,6 +27,7 @@ from grammar_lang.sorts import (
     unknown,
     wrong_sort,
 )
+from grammar_lang.ir import constants
 from grammar_lang.source import Span
 from grammar_lang.units import ONE, UNIT_NAMES, Dimension, Unit
 from grammar_lang.units import unit as parse_unit

@@ -13,7 +13,10 @@ from typing import TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.attributes import (
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.attributes import (
     ROOT_ATTRIBUTE,
     Attributes,
     Key,
@@ -21,15 +24,12 @@ from grammar_lang.attributes import (
     nonterminal_at,
     occurrence_of,
 )
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean
-from grammar_lang.modules import ModuleInfo
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.productions import GrammarInfo, ProductionInfo
+from grammar_lang.elaboration.sorts import UNKNOWN, ZERO, DimensionUse, Sort, Typed
+from grammar_lang.elaboration.typecheck import Checker, plain_name
 from grammar_lang.names.table import NameTable
-from grammar_lang.productions import GrammarInfo, ProductionInfo
-from grammar_lang.sorts import UNKNOWN, ZERO, DimensionUse, Sort, Typed
 from grammar_lang.source import Span
-from grammar_lang.typecheck import Checker, plain_name
 from grammar_lang.units import ONE
 
 Types: TypeAlias = dict[Key, Typed]

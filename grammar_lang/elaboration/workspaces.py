@@ -9,14 +9,14 @@ from typing import Literal
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.closed import Constants, ListUnit, coordinates, list_unit
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.linear import Inequalities
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.closed import Constants, ListUnit, coordinates, list_unit
+from grammar_lang.elaboration.linear import Inequalities
 from grammar_lang.names.declarations import duplicate
 from grammar_lang.names.entities import map_name
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from grammar_lang.units import LENGTH
 
 

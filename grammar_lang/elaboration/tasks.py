@@ -9,16 +9,23 @@ from typing import TypeVar
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.closed import Constants, coordinates, list_unit
-from grammar_lang.efforts import lower_efforts
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.modules import ModuleInfo
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.closed import Constants, coordinates, list_unit
+from grammar_lang.elaboration.efforts import lower_efforts
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.sorts import (
+    DimensionUse,
+    Sort,
+    Typed,
+    mismatch,
+    warn_turn,
+    wrong_sort,
+)
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
-from grammar_lang.sorts import DimensionUse, Sort, Typed, mismatch, warn_turn, wrong_sort
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from grammar_lang.units import (
     ACCELERATION,
     FREQUENCY,
@@ -247,7 +254,7 @@ class _Reader:
         for item in self.task.items:
             if isinstance(item, t.Satisfy):
                 # Loaded where a task needs it, so that a check starts fast.
-                from grammar_lang.formulas import lower_formula
+                from grammar_lang.elaboration.formulas import lower_formula
 
                 formula = lower_formula(item.formula, self.region, self.sink)
                 found.append(ir.Satisfy(formula, item.span))
@@ -259,14 +266,14 @@ class _Reader:
         item = self.one(t.From, "from", None)
         if item is None:
             return None
-        from grammar_lang.reconfiguration import lower_origin
+        from grammar_lang.elaboration.reconfiguration import lower_origin
 
         return lower_origin(item, self.around.modules, self.around.names, self.sink)
 
     def robust(self) -> ir.Robust | None:
         if not any(isinstance(i, t.RobustStart | t.RobustEffort) for i in self.task.items):
             return None
-        from grammar_lang.robustness import lower_robust
+        from grammar_lang.elaboration.robustness import lower_robust
 
         return lower_robust(self.task.items, self.sink)
 

@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 
-from grammar_lang.findings.diagnostics import Diagnostic, Severity
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
 from grammar_lang.source import Source, Span
 
 _RESET = "\033[0m"

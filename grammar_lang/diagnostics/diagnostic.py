@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 from grammar_lang.source import Span
 
 

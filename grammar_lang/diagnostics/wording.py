@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from itertools import islice
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 
 MAX_LENGTH = 100
 """Longer names are no slips of the pen."""

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.closed import Constants
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean
-from grammar_lang.modules import ModuleInfo
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.closed import Constants
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.ir import constants
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.entities import Entity, Occurrences
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from grammar_lang.units import ONE
 
 

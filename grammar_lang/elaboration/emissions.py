@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.closed import list_unit
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean
-from grammar_lang.frames import require_axis
-from grammar_lang.ir.expressions import too_large
-from grammar_lang.modules import ModuleInfo
-from grammar_lang.plausibility import warn_implausible, warn_implausible_vector
-from grammar_lang.sorts import (
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.closed import list_unit
+from grammar_lang.elaboration.frames import require_axis
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.plausibility import warn_implausible, warn_implausible_vector
+from grammar_lang.elaboration.sorts import (
     ZERO,
     DimensionUse,
     Scope,
@@ -25,7 +24,9 @@ from grammar_lang.sorts import (
     require_vector,
     scale,
 )
-from grammar_lang.typecheck import FUNCTIONS, Checker
+from grammar_lang.elaboration.typecheck import FUNCTIONS, Checker
+from grammar_lang.ir import constants
+from grammar_lang.ir.expressions import too_large
 from grammar_lang.units import DENSITY, INERTIA, LENGTH, MASS, Dimension
 
 _ARGUMENTS: dict[str, tuple[str, ...]] = {

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.closed import NO_UNIT, Constants, ListUnit, not_rational
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.plausibility import warn_implausible
-from grammar_lang.sorts import Sort, Typed, mismatch
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.closed import NO_UNIT, Constants, ListUnit, not_rational
+from grammar_lang.elaboration.plausibility import warn_implausible
+from grammar_lang.elaboration.sorts import Sort, Typed, mismatch
+from grammar_lang.ir import constants
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from grammar_lang.units import LENGTH, ONE, Dimension
 
 Coefficients: TypeAlias = tuple[Fraction, Fraction, Fraction]

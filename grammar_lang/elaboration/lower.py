@@ -7,18 +7,18 @@ from dataclasses import replace
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.wording import did_you_mean
-from grammar_lang.modules import ModuleInfo, lower_module
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.modules import ModuleInfo, lower_module
+from grammar_lang.elaboration.productions import GrammarInfo, lower_grammar
+from grammar_lang.elaboration.semantics import SemanticsInfo, lower_semantics
+from grammar_lang.elaboration.tasks import Family, Surroundings, lower_task
+from grammar_lang.elaboration.workspaces import lower_workspace
 from grammar_lang.names.table import NameTable
 from grammar_lang.names.unused import report_unused
-from grammar_lang.productions import GrammarInfo, lower_grammar
-from grammar_lang.semantics import SemanticsInfo, lower_semantics
 from grammar_lang.source import Source, Span
-from grammar_lang.tasks import Family, Surroundings, lower_task
-from grammar_lang.workspaces import lower_workspace
+from grammar_lang.syntax import tasks as t
 
 
 def _modules(file: t.File, names: NameTable, sink: Sink) -> dict[str, ModuleInfo]:

@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TypeAlias
 
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 
 FOLDER = Path(__file__).with_name("catalogue")
 MAIN = "spec.srg"
@@ -33,7 +33,7 @@ _INTRODUCTION = """\
 
 Every finding of `srgc check` has a code that never changes its meaning. Here each is shown with a
 small file that gives it and with that file repaired; `srgc explain CODE` prints the same page.
-This page is generated from `grammar_lang/findings/catalogue` by `make golden`.
+This page is generated from `grammar_lang/diagnostics/catalogue` by `make golden`.
 
 """
 _CHAPTERS = {
