@@ -225,10 +225,10 @@ class _Resolver:
         """``owner.name``: a member of a module, or an attribute of a nonterminal."""
         symbol, position = production.left, ir.THIS
         if member.owner.text != "this":
-            word = self.words[production.span]
-            if member.owner.text not in word.places:
+            found = _position(member.owner.text, production, self.words[production.span])
+            if found is None:
                 return
-            position = word.places[member.owner.text]
+            position = found
             each = production.right[position]
             symbol = each.symbol
             if each.alias is not None and each.alias.text == member.owner.text:
@@ -237,8 +237,8 @@ class _Resolver:
                 self.numbered(symbols.get(symbol.text), member.owner, position)
         meant = symbols.get(symbol.text)
         if meant is not None and meant.kind == "nonterminal":
-            found = Entity("attribute", (*meant.scope, meant.name), member.name.text)
-            self.add(found, member.name, declares=declares, position=position)
+            attribute = Entity("attribute", (*meant.scope, meant.name), member.name.text)
+            self.add(attribute, member.name, declares=declares, position=position)
         else:
             known = self.members(symbol.text)
             self.add(known.get(member.name.text), member.name, position=position)
@@ -273,6 +273,18 @@ class _Resolver:
                 name = item.word[position].text
                 self.numbered(terminals.get(name), fixing.occurrence, position)
                 self.add(self.members(name).get(fixing.name.text), fixing.name, position=position)
+
+
+def _position(owner: str, production: s.Production, word: Occurrences) -> int | None:
+    """The occurrence that an owner names.
+
+    An alias that is another symbol's name as well is an error; renaming it has to find its uses.
+    """
+    if any(own == owner for _, own in word.clashes):
+        for position, each in enumerate(production.right):
+            if each.alias is not None and each.alias.text == owner:
+                return position
+    return word.places.get(owner)
 
 
 def _alias(production: Entity | None, occurrence: s.Occurrence) -> Entity | None:

@@ -84,3 +84,18 @@ def test_occurrences() -> None:
     assert occurrences(word, {"X2"}, {"e"}).clashes == ()
     assert occurrences(word, {"X2"}, {"e"}).places["last"] == 3
     assert occurrences(word, {"last"}).clashes == ((Ident("last"), "last"),)
+
+
+def test_an_alias_that_is_taken_keeps_its_uses() -> None:
+    """Else renaming it, which mends the error, would leave them behind."""
+    text = (
+        "module B { role base; } edge e; grammar G { start N; b: N -> B; m: N -> e:N e B; }"
+        " semantics G { m { this.f = e.f; } }"
+    )
+    names = load_text(text, "x.srg").names
+    assert names is not None
+    alias = Entity("occurrence", ("G", "m"), "e")
+    assert [m.span.start for m in names.mentions_of(alias)] == [
+        text.index("e:N"),
+        text.index("e.f;"),
+    ]

@@ -163,7 +163,8 @@ class NamesDue:
                 if name not in call.named:
                     yield Offer(name, _KINDS.Property, means, f"{name}: $0")
         else:
-            for name, place in places.items():
+            aliases = {each.alias.text for each in production.right if each.alias is not None}
+            for name, place in sorted(places.items(), key=lambda at: (at[0] in aliases, at[1])):
                 symbol = production.right[place].symbol.text
                 if symbol in own or symbol in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {symbol}")
@@ -217,6 +218,6 @@ class NamesDue:
                 found = self._members(word[place], semantics=True)
                 yield from (offer for offer in found if offer.detail == "parameter")
         elif self._last in {"fixed", ","}:
-            for name, place in places.items():
+            for name, place in sorted(places.items(), key=lambda at: at[1]):
                 if word[place] in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place]}")
