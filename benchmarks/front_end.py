@@ -18,7 +18,7 @@ from statistics import linear_regression, median
 from large_spec import large_spec
 from timing import HEAD, ROOT, SPEC, SRGC, Line, machine, process, summary
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.load import load_text
 from grammar_lang.parsing.parse import parse

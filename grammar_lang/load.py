@@ -8,18 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grammar_lang import ir
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Sink
+from grammar_lang.elaboration.lower import lower
+from grammar_lang.elaboration.recovery import sound_part, without_followers
 from grammar_lang.files.file_set import FileSet, too_large
 from grammar_lang.files.file_tree import FileTree, name_of
 from grammar_lang.files.inclusion import include_all
 from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
-from grammar_lang.findings.cascades import without_followers
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Sink
-from grammar_lang.lower import lower
-from grammar_lang.partial import sound_part
+from grammar_lang.names.resolver import resolve_names
+from grammar_lang.names.table import NameTable
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Source, Span
-from grammar_lang.syntax_tasks import File
+from grammar_lang.syntax.tasks import File
 
 _START = Span(0, 0)
 
@@ -31,7 +32,7 @@ class Loaded:
     ``sources`` are all files that were read: the main file, what it includes, maps and images.
     ``sound`` is what of the program has no error, for the checks that look at one grammar,
     workspace or task at a time; None where nothing could be read.  ``syntax`` is what could be
-    parsed, of all files; None where the main file is no text.
+    parsed, of all files, and ``names`` are the names in it; None where the main file is no text.
     """
 
     program: ir.Program | None
@@ -39,6 +40,7 @@ class Loaded:
     sources: tuple[Source, ...]
     sound: ir.Program | None = None
     syntax: File | None = None
+    names: NameTable | None = None
 
 
 @without_collection
@@ -110,13 +112,14 @@ def _checked(source: Source, tree: FileTree | None, sink: Sink, *, sound: bool) 
     if not all_of_it.file.items and not all_of_it.file.broken and not sink.has_errors:
         hint = "declare modules, a grammar, a workspace and a task"
         sink.error(Code.EMPTY_FILE, "the file declares nothing", _START, hint)
-    program = lower(all_of_it.file, sources, all_of_it.maps, sink)
+    names = resolve_names(all_of_it.file, sink)
+    program = lower(all_of_it.file, names, sources, all_of_it.maps, sink)
     if not sink.has_errors:
-        return Loaded(program, sink.sorted(), sources, program, all_of_it.file)
+        return Loaded(program, sink.sorted(), sources, program, all_of_it.file, names)
     part = sound_part(program, all_of_it.file, sink.found)
     told = without_followers(sink.sorted(), all_of_it.file, complete=all_of_it.complete)
     sound_program = part if all_of_it.complete else None
-    return Loaded(None, told, sources, sound_program, all_of_it.file)
+    return Loaded(None, told, sources, sound_program, all_of_it.file, names)
 
 
 def _refused(*sources: Source, sink: Sink) -> Loaded:

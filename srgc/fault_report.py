@@ -35,7 +35,7 @@ def guarded(action: Callable[[], int]) -> int:
 
 def show(checked: Checked, *, stderr: bool) -> None:
     """Print findings, in colour where it is shown."""
-    from grammar_lang.findings.render import to_text
+    from grammar_lang.diagnostics.render import to_text
 
     colour = colours(sys.stderr if stderr else sys.stdout)
     text = to_text(checked.diagnostics, checked.sources, colour=colour, most=MOST_FINDINGS)

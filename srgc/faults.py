@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from grammar_lang.findings.diagnostics import Diagnostic
+    from grammar_lang.diagnostics.diagnostic import Diagnostic
     from grammar_lang.ir import Program
     from grammar_lang.source import Source
 
@@ -43,7 +43,7 @@ class SpecErrors(SrgcError):
         self.checked = checked
 
     def __str__(self) -> str:
-        from grammar_lang.findings.render import to_text
+        from grammar_lang.diagnostics.render import to_text
 
         findings = to_text(self.checked.diagnostics, self.checked.sources, most=MOST_FINDINGS)
         return f"the spec has errors\n{findings}".rstrip()

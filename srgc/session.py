@@ -10,7 +10,7 @@ from typing import TypeVar
 from compiler.checks.grammar_checks import cycle_diagnostics, grammar_diagnostics
 from compiler.checks.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
-from grammar_lang.findings.diagnostics import Severity, Sink
+from grammar_lang.diagnostics.diagnostic import Severity, Sink
 from grammar_lang.load import Loaded, load
 from grammar_lang.paused_collection import without_collection
 from srgc.faults import Checked, NoAnswer, SpecErrors, SrgcError, UsageFault

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.findings.code_pages import (
+from grammar_lang.diagnostics.code_pages import (
     FOLDER,
     Example,
     catalogue,
@@ -21,8 +21,8 @@ from grammar_lang.findings.code_pages import (
     page_text,
     read_page,
 )
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.render import to_text
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.render import to_text
 from srgc.session import check_file
 
 ROOT = Path(__file__).parents[1]
@@ -221,6 +221,6 @@ def test_no_other_text_is_a_code(text: str) -> None:
 
 
 def test_a_code_without_a_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("grammar_lang.findings.code_pages.FOLDER", tmp_path)
+    monkeypatch.setattr("grammar_lang.diagnostics.code_pages.FOLDER", tmp_path)
     with pytest.raises(LookupError, match="SRG0301 has no page"):
         page_text(Code.UNIT_MISMATCH)

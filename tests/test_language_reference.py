@@ -19,17 +19,18 @@ from lark import Lark, Token, Tree
 
 import srgc.cli
 from compiler.automata.finite_automaton import STATE_LIMIT
-from grammar_lang import emissions, extent, typecheck
+from grammar_lang.diagnostics.code_pages import page_text, read_page
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.render import to_text
+from grammar_lang.elaboration import emissions, typecheck
+from grammar_lang.elaboration.plausibility import PLAUSIBLE
 from grammar_lang.files.file_set import IMAGE_LIMIT
 from grammar_lang.files.source_file import LIMIT
-from grammar_lang.findings.code_pages import page_text, read_page
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.render import to_text
 from grammar_lang.formatting.formatter import canonical
+from grammar_lang.ir import expressions
 from grammar_lang.parsing import lalr, parse, tree_builder
 from grammar_lang.parsing.tables import RESERVED
-from grammar_lang.plausibility import PLAUSIBLE
 from grammar_lang.units import MAX_EXPONENT, UNIT_NAMES, unit
 from solvers.conclusion import DEFAULT_MODULES
 from srgc.session import check_file
@@ -252,10 +253,10 @@ def test_emissions() -> None:
 
 def test_limits() -> None:
     said = [row[1] for row in rows("Limits")]
-    numbers = [LIMIT >> 20, IMAGE_LIMIT >> 20, lalr.MAX_DEPTH, extent.MAX_NODES, STATE_LIMIT]
+    numbers = [LIMIT >> 20, IMAGE_LIMIT >> 20, lalr.MAX_DEPTH, expressions.MAX_NODES, STATE_LIMIT]
     numbers.append(parse.MAX_ERRORS)
     assert [int(re.sub(r",|\D.*", "", text.replace(",", ""))) for text in said] == numbers
-    assert f"{extent.MAX_DEPTH} deep" in said[3]
+    assert f"{expressions.MAX_DEPTH} deep" in said[3]
     assert f"at most {tree_builder.MAX_LITERAL} characters" in sentences("Numbers")
     assert f"at most {typecheck.MAX_POWER} in size" in sentences("Operators")
     assert f"ends at {DEFAULT_MODULES}" in section("Tasks")

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.findings.code_pages import examples
-from grammar_lang.findings.diagnostics import Diagnostic, Severity
+from grammar_lang.diagnostics.code_pages import examples
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
 from grammar_lang.load import load_text
 from grammar_lang.parsing.items import cut
 from grammar_lang.parsing.tokens import tokenise

@@ -11,8 +11,8 @@ from compiler.languages.ambiguity import Ambiguity
 from compiler.languages.language import Language
 from compiler.languages.structures import derivations_of
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 
 if TYPE_CHECKING:
     from compiler.robots.robot import RobotModel

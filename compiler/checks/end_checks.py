@@ -14,8 +14,8 @@ from itertools import islice
 from compiler.geometry.overlaps import interiors_meet
 from compiler.geometry.partition import remainder
 from compiler.geometry.polytope import Polytope
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.ir import Region, StartIn, Task
 from grammar_lang.source import Span
 

@@ -21,8 +21,8 @@ from compiler.languages.finite_language import longest_word, number_of_words
 from compiler.languages.intersection import CHECKED_RULES, IntersectionTooLargeError
 from compiler.languages.language import Language, restrict
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.source import Span
 
 EXACT_BELOW = 10**9

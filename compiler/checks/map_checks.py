@@ -8,9 +8,9 @@ from compiler.geometry.polytope import Polytope
 from compiler.maps.map_fault import MapFault
 from compiler.maps.obstacle_pieces import pieces_of, polytopes_within
 from compiler.maps.pieces import Pieces, cross, sides
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.counted import counted
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import counted
 from grammar_lang.ir import ObstacleMap, Workspace
 
 

@@ -8,8 +8,8 @@ from itertools import islice
 from compiler.checks.end_checks import Shapes
 from compiler.geometry.overlaps import candidates, interiors_meet
 from compiler.geometry.polytope import Polytope
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.ir import Region, Workspace
 
 REPORTED = 20

@@ -8,8 +8,8 @@ from typing import Literal
 from compiler.geometry.double_description import Point
 from compiler.geometry.irreducible_rows import irreducible_rows
 from compiler.geometry.polytope import AXES, Polytope, polytope_of
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region
 from grammar_lang.source import Span
 

@@ -18,8 +18,8 @@ from compiler.grammars.grammar import Srg, srg
 from compiler.languages.intersection import CHECKED_RULES, IntersectionTooLargeError
 from compiler.languages.language import restrict
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 
 WRITTEN_AS = {"revolute": "an angle", "prismatic": "a length"}
 """What a value with a unit is, by the kind of joint that it is for."""

@@ -11,8 +11,8 @@ from compiler.reading.viable_prefix import viable_prefix
 from compiler.semantics.effector_counts import several_effectors
 from compiler.specifications.subformulas import subformulas
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 
 
 def task_diagnostics(program: ir.Program, sink: Sink) -> None:

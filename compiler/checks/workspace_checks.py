@@ -10,8 +10,8 @@ from compiler.checks.overlap_checks import map_overlap_diagnostics, overlap_diag
 from compiler.checks.shape_checks import sound_polytope
 from compiler.geometry.polytope import Polytope
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 
 
 def workspace_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grammar_lang import ir
-from grammar_lang.constants import MagnitudeError, Monomial, monomial
+from grammar_lang.ir.constants import MagnitudeError, Monomial, monomial
 from grammar_lang.ir.expression_text import expression_text, number_text
 
 DEGREES = 180

@@ -36,7 +36,7 @@ from compiler.encodings.scalar_terms import Angle, absolute
 from compiler.expressions.evaluator import Evaluator
 from compiler.expressions.rational_enclosure import outward
 from grammar_lang import ir
-from grammar_lang.constants import apply
+from grammar_lang.ir.constants import apply
 
 BITS = 128
 PI = "pi"

@@ -42,7 +42,7 @@ from compiler.expressions.scalars import (
 )
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from grammar_lang.constants import Monomial, apply
+from grammar_lang.ir.constants import Monomial, apply
 
 ONE = Fraction(1)
 

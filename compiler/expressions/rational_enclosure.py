@@ -13,7 +13,7 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import closed_ball
 from grammar_lang import ir
-from grammar_lang.constants import MagnitudeError, monomial
+from grammar_lang.ir.constants import MagnitudeError, monomial
 
 GRID = 10**9
 

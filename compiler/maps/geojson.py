@@ -18,7 +18,7 @@ from compiler.maps.map_fault import MapFault
 from compiler.maps.pieces import Corner, Pieces, Polygon
 from compiler.maps.polygon_pieces import polygon_pieces
 from compiler.maps.rings import BadRing, TooTangled
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 
 Path: TypeAlias = tuple[str | int, ...]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from compiler.maps.map_fault import MapFault
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 
 PIXEL_LIMIT = 2**26
 """So many pixels may an image have."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.ir import ObstacleMap
 from grammar_lang.source import Span
 

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, cast
 
 from compiler.maps.decimals import decimal
 from compiler.maps.map_fault import MapFault
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.spelling import nearest
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.wording import nearest
 
 if TYPE_CHECKING:
     from yaml.nodes import MappingNode, Node

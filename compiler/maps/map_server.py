@@ -19,7 +19,7 @@ from compiler.maps.occupancy import obstacles
 from compiler.maps.pieces import Corner, Pieces, Polygon
 from compiler.maps.rational_rotation import rational_rotation
 from compiler.maps.rectangles import rectangles
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 from grammar_lang.ir import MapImage
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from compiler.maps.map_fault import MapFault
 from compiler.maps.pieces import Pieces, Polygon, apart, disjoint
 from compiler.specifications.subformulas import atoms
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 
 PIECE_LIMIT = 5_000
 """So many pieces may a map have within the bounds."""

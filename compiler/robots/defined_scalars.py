@@ -11,7 +11,7 @@ from compiler.expressions.evaluators.balls import closed_ball, scalar_balls, wor
 from compiler.expressions.scalars import Apply, Constant, ParameterLeaf, PiConstant
 from compiler.robots.robot import RobotModel, RobotParameter
 from grammar_lang import ir
-from grammar_lang.constants import rational
+from grammar_lang.ir.constants import rational
 
 BOXES = 256
 PRECISION = 128

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from compiler.expressions.evaluators.balls import closed_ball, working_precision
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from grammar_lang.constants import MagnitudeError, binary, evident, unary
-from grammar_lang.findings.counted import counted
+from grammar_lang.diagnostics.wording import counted
+from grammar_lang.ir.constants import MagnitudeError, binary, evident, unary
 
 PRECISION = 256
 """Bits for values and ends of ranges that are not compared exactly."""

@@ -13,7 +13,7 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, closed_ball, working_precision
 from grammar_lang import ir
-from grammar_lang.constants import rational
+from grammar_lang.ir.constants import rational
 
 NEAR = Fraction(1, 10**9)
 """How closely a decimal must state a value that no decimal is, in SI."""

@@ -21,7 +21,7 @@ from typing import TypeAlias
 from compiler.semantics.semantics_error import SemanticsError
 from compiler.semantics.useful_attributes import UsefulAttributes, owner, useful_attributes
 from grammar_lang import ir
-from grammar_lang.circularity import induced, reads
+from grammar_lang.elaboration.circularity import induced, reads
 
 Given: TypeAlias = tuple[frozenset[str], ...]
 """The inherited attributes that the visits of a node have given it so far, visit by visit."""

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from compiler.expressions.rational_enclosure import rational_bounds
 from grammar_lang import ir
-from grammar_lang.constants import MagnitudeError, monomial
+from grammar_lang.ir.constants import MagnitudeError, monomial
 from grammar_lang.ir.expression_text import number_text
 
 MULTIPLES = 100

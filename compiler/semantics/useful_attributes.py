@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from grammar_lang import ir
-from grammar_lang.circularity import reads
+from grammar_lang.elaboration.circularity import reads
 
 Key: TypeAlias = tuple[str, str]
 """A nonterminal and the name of one of its attributes."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.file_tree import FileTree, Place, Refusal, shown
 from grammar_lang.files.source_file import LIMIT, TooLarge, decoded
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.source import Source, Span
 from grammar_lang.syntax import Ident
 

@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from dataclasses import field
 from pathlib import Path
 
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.source_file import TooLarge, read_file, reason
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.spelling import nearest
 from grammar_lang.node import node
 
 _MANY = 1000

@@ -10,13 +10,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from grammar_lang import ir
-from grammar_lang import syntax_tasks as t
+from grammar_lang.diagnostics.codes import Code
 from grammar_lang.files.file_set import FileSet
 from grammar_lang.files.file_tree import visible
-from grammar_lang.findings.codes import Code
 from grammar_lang.node import node
 from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 
 _ENDS = 3
 """So many files are named at either end of a long chain."""

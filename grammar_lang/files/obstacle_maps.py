@@ -11,11 +11,11 @@ import re
 from typing import Literal, NoReturn, TypeAlias
 
 from grammar_lang import ir
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_set import FileSet
-from grammar_lang.files.map_names import map_name
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import nearest
+from grammar_lang.names.entities import map_name
 from grammar_lang.source import Source, Span
 from grammar_lang.syntax import Ident
 

@@ -10,8 +10,8 @@ import re
 import stat
 from pathlib import Path
 
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.source import Span
 
 _LONE_RETURN = re.compile(r"\r(?!\n)")

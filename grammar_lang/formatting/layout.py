@@ -2,17 +2,23 @@
 
 Bodies of grammars, semantics, workspaces and tasks have one statement a line; those of modules,
 semantic blocks and polytopes only where they do not fit on one line or hold a comment.
+
+A line is broken where its rank is lowest, at the last such place that fits in 100 columns:
+greedily, so the time is linear.  A line is never broken beside a comment, unless it was: so the
+places do not depend on earlier breaks, and what was broken once is broken the same way again.
+
+Statements and bodies are a tree of braces and semicolons, at most four deep (item, block,
+statement, inequality), whatever the text.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from grammar_lang.formatting.comments import Boundary, Comment, Written, boundary
-from grammar_lang.formatting.line_breaking import WIDTH, Atom, Line, broken, flat
-from grammar_lang.formatting.outline import Statement, outline
-from grammar_lang.formatting.spacing import Spacing, spacing
+from grammar_lang.formatting.spacing import NEVER, Spacing, spacing
 
 INDENT = 2
 ALIGNED_WIDTH = 72
@@ -157,3 +163,156 @@ def lay_out(written: Written) -> str:
     lines = _Layout(written, spacing(written.kinds)).file()
     columns = _align(lines)
     return "".join(f"{_text(line, column)}\n" for line, column in zip(lines, columns, strict=True))
+
+
+# --- line breaks ------------------------------------------------------------------------------
+
+
+WIDTH = 100
+CONTINUATION = 4
+
+
+class Atom(NamedTuple):
+    """A token or a comment in a statement.
+
+    Attributes:
+        text: its text.
+        blank: whether a blank goes before it, where it does not begin a line.
+        rank: of a line break before it.
+        starts: whether it begins a line in any case.
+        ends: whether it is a ``//`` comment; what follows then begins a line.
+    """
+
+    text: str
+    blank: bool
+    rank: int = NEVER
+    starts: bool = False
+    ends: bool = False
+
+
+@dataclass(slots=True)
+class Line:
+    """A line of the canonical text; a comment in it may have further lines of its own."""
+
+    indent: int
+    code: str
+    trailing: str = ""
+
+
+def _column(column: int, text: str) -> int:
+    """Where a text ends that begins at a column; only its first line counts."""
+    return column + len(text.partition("\n")[0])
+
+
+def _first_line(atoms: Sequence[Atom], begin: int, indent: int) -> int:
+    """Where the line that begins with an atom stops."""
+    column = indent
+    best, lowest = 0, NEVER
+    for i in range(begin, len(atoms)):
+        text, blank, rank, _, ends = atoms[i]
+        if i > begin and rank <= lowest and rank != NEVER and column <= WIDTH:
+            best, lowest = i, rank
+        if ends:
+            continue
+        column = _column(column + (blank and i > begin), text)
+        if column > WIDTH and best:
+            return best
+        if column > WIDTH and i > begin and rank != NEVER:
+            return i
+    return len(atoms)
+
+
+def flat(atoms: Iterable[Atom]) -> str:
+    """All on one line."""
+    parts: list[str] = []
+    for atom in atoms:
+        if parts and atom.blank:
+            parts.append(" ")
+        parts.append(atom.text)
+    return "".join(parts)
+
+
+def _line(atoms: Sequence[Atom], indent: int) -> Line:
+    if len(atoms) > 1 and atoms[-1].ends:
+        return Line(indent, flat(atoms[:-1]), atoms[-1].text)
+    return Line(indent, flat(atoms))
+
+
+def _segments(atoms: Sequence[Atom]) -> Iterable[Sequence[Atom]]:
+    """Cut where a line begins in any case."""
+    begin = 0
+    for i in range(1, len(atoms)):
+        if atoms[i].starts or atoms[i - 1].ends:
+            yield atoms[begin:i]
+            begin = i
+    yield atoms[begin:]
+
+
+def broken(atoms: Sequence[Atom], indent: int) -> list[Line]:
+    """The lines of a statement: the first at ``indent``, the others further in."""
+    lines: list[Line] = []
+    column = indent
+    for segment in _segments(atoms):
+        begin = 0
+        while begin < len(segment):
+            stop = _first_line(segment, begin, column)
+            lines.append(_line(segment[begin:stop], column))
+            begin, column = stop, indent + CONTINUATION
+    return lines
+
+
+# --- statements -------------------------------------------------------------------------------
+
+
+_SPREAD = frozenset({"grammar", "semantics", "workspace", "task"})
+
+
+@dataclass(slots=True)
+class Statement:
+    """The tokens ``first <= i < stop``, with a body between the braces ``opens`` and ``closes``.
+
+    Without a body ``opens`` is -1.  A body that is ``spread`` has one statement a line in any case.
+    """
+
+    first: int
+    stop: int = -1
+    opens: int = -1
+    closes: int = -1
+    spread: bool = False
+    body: list[Statement] = field(default_factory=list["Statement"])
+
+
+def outline(kinds: Sequence[str]) -> list[Statement]:
+    """The items of a text without errors, given as its terminals."""
+    stack = [Statement(0)]
+    first = 0
+    ended: Statement | None = None
+    """The statement whose body has ended; its ``;`` is yet to come."""
+    choices = False
+    for here, kind in enumerate(kinds):
+        if kind == "{":
+            if kinds[here - 1] == "in":
+                choices = True
+                continue
+            spread = len(stack) == 1 and kinds[first] in _SPREAD
+            stack.append(Statement(first, opens=here, spread=spread))
+            first = here + 1
+        elif kind == ";":
+            done = ended or Statement(first)
+            done.stop = first = here + 1
+            stack[-1].body.append(done)
+            ended = None
+        elif kind == "}" and choices:
+            choices = False
+        elif kind == "}":
+            closed = stack.pop()
+            if first < here:
+                closed.body.append(Statement(first, here))
+            closed.closes = here
+            if kinds[closed.opens - 1] == "polytope":
+                ended = closed
+            else:
+                closed.stop = here + 1
+                stack[-1].body.append(closed)
+            first = here + 1
+    return stack[0].body

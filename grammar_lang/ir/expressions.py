@@ -192,3 +192,38 @@ def leaves(expression: Expr) -> Iterator[Expr]:
                 todo += [right, left]
             case _:
                 yield current
+
+
+# --- depth and size -------------------------------------------------------------------------------
+
+MAX_DEPTH = 120
+MAX_NODES = 20_000
+"""Bounds on expressions, so that every later walk may recurse."""
+
+
+def children(expr: Expr) -> tuple[Expr, ...]:
+    """The direct subexpressions of an expression."""
+    match expr:
+        case Unary(operand=part) | Rot(angle=part) | Move(distance=part):
+            return (part,)
+        case Shift(vector=part):
+            return (part,)
+        case Binary(left=left, right=right) | Compose(left=left, right=right):
+            return (left, right)
+        case Vector(x=x, y=y, z=z):
+            return (x, y, z)
+        case _:
+            return ()
+
+
+def too_large(expr: Expr) -> bool:
+    """Whether an expression exceeds ``MAX_DEPTH`` or, as a tree, ``MAX_NODES``."""
+    stack = [(expr, 0)]
+    seen = 0
+    while stack:
+        node, depth = stack.pop()
+        seen += 1
+        if depth > MAX_DEPTH or seen > MAX_NODES:
+            return True
+        stack.extend((child, depth + 1) for child in children(node))
+    return False

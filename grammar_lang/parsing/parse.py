@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.parsing.items import KEYWORDS, RawItem, cut
 from grammar_lang.parsing.lalr import Parser
 from grammar_lang.parsing.syntax_errors import explain, stray
@@ -14,7 +14,7 @@ from grammar_lang.parsing.tokens import WORD, Tokens, tokenise, unclosed_comment
 from grammar_lang.parsing.tree_builder import BUILDERS, item_of
 from grammar_lang.paused_collection import without_collection
 from grammar_lang.source import Span
-from grammar_lang.syntax_tasks import File, Item
+from grammar_lang.syntax.tasks import File, Item
 
 MAX_ERRORS = 100
 """So many syntax errors of one file are reported; who has more has another kind of file."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.spelling import nearest
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.parsing.items import KEYWORDS, RawItem
 from grammar_lang.parsing.lalr import TOO_DEEP
 from grammar_lang.parsing.tables import RESERVED, tables

@@ -7,10 +7,10 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_formulas as f
-from grammar_lang import syntax_tasks as t
 from grammar_lang.parsing.lalr import Builder, Token
 from grammar_lang.source import Span
+from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import tasks as t
 
 MAX_LITERAL = 300
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from compiler.demands.task_demands import Demand, task_demands
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Severity
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
 from grammar_lang.source import Span
 from solvers.conflicts.demand_conflicts import DemandConflicts
 

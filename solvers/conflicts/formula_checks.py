@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from compiler.demands.task_demands import task_demands
 from grammar_lang import ir
-from grammar_lang.findings.diagnostics import Diagnostic, Sink
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Sink
 from solvers.conflicts.contradiction import contradictions_among
 from solvers.conflicts.demand_conflicts import DemandConflicts
 from solvers.conflicts.vacuity import vacuities

@@ -21,8 +21,8 @@ from compiler.specifications.formula_text import formula_text
 from compiler.specifications.occurrences import Occurrence, occurrences, strengthened
 from compiler.specifications.subformulas import atoms
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Severity
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
 from grammar_lang.source import Span
 from solvers.conflicts.demand_conflicts import DemandConflicts
 

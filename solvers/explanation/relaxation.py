@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from compiler.geometry.polytope import polytope_of
 from grammar_lang import ir
-from grammar_lang.constants import rational, to_float
+from grammar_lang.ir.constants import rational, to_float
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.task_line import TaskLine
 

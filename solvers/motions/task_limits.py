@@ -10,7 +10,7 @@ from compiler.robots.input_bounds import input_bounds
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 from solvers.motions.motion_limits import InputGroup, MotionLimits
 
 NARROW = 0.1

@@ -13,7 +13,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from grammar_lang.constants import rational, to_float
+from grammar_lang.ir.constants import rational, to_float
 from solvers.parameters.searches.cube import Cube, Halton
 from solvers.verifier.claims.certificate import exact_decimal
 

@@ -16,7 +16,7 @@ from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import Pose
 from compiler.geometry.polytope import Polytope
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 from solvers.motions.avoidances import Avoidances, convex_set
 from solvers.motions.body_clearance import BodyClearance, body_clearance
 from solvers.motions.pose_samples import Pool, pool, poses_in

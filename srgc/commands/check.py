@@ -31,7 +31,7 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
 
     results = [check_file(path) for path in files]
     if as_json:
-        from grammar_lang.findings.render import records
+        from grammar_lang.diagnostics.render import records
 
         items = [entry for r in results for entry in records(r.diagnostics, r.sources)]
         click.echo(json.dumps(items, indent=1, ensure_ascii=False))

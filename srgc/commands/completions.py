@@ -62,8 +62,8 @@ def complete_code(
     """Codes of findings, with their titles."""
     from click.shell_completion import CompletionItem
 
-    from grammar_lang.findings.code_pages import title
-    from grammar_lang.findings.codes import Code
+    from grammar_lang.diagnostics.code_pages import title
+    from grammar_lang.diagnostics.codes import Code
 
     given = {str(code).upper() for code in context.params.get("codes") or ()}
     typed = incomplete.upper()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grammar_lang.findings.render import to_text
+from grammar_lang.diagnostics.render import to_text
 from srgc.displays.block import block, head
 from srgc.displays.coloured_text import coloured
 from srgc.faults import MOST_FINDINGS, Checked

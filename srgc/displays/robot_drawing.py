@@ -10,7 +10,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.robots.robot import RobotDof, RobotModel
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 from srgc.report.motion.drawn_robot import DrawnJoint, DrawnRobot, drawn_robot
 from srgc.report.motion.view import fitted
 

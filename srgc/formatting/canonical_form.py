@@ -9,8 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, read_file
-from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.source import Source
 from srgc.faults import Checked, SpecErrors, UsageFault

@@ -11,7 +11,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.robots.robot import RobotModel, RobotParameter
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 from srgc.session import UsageFault
 
 POINTS = {1: 41, 2: 11}

@@ -8,8 +8,8 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import overload
 
-from grammar_lang.findings.diagnostics import Diagnostic, Severity
-from grammar_lang.findings.render import records, to_text
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
+from grammar_lang.diagnostics.render import records, to_text
 from grammar_lang.load import load_text
 from srgc.faults import MOST_FINDINGS, Checked, UsageFault
 from srgc.public.spoken_faults import spoken

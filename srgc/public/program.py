@@ -7,7 +7,7 @@ from os import PathLike
 from typing import overload
 
 from grammar_lang import ir
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
 from srgc.faults import Checked, SpecErrors
 from srgc.public.findings import Findings, checked
 from srgc.public.spoken_faults import spoken

@@ -256,7 +256,7 @@ def _value(parameter: RobotParameter, value: float) -> Fraction:
 def _usual(parameter: RobotParameter) -> Fraction:
     """The middle of a range, or the first of several values."""
     from grammar_lang import ir
-    from grammar_lang.constants import to_float
+    from grammar_lang.ir.constants import to_float
 
     if isinstance(parameter.domain, ir.Choices):
         return Fraction(repr(to_float(parameter.domain.values[0])))

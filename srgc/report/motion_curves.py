@@ -12,7 +12,7 @@ from compiler.maps.obstacle_pieces import expanded
 from compiler.robots.input_bounds import InputBound, input_bounds
 from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 from srgc.report.evidence import Evidence
 from srgc.report.line_chart import Curve, thinned
 from srgc.report.trajectory import Trajectory

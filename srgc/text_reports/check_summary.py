@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from grammar_lang.findings.counted import counted
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.diagnostics.wording import counted
 from srgc.session import Checked
 
 

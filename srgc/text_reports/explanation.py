@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from grammar_lang.findings.code_pages import find_code, has_page, nearest_codes, page_text, title
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.code_pages import find_code, has_page, nearest_codes, page_text, title
+from grammar_lang.diagnostics.codes import Code
 from srgc.faults import UsageFault
 
 _BOLD, _RESET = "\033[1m", "\033[0m"

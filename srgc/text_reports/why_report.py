@@ -9,7 +9,7 @@ from typing import Any
 
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
-from grammar_lang.findings.render import marked_line
+from grammar_lang.diagnostics.render import marked_line
 from grammar_lang.source import Source
 from solvers.explanation.conflict import Conflict
 from solvers.explanation.explanation import Explanation, foremost, quick_conflict

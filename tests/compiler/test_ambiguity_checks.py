@@ -11,8 +11,8 @@ from compiler.languages.finite_language import longest_word
 from compiler.languages.language import language
 from compiler.languages.structures import derivations_of
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
 from grammar_lang.load import load
 from tests.oracles.grammars import grammar
 

@@ -14,7 +14,7 @@ from compiler.semantics.attributes import SemanticsError, evaluate
 from compiler.semantics.evaluation_order import EvaluationOrder, Visit
 from compiler.semantics.family import RobotFamily
 from grammar_lang import ir
-from grammar_lang.circularity import cycle
+from grammar_lang.elaboration.circularity import cycle
 from grammar_lang.load import load_text
 from tests.oracles.attribute_grammars import (
     MODULES,

@@ -15,7 +15,7 @@ from compiler.maps.geojson import CORNER_LIMIT, geojson_pieces
 from compiler.maps.json_places import place_of
 from compiler.maps.map_fault import MapFault
 from compiler.maps.pieces import area
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
 POLYGON = {"type": "Polygon", "coordinates": [SQUARE]}

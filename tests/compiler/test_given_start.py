@@ -18,7 +18,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key, robot_key_in_task
 from compiler.semantics.family import family_of
 from grammar_lang import ir
-from grammar_lang.constants import rational, to_float
+from grammar_lang.ir.constants import rational, to_float
 from tests.oracles.formulas import program
 from tests.oracles.joint_chains import Part, chain_spec, model_of, points_of, random_chain
 from tests.oracles.robots import evaluate

@@ -13,7 +13,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
 from compiler.semantics.family import RobotFamily, family_of
 from grammar_lang import ir
-from grammar_lang.constants import rational
+from grammar_lang.ir.constants import rational
 from tests.oracles.formulas import program
 from tests.oracles.small_specs import TURNER
 

@@ -9,7 +9,7 @@ import pytest
 from compiler.maps.decimals import decimal
 from compiler.maps.map_fault import MapFault
 from compiler.maps.map_header import TEXT_LIMIT, MapHeader, map_header
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 
 TEXT = """\
 image: hall.pgm

@@ -19,7 +19,7 @@ from compiler.maps.image_fault import PIXEL_LIMIT
 from compiler.maps.map_fault import MapFault
 from compiler.maps.map_header import MapHeader, Mode
 from compiler.maps.occupancy import obstacles
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 
 OCCUPIED, FREE = Fraction("0.65"), Fraction("0.196")
 

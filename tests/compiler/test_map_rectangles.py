@@ -20,7 +20,7 @@ from compiler.maps.map_server import map_server_pieces, placed
 from compiler.maps.pieces import Polygon, area, cross
 from compiler.maps.rational_rotation import rational_rotation
 from compiler.maps.rectangles import rectangles
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 from grammar_lang.ir import MapImage
 
 MOST = 10**6

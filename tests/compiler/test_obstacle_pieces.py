@@ -24,7 +24,7 @@ from compiler.maps.obstacle_pieces import (
     task_by_task,
 )
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 from grammar_lang.source import Span
 from tests.oracles.planes import box
 from tests.oracles.tasks import avoid, program, task

@@ -4,8 +4,8 @@ from fractions import Fraction
 
 from compiler.checks.overlap_checks import CANDIDATE_LIMIT, REPORTED, overlap_diagnostics
 from compiler.geometry.polytope import polytope_of
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Severity, Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Severity, Sink
 from grammar_lang.ir import Workspace
 from grammar_lang.source import Span
 from tests.oracles.planes import box, hull

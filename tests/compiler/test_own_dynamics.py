@@ -16,7 +16,7 @@ from compiler.robots.robot_key import robot_key
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.semantics.family import RobotFamily
 from grammar_lang import ir
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load_text
 from tests.oracles.formulas import program
 from tests.oracles.robots import evaluate

@@ -14,7 +14,7 @@ from PIL import Image, PngImagePlugin
 from compiler.maps.grey_image import grey_image
 from compiler.maps.map_fault import MapFault
 from compiler.maps.png_chunks import CHUNK_LIMIT, PngHeader, png_chunks
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 from tests.oracles.png_files import KINDS, SIGNATURE, Chunk, ihdr, png_of, rows
 
 GREY = ihdr(2, 2)

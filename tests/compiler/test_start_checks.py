@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from compiler.checks.start_checks import start_diagnostics
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
 from tests.oracles.brute_force_grammar import satisfies, words_of
 from tests.oracles.formulas import program
 from tests.oracles.grammars import grammar, random_grammars

@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.load import load_text
 from grammar_lang.parsing.parse import parse
 from srgc.session import check_loaded

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.diagnostics.render import to_text
 from grammar_lang.files.source_file import LIMIT
-from grammar_lang.findings.diagnostics import Severity
-from grammar_lang.findings.render import to_text
 from grammar_lang.load import load_text
 from grammar_lang.parsing.parse import MAX_ERRORS
 from srgc.session import Checked, check_file, check_loaded

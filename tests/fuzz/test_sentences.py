@@ -11,7 +11,7 @@ from lark import Token, Transformer_NonRecursive, UnexpectedInput
 from lark.grammar import Rule
 from lark.tree import Meta
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.parsing import lalr
 from grammar_lang.parsing.parse import parse
 from grammar_lang.parsing.tree_builder import BUILDERS

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import Loaded, load_text
 
 ROOT = Path(__file__).parents[2]

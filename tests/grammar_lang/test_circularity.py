@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 
 from grammar_lang import ir
-from grammar_lang.circularity import cycle
+from grammar_lang.elaboration.circularity import cycle
 
 HERE = ir.NOWHERE
 Tree = tuple[int, tuple["Tree", ...]]

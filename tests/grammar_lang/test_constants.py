@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
+from grammar_lang.ir import constants
 
 PI = ir.Pi()
 

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lark.grammar import Rule
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.parsing.parse import parse
 from grammar_lang.parsing.tables import tables
@@ -36,7 +36,7 @@ PAGES = [
     *ROOT.glob("*.md"),
     *ROOT.glob("docs/**/*.md"),
     *ROOT.glob("tests/golden/*.md"),
-    *ROOT.glob("grammar_lang/findings/catalogue/*.md"),
+    *ROOT.glob("grammar_lang/diagnostics/catalogue/*.md"),
 ]
 
 

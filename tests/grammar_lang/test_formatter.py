@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.formatting import formatter
 from grammar_lang.formatting.comments import written
 from grammar_lang.formatting.formatter import NotFaithful, canonical

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.findings.render import records, to_text
+from grammar_lang.diagnostics.render import records, to_text
 from grammar_lang.load import Loaded, load, load_text
 
 Write = Callable[[Mapping[str, str | bytes]], Path]

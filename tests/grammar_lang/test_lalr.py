@@ -10,7 +10,7 @@ import pytest
 from lark import Lark, Token, Transformer_NonRecursive, UnexpectedInput
 from lark.tree import Meta
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.parsing import lalr
 from grammar_lang.parsing.items import cut
 from grammar_lang.parsing.parse import parse

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from grammar_lang import ir
-from grammar_lang.findings.render import records
+from grammar_lang.diagnostics.render import records
 from grammar_lang.load import Loaded, load, load_text
 
 F = Fraction
@@ -185,7 +185,7 @@ def test_several_mistakes_are_reported_in_order(arm: str) -> None:
 
 def test_loading_needs_no_heavy_library() -> None:
     program = (
-        "import sys, grammar_lang.load, grammar_lang.findings.render;"
+        "import sys, grammar_lang.load, grammar_lang.diagnostics.render;"
         "print([m for m in ('numpy', 'scipy', 'casadi', 'networkx', 'z3', 'flint', 'click')"
         " if m in sys.modules])"
     )

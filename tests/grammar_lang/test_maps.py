@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.files.map_names import map_name
 from grammar_lang.load import Loaded, load
+from grammar_lang.names.entities import map_name
 from grammar_lang.parsing.tables import RESERVED
 
 SPEC = """\

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.source_file import LIMIT
-from grammar_lang.findings.diagnostics import Sink
 from grammar_lang.load import load, load_text
 from grammar_lang.parsing.items import cut
 from grammar_lang.parsing.lalr import Parser

@@ -6,7 +6,7 @@ from fractions import Fraction
 import pytest
 
 from grammar_lang import syntax as s
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.load import load_text
 from grammar_lang.parsing.parse import parse
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grammar_lang import ir
-from grammar_lang.findings.diagnostics import Diagnostic
+from grammar_lang.diagnostics.diagnostic import Diagnostic
 from grammar_lang.load import load_text
 
 Check = Callable[[str], list[tuple[str, str]]]

@@ -3,9 +3,9 @@ from __future__ import annotations
 import json
 import re
 
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
-from grammar_lang.findings.render import to_json, to_text
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.render import to_json, to_text
 from grammar_lang.load import load_text
 from grammar_lang.source import Source, Span
 

@@ -5,9 +5,10 @@ from fractions import Fraction
 
 import pytest
 
-from grammar_lang import emissions, ir
+from grammar_lang import ir
+from grammar_lang.elaboration import emissions
+from grammar_lang.elaboration.typecheck import EMISSIONS
 from grammar_lang.load import load_text
-from grammar_lang.typecheck import EMISSIONS
 
 Check = Callable[[str], list[tuple[str, str]]]
 

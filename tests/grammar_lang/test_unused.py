@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load, load_text
 
 Check = Callable[[str], list[tuple[str, str]]]

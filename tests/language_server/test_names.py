@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.documents.places import definition, highlights, references

@@ -63,7 +63,7 @@ def seeds() -> tuple[str, ...]:
     ``everything.srg`` holds each in the forms that the parser knows, with many other mistakes;
     ``complete.srg`` is valid.
     """
-    folders = ("grammar_lang/findings/catalogue", "tests/golden", "docs")
+    folders = ("grammar_lang/diagnostics/catalogue", "tests/golden", "docs")
     pages = [page for folder in folders for page in sorted((ROOT / folder).rglob("*.md"))]
     blocks = [block for page in pages for block in BLOCK.findall(page.read_text("utf-8"))]
     files = [*(ROOT / "specs").glob("*.srg"), *Path(__file__).parent.glob("*.srg")]

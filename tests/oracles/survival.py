@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from grammar_lang.findings.diagnostics import Diagnostic, Severity, Sink
-from grammar_lang.findings.render import to_json, to_text
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
+from grammar_lang.diagnostics.render import to_json, to_text
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir import Program
 from grammar_lang.load import load_text

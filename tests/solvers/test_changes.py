@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from grammar_lang import ir
-from grammar_lang.constants import rational
+from grammar_lang.ir.constants import rational
 from grammar_lang.load import load_text
 from solvers.explanation.change import Scale, scales, single_changes, with_modules
 from solvers.explanation.posed_task import PosedTask

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
 from solvers.conflicts.contradiction import contradictions
 from solvers.conflicts.formula_checks import formula_diagnostics
 from tests.oracles.formula_semantics import Meaning, signals

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from compiler.robots.parameter_values import stated_value
 from grammar_lang import ir
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load_text
 from solvers.progress import Conduct
 from solvers.synthesis import Synthesis, synthesise

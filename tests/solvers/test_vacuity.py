@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from compiler.demands.task_demands import conjuncts, task_demands
 from compiler.specifications.occurrences import occurrences, strengthened
 from grammar_lang import ir
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Severity, Sink
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Severity, Sink
 from solvers.conflicts.contradiction import contradictions_among
 from solvers.conflicts.demand_conflicts import DemandConflicts
 from solvers.conflicts.formula_checks import formula_diagnostics

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.findings.code_pages import page_text
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.code_pages import page_text
+from grammar_lang.diagnostics.codes import Code
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {
@@ -72,7 +72,7 @@ def test_what_is_like_no_code_is_a_usage_error(srgc, text):
 
 
 def test_a_code_without_a_page_is_no_fault(srgc, monkeypatch, tmp_path):
-    monkeypatch.setattr("grammar_lang.findings.code_pages.FOLDER", tmp_path)
+    monkeypatch.setattr("grammar_lang.diagnostics.code_pages.FOLDER", tmp_path)
     ran = srgc("explain", "SRG0301")
     assert (ran.status, ran.err) == (0, "")
     assert ran.out == "# SRG0301: unit mismatch\n\nThis code has no page yet.\n"
@@ -107,5 +107,5 @@ def test_explain_loads_nothing_heavy():
 
 
 def test_the_catalogue_is_read_without_the_compiler():
-    program = "from grammar_lang.findings.code_pages import catalogue\ncatalogue()"
+    program = "from grammar_lang.diagnostics.code_pages import catalogue\ncatalogue()"
     assert not loaded_by(program) & {*HEAVY, "numpy", "lark", "click", "rich", "compiler", "srgc"}

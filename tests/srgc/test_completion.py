@@ -10,7 +10,7 @@ import sys
 import pexpect
 import pytest
 
-from grammar_lang.findings.codes import Code
+from grammar_lang.diagnostics.codes import Code
 from srgc.cli import run
 from srgc.command_table import TABLE
 from srgc.completion_scripts import SCRIPTS

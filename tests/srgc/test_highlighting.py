@@ -25,7 +25,7 @@ from pygments.token import Comment, Error, Keyword, Name, Number, Operator, Punc
 from rich.console import Console
 from rich.syntax import Syntax
 
-from grammar_lang import emissions, typecheck
+from grammar_lang.elaboration import emissions, typecheck
 from grammar_lang.units import UNIT_NAMES
 from srgc.pygments_lexer import EMISSIONS, FUNCTIONS, SrgLexer
 from tests.oracles.sentences import Sentences
@@ -42,7 +42,7 @@ SPECS = {
 FENCE = re.compile(r"^```srg(?: [^\n]*)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PAGES = {
     str(path.relative_to(ROOT)): FENCE.findall(path.read_text(encoding="utf-8"))
-    for folder in ("docs", "tests/golden", "grammar_lang/findings/catalogue")
+    for folder in ("docs", "tests/golden", "grammar_lang/diagnostics/catalogue")
     for path in sorted((ROOT / folder).rglob("*.md"))
 }
 PAGES = {page: blocks for page, blocks in PAGES.items() if blocks}

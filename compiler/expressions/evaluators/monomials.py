@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from compiler.expressions.evaluator import Evaluator
 from grammar_lang import ir
-from grammar_lang.constants import MagnitudeError, Monomial, apply, combine
+from grammar_lang.ir.constants import MagnitudeError, Monomial, apply, combine
 
 Known: TypeAlias = Monomial | None
 

@@ -9,27 +9,27 @@ from itertools import pairwise
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
+from grammar_lang.names.entities import (
+    REGIONS,
+    Kind,
+    members,
+    nonterminals,
+    occurrences,
+    productions,
+)
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.completions.cursor import Cursor, open_call
 from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.documents.analysis import Analysis
-from srgc.language_server.names.declared import (
-    module_names,
-    nonterminals_of,
-    positions_in,
-    productions_of,
-)
-from srgc.language_server.names.names import Key
-from srgc.language_server.names.occurrence_names import named_positions
 
 _KINDS = lsp.CompletionItemKind
 _ROLES = ("base", "joint", "link", "effector")
-_MEMBERS: dict[type, tuple[str, lsp.CompletionItemKind]] = {
-    s.Param: ("parameter", _KINDS.Property),
-    s.Const: ("constant", _KINDS.Constant),
-    s.Dof: ("degree of freedom", _KINDS.Variable),
-    s.State: ("state", _KINDS.Variable),
-    s.Input: ("input", _KINDS.Variable),
+_MEMBERS: dict[Kind, lsp.CompletionItemKind] = {
+    "parameter": _KINDS.Property,
+    "constant": _KINDS.Constant,
+    "degree of freedom": _KINDS.Variable,
+    "state": _KINDS.Variable,
+    "input": _KINDS.Variable,
 }
 
 
@@ -78,22 +78,20 @@ class NamesDue:
     # --- what is declared ----------------------------------------------------------------------
 
     def _symbols(self) -> Iterator[Offer]:
-        for name in self._declared.terminals:
-            module = name in self._declared.modules
-            kind = _KINDS.Class if module else _KINDS.EnumMember
-            yield Offer(name, kind, "module" if module else "edge")
+        for name, found in self._declared.terminals.items():
+            kind = _KINDS.Class if found.kind == "module" else _KINDS.EnumMember
+            yield Offer(name, kind, found.kind)
 
     def _nonterminals(self) -> Iterator[Offer]:
         grammar = self._declared.grammars.get(self._cursor.item[1])
         if grammar is not None:
-            yield from _named(nonterminals_of(grammar), _KINDS.Interface, "nonterminal")
+            yield from _named(nonterminals(grammar), _KINDS.Interface, "nonterminal")
 
     def _members(self, module: str, *, semantics: bool) -> Iterator[Offer]:
         found = self._declared.modules.get(module)
-        for name, item in ({} if found is None else module_names(found)).items():
-            if not semantics or isinstance(item, s.Param | s.Const | s.Dof):
-                detail, kind = _MEMBERS[type(item)]
-                yield Offer(name, kind, detail)
+        for name, member in ({} if found is None else members(found)).items():
+            if not semantics or member.kind not in {"state", "input"}:
+                yield Offer(name, _MEMBERS[member.kind], member.kind)
 
     def _functions(self, names: Iterable[str]) -> Iterator[Offer]:
         for name in names:
@@ -139,19 +137,19 @@ class NamesDue:
         grammar = declared.grammars.get(self._cursor.item[1])
         if grammar is None:
             return
-        productions = productions_of(grammar)
+        labelled = productions(grammar)
         if not self._cursor.block:
             blocks = declared.semantics.get(grammar.name.text)
             done = set() if blocks is None else {block.label.text for block in blocks.blocks}
-            for label in productions:
+            for label in labelled:
                 if label not in done:
                     yield Offer(label, _KINDS.Function, "production", f"{label} {{ $0 }}")
-        elif self._cursor.block in productions:
-            yield from self._in_block(grammar, productions[self._cursor.block])
+        elif self._cursor.block in labelled:
+            yield from self._in_block(grammar, labelled[self._cursor.block])
 
     def _in_block(self, grammar: s.Grammar, production: s.Production) -> Iterator[Offer]:
-        nonterminals = nonterminals_of(grammar)
-        places = positions_in(production, {*self._declared.terminals, *nonterminals})
+        own = nonterminals(grammar)
+        places = occurrences(production.right, {*self._declared.terminals, *own}).places
         call = open_call(self._said)
         if self._last == ".":
             owner = self._said[-2] if len(self._said) > 1 else ""
@@ -165,16 +163,17 @@ class NamesDue:
                 if name not in call.named:
                     yield Offer(name, _KINDS.Property, means, f"{name}: $0")
         else:
-            for name, place in places.items():
+            aliases = {each.alias.text for each in production.right if each.alias is not None}
+            for name, place in sorted(places.items(), key=lambda at: (at[0] in aliases, at[1])):
                 symbol = production.right[place].symbol.text
-                if symbol in nonterminals or symbol in self._declared.modules:
+                if symbol in own or symbol in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {symbol}")
             if self._value:
                 yield from self._functions(n for n in FUNCTIONS if n != "rate")
 
     def _attributes(self, grammar: str, nonterminal: str) -> Iterator[Offer]:
-        keys: list[Key] = self._analysis.names.keys("attribute", (grammar, nonterminal))
-        yield from _named([key.name for key in keys], _KINDS.Field, "attribute")
+        found = self._analysis.names.entities("attribute", scope=(grammar, nonterminal))
+        yield from _named([each.name for each in found], _KINDS.Field, "attribute")
 
     # --- tasks ---------------------------------------------------------------------------------
 
@@ -201,24 +200,24 @@ class NamesDue:
         if not named and task is not None:
             items = (i for i in task.items if isinstance(i, t.TaskWorkspace))
             named = next((item.name.text for item in items), "")
-        scope = (named,)
-        for key in self._analysis.names.keys("region", scope):
-            yield Offer(key.name, _KINDS.Field, f"region of {named}")
-        for key in self._analysis.names.keys("map", scope) if maps else ():
-            yield Offer(key.name, _KINDS.Field, f"map of {named}")
+        for name, place in self._declared.places.get(named, {}).items():
+            kind = "region" if place.kind in REGIONS else "map"
+            if maps or kind == "region":
+                yield Offer(name, _KINDS.Field, f"{kind} of {named}")
 
     def _origin(self) -> Iterator[Offer]:
         if "fixed" not in self._said:
             yield from self._symbols()
             return
-        word = [s.Ident(name) for name in self._said[1 : self._said.index("fixed")]]
-        places = named_positions(word, [None] * len(word), self._declared.terminals)
+        word = self._said[1 : self._said.index("fixed")]
+        symbols = [s.Occurrence(None, s.Ident(name)) for name in word]
+        places = occurrences(symbols, self._declared.terminals).places
         if self._last == ".":
             place = places.get(self._said[-2])
             if place is not None:
-                found = self._members(word[place].text, semantics=True)
+                found = self._members(word[place], semantics=True)
                 yield from (offer for offer in found if offer.detail == "parameter")
         elif self._last in {"fixed", ","}:
-            for name, place in places.items():
-                if word[place].text in self._declared.modules:
-                    yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place].text}")
+            for name, place in sorted(places.items(), key=lambda at: at[1]):
+                if word[place] in self._declared.modules:
+                    yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place]}")

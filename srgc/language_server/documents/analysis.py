@@ -9,14 +9,13 @@ from pathlib import Path
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.findings.diagnostics import Diagnostic
+from grammar_lang.diagnostics.diagnostic import Diagnostic
 from grammar_lang.load import Loaded, load, load_text
+from grammar_lang.names.declarations import Declarations
+from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Source, Span
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.line_map import UTF16, LineMap
-from srgc.language_server.names.declared import Declared, declared_by
-from srgc.language_server.names.name_marks import name_index
-from srgc.language_server.names.names import Mark, NameIndex
 
 _NOTHING = t.File(())
 
@@ -89,21 +88,21 @@ class Analysis:
         """What of the program is sound."""
         return self.loaded.sound
 
-    @cached_property
-    def declared(self) -> Declared:
-        """What the items declare."""
-        return declared_by(self.syntax)
+    @property
+    def declared(self) -> Declarations:
+        """The items by name."""
+        return self.names.declared
 
     @cached_property
-    def names(self) -> NameIndex:
-        """Where the names of the program stand."""
-        return name_index(self.syntax, self.declared)
+    def names(self) -> NameTable:
+        """What the names of the program stand for, and where they stand."""
+        return self.loaded.names or NameTable((), Declarations(), {})
 
     def items(self, number: int) -> list[t.Item]:
         """The items that stand in a file."""
         return [item for item in self.syntax.items if item.span.file == number]
 
-    def mark(self, number: int, offset: int) -> Mark | None:
+    def mention(self, number: int, offset: int) -> Mention | None:
         """The name at a place."""
         return self.names.at(number, offset)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from lsprotocol import types as lsp
 
+from grammar_lang.names.entities import MEMBERS, Entity
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.published import UriOf
-from srgc.language_server.names.names import Key, Mark
 
 
 def location(analysis: Analysis, span: Span, uri_of: UriOf) -> lsp.Location:
@@ -21,10 +21,11 @@ def location(analysis: Analysis, span: Span, uri_of: UriOf) -> lsp.Location:
 
 def definition(analysis: Analysis, number: int, offset: int, uri_of: UriOf) -> list[lsp.Location]:
     """The declarations of the name at a place; of a nonterminal, all its productions."""
-    mark = analysis.mark(number, offset)
-    if mark is None:
+    mention = analysis.mention(number, offset)
+    if mention is None:
         return []
-    return [location(analysis, m.span, uri_of) for m in analysis.names.definitions(mark.key)]
+    found = analysis.names.declarations(mention.entity)
+    return [location(analysis, each.span, uri_of) for each in found]
 
 
 def references(
@@ -34,9 +35,9 @@ def references(
     found: dict[tuple[str, int, int], lsp.Location] = {}
     for analysis in analyses:
         number = analysis.number(place)
-        mark = None if number is None else analysis.mark(number, offset)
-        for each in () if mark is None else analysis.names.of(mark.key):
-            if declarations or not each.defines:
+        mention = None if number is None else analysis.mention(number, offset)
+        for each in () if mention is None else analysis.names.mentions_of(mention.entity):
+            if declarations or not each.declares:
                 key = (analysis.place(each.span.file), each.span.start, each.span.end)
                 found.setdefault(key, location(analysis, each.span, uri_of))
     return [found[key] for key in sorted(found)]
@@ -44,34 +45,25 @@ def references(
 
 def highlights(analysis: Analysis, number: int, offset: int) -> list[lsp.DocumentHighlight]:
     """The places of the name at a place, in the same file."""
-    mark = analysis.mark(number, offset)
-    if mark is None:
+    mention = analysis.mention(number, offset)
+    if mention is None:
         return []
     kinds = {True: lsp.DocumentHighlightKind.Write, False: lsp.DocumentHighlightKind.Read}
     lines = analysis.lines(number)
-    marks: Iterable[Mark] = analysis.names.of(mark.key)
     return [
-        lsp.DocumentHighlight(lines.range(each.span), kinds[each.defines])
-        for each in marks
+        lsp.DocumentHighlight(lines.range(each.span), kinds[each.declares])
+        for each in analysis.names.mentions_of(mention.entity)
         if each.span.file == number
     ]
 
 
-_WHAT = {
-    "terminal": "symbol",
-    "label": "production",
-    "member": "name",
-    "map": "map of obstacles",
-}
+_WHAT = {"obstacle": "region", "target": "region", "map": "map of obstacles"}
 
 
-def described(analysis: Analysis, key: Key) -> str:
-    """What a thing is, for a message: ``module `L```."""
-    if key.kind == "terminal":
-        kind = "module" if key.name in analysis.declared.modules else "edge"
-        return f"{kind} `{key.name}`"
-    if key.kind == "member":
-        return f"`{key.name}` of module `{key.scope[0]}`"
-    if key.kind == "attribute":
-        return f"attribute `{key.name}` of `{key.scope[1]}`"
-    return f"{_WHAT.get(key.kind, key.kind)} `{key.name}`"
+def described(entity: Entity) -> str:
+    """What an entity is, for a message: ``module `L```."""
+    if entity.kind in MEMBERS:
+        return f"`{entity.name}` of module `{entity.scope[0]}`"
+    if entity.kind == "attribute":
+        return f"attribute `{entity.name}` of `{entity.scope[1]}`"
+    return f"{_WHAT.get(entity.kind, entity.kind)} `{entity.name}`"

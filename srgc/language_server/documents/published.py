@@ -7,9 +7,9 @@ from pathlib import Path
 
 from lsprotocol import types as lsp
 
-from grammar_lang.findings.code_pages import FOLDER, has_page
-from grammar_lang.findings.codes import Code
-from grammar_lang.findings.diagnostics import Diagnostic, Severity
+from grammar_lang.diagnostics.code_pages import FOLDER, has_page
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis
 

@@ -6,7 +6,7 @@ from difflib import SequenceMatcher
 
 from lsprotocol import types as lsp
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.formatting.formatter import NotFaithful, canonical
 from srgc.language_server.documents.line_map import LineMap
 

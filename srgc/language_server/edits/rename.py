@@ -12,16 +12,16 @@ from dataclasses import dataclass
 
 from lsprotocol import types as lsp
 
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.names.entities import MEMBERS, REGIONS, TERMINALS, Entity
+from grammar_lang.names.table import Mention
 from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.documents.places import described
 from srgc.language_server.documents.published import UriOf
-from srgc.language_server.names.names import Key, Mark
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_SYMBOLS = ("terminal", "nonterminal", "occurrence")
 
 
 class RenameRefused(Exception):
@@ -42,15 +42,15 @@ def renamable(analysis: Analysis, number: int, offset: int) -> Renamable | None:
     Raises:
         RenameRefused: it cannot; why.
     """
-    mark = analysis.mark(number, offset)
-    if mark is None:
+    mention = analysis.mention(number, offset)
+    if mention is None:
         return None
-    if mark.key.kind == "map":
+    if mention.entity.kind == "map":
         raise RenameRefused("this is the name of a file; rename the file and the path of it")
-    return Renamable(mark.span, mark.key.name)
+    return Renamable(mention.span, mention.entity.name)
 
 
-def _checked_name(analysis: Analysis, key: Key, new: str) -> None:
+def _checked_name(analysis: Analysis, entity: Entity, new: str) -> None:
     """Refuse what is no name at all, or is taken.
 
     Raises:
@@ -58,54 +58,55 @@ def _checked_name(analysis: Analysis, key: Key, new: str) -> None:
     """
     if new in RESERVED:
         raise RenameRefused(f"`{new}` is a reserved word")
-    edge = key.kind == "terminal" and key.name not in analysis.declared.modules
+    edge = entity.kind == "edge"
     if not edge and not _NAME.fullmatch(new):
         raise RenameRefused(f"`{new}` is no name: letters, digits and `_`, no digit first")
     if edge and (not new.isprintable() or not new or " " in new or {"'", '"'} <= set(new)):
         raise RenameRefused("an edge has visible characters, and not both kinds of quotes")
-    for other in _rivals(analysis, key):
-        if other.name == new and analysis.names.definitions(other):
-            raise RenameRefused(f"`{new}` is already the name of {described(analysis, other)}")
+    for other in _rivals(analysis, entity):
+        if other.name == new:
+            raise RenameRefused(f"`{new}` is already the name of {described(other)}")
 
 
-def _rivals(analysis: Analysis, key: Key) -> list[Key]:
-    """The names that must differ from that of a thing."""
-    index = analysis.names
-    if key.kind not in _SYMBOLS:
-        return index.keys(key.kind, key.scope)
-    keys = index.keys("terminal")
-    for kind in ("nonterminal", "occurrence"):
-        scoped = index.keys(kind)
-        keys += [each for each in scoped if key.kind == "terminal" or _near(each, key)]
-    return keys
+def _rivals(analysis: Analysis, entity: Entity) -> list[Entity]:
+    """The entities whose names must differ from that of an entity."""
+    names = analysis.names
+    for kinds in (MEMBERS, REGIONS):
+        if entity.kind in kinds:
+            return names.entities(*kinds, scope=entity.scope)
+    if entity.kind not in {*TERMINALS, "nonterminal", "occurrence"}:
+        return names.entities(entity.kind, scope=entity.scope)
+    scoped = names.entities("nonterminal") + names.entities("occurrence")
+    near = [each for each in scoped if entity.kind in TERMINALS or _near(each, entity)]
+    return names.entities(*TERMINALS) + near
 
 
-def _near(one: Key, other: Key) -> bool:
+def _near(one: Entity, other: Entity) -> bool:
     """Whether two symbols of grammars may stand in one production."""
     if one.kind == other.kind == "occurrence":
         return one.scope == other.scope
     return one.scope[:1] == other.scope[:1]
 
 
-def _replacement(analysis: Analysis, mark: Mark, new: str) -> str:
+def _replacement(analysis: Analysis, mention: Mention, new: str) -> str:
     """What is written in the place of a name: with quotes where it needs them."""
-    if mark.key.kind != "terminal":
+    if mention.entity.kind not in TERMINALS:
         return new
-    quoted = mark.whole.start < mark.span.start
+    quoted = mention.whole.start < mention.span.start
     if not quoted:
         quote = '"' if "'" in new else "'"
         return new if _NAME.fullmatch(new) else f"{quote}{new}{quote}"
-    if analysis.text(mark.whole)[0] in new:
-        raise RenameRefused(f"write {described(analysis, mark.key)} in other quotes first")
+    if analysis.text(mention.whole)[0] in new:
+        raise RenameRefused(f"write {described(mention.entity)} in other quotes first")
     return new
 
 
-def _edits(analysis: Analysis, key: Key, new: str) -> dict[int, list[tuple[Span, str]]]:
+def _edits(analysis: Analysis, entity: Entity, new: str) -> dict[int, list[tuple[Span, str]]]:
     """The edits of each file, in order."""
     found: dict[int, list[tuple[Span, str]]] = {}
-    for mark in analysis.names.of(key):
-        text = _replacement(analysis, mark, new)
-        found.setdefault(mark.span.file, []).append((mark.span, text))
+    for mention in analysis.names.mentions_of(entity):
+        text = _replacement(analysis, mention, new)
+        found.setdefault(mention.span.file, []).append((mention.span, text))
     return found
 
 
@@ -138,13 +139,14 @@ def _meanings(analysis: Analysis, old: str, new: str) -> list[tuple[object, ...]
     def text(name: str) -> str:
         return old if name == new else name
 
+    found = ((mention.whole.file, mention.entity) for mention in analysis.names.mentions)
     return [
-        (mark.whole.file, mark.key.kind, tuple(map(text, mark.key.scope)), text(mark.key.name))
-        for mark in analysis.names.marks
+        (file, entity.kind, tuple(map(text, entity.scope)), text(entity.name))
+        for file, entity in found
     ]
 
 
-def _refuse_other_meaning(before: Analysis, after: Analysis, key: Key, new: str) -> None:
+def _refuse_other_meaning(before: Analysis, after: Analysis, old: str, new: str) -> None:
     """Refuse a new name that changes anything but the name.
 
     Raises:
@@ -159,7 +161,7 @@ def _refuse_other_meaning(before: Analysis, after: Analysis, key: Key, new: str)
         wrong = (d for d in after.loaded.diagnostics if d.severity is Severity.ERROR)
         first = next((d.message for d in wrong if (d.code, d.message) not in known), "")
         raise RenameRefused(f"with the name `{new}` there is an error: {first}")
-    if _meanings(before, key.name, new) != _meanings(after, key.name, new):
+    if _meanings(before, old, new) != _meanings(after, old, new):
         raise RenameRefused(f"with the name `{new}` other names would mean something else")
 
 
@@ -188,13 +190,13 @@ def rename(
     for analysis in analyses:
         number = analysis.number(place)
         found = None if number is None else renamable(analysis, number, offset)
-        mark = None if number is None else analysis.mark(number, offset)
-        if found is None or mark is None or found.name == new:
+        mention = None if number is None else analysis.mention(number, offset)
+        if found is None or mention is None or found.name == new:
             continue
-        _checked_name(analysis, mark.key, new)
-        edits = _edits(analysis, mark.key, new)
+        _checked_name(analysis, mention.entity, new)
+        edits = _edits(analysis, mention.entity, new)
         after = _again(analysis, edits, open_files)
-        _refuse_other_meaning(analysis, after, mark.key, new)
+        _refuse_other_meaning(analysis, after, found.name, new)
         for file, each in edits.items():
             path = analysis.path(file)
             uri = analysis.name if path is None else uri_of(path)

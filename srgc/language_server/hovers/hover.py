@@ -7,9 +7,9 @@ import re
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
-from grammar_lang.findings.code_pages import has_page, page_text, read_page
+from grammar_lang.diagnostics.code_pages import has_page, page_text, read_page
 from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.hovers.hover_names import hover_name
 from srgc.language_server.hovers.hover_numbers import hover_number
@@ -80,10 +80,10 @@ def hover(analysis: Analysis, number: int, offset: int) -> lsp.Hover | None:
     text = analysis.sources[number].text
     place: Span | None = None
     parts: list[str] = []
-    mark = analysis.mark(number, offset)
-    if mark is not None:
-        parts.append(hover_name(analysis, mark.key))
-        place = mark.whole
+    mention = analysis.mention(number, offset)
+    if mention is not None:
+        parts.append(hover_name(analysis, mention.entity))
+        place = mention.whole
     elif not _silent(text, offset):
         found = hover_number(text, offset) or _keyword(analysis, number, offset)
         if found is not None:

@@ -2,94 +2,95 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
 from grammar_lang.ir.expression_text import number_text
+from grammar_lang.names.entities import REGIONS, Entity, Kind
 from grammar_lang.source import written
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.places import described
 from srgc.language_server.hovers.production_physics import added_physics, physics_text
 from srgc.language_server.hovers.quantity_text import closed_text, domain_text, rounded
-from srgc.language_server.names.declared import module_names
-from srgc.language_server.names.names import Key
 
 
 def _code(text: str) -> str:
     return f"```srg\n{text}\n```"
 
 
-def _uses(analysis: Analysis, key: Key) -> str:
-    number = sum(not mark.defines for mark in analysis.names.of(key))
+def _uses(analysis: Analysis, entity: Entity) -> str:
+    number = len(analysis.names.uses(entity))
     return "used nowhere" if not number else f"used {number} time{'s' * (number > 1)}"
 
 
-def hover_name(analysis: Analysis, key: Key) -> str:
-    """The text about a thing."""
-    makers = {
-        "terminal": _terminal,
+def _statement(analysis: Analysis, entity: Entity) -> str:
+    """The declaration of an entity, as code."""
+    return _code(written(entity.statement, analysis.sources) or entity.name)
+
+
+def hover_name(analysis: Analysis, entity: Entity) -> str:
+    """The text about an entity."""
+    makers: dict[Kind, Callable[[Analysis, Entity], str]] = {
+        "module": _module,
+        "edge": _edge,
         "nonterminal": _nonterminal,
-        "label": _production,
+        "production": _production,
         "occurrence": _occurrence,
-        "member": _member,
         "attribute": _attribute,
         "grammar": _grammar,
         "workspace": _workspace,
-        "region": _region,
         "map": _map,
         "task": _task,
     }
-    return makers[key.kind](analysis, key)
+    if entity.kind in REGIONS:
+        return _region(analysis, entity)
+    return makers.get(entity.kind, _member)(analysis, entity)
 
 
 # --- modules -----------------------------------------------------------------------------------
 
 
-def _terminal(analysis: Analysis, key: Key) -> str:
-    module = analysis.declared.modules.get(key.name)
-    if module is None:
-        return f"{_code(f'edge {key.name}')}\n\nAn edge label, {_uses(analysis, key)}."
+def _edge(analysis: Analysis, entity: Entity) -> str:
+    return f"{_code(f'edge {entity.name}')}\n\nAn edge label, {_uses(analysis, entity)}."
+
+
+def _module(analysis: Analysis, entity: Entity) -> str:
+    module = analysis.declared.modules[entity.name]
     statements = (written(item.span, analysis.sources) for item in module.items)
     lines = "".join(f"\n  {line};" for line in statements if line)
-    text = f"module {key.name} {{{lines}\n}}" if lines else f"module {key.name} {{ }}"
-    return f"{_code(text)}\n\nA module, {_uses(analysis, key)}."
+    text = f"module {entity.name} {{{lines}\n}}" if lines else f"module {entity.name} {{ }}"
+    return f"{_code(text)}\n\nA module, {_uses(analysis, entity)}."
 
 
-def _module(analysis: Analysis, name: str) -> ir.Module | None:
-    return None if analysis.program is None else analysis.program.modules.get(name)
+def _member(analysis: Analysis, entity: Entity) -> str:
+    program, module = analysis.program, entity.scope[0]
+    lowered = None if program is None else program.modules.get(module)
+    detail = "" if lowered is None else _member_detail(analysis, lowered, entity)
+    about = f"Of module `{module}`, {_uses(analysis, entity)}."
+    return "\n\n".join(part for part in (_statement(analysis, entity), detail, about) if part)
 
 
-def _member(analysis: Analysis, key: Key) -> str:
-    module = analysis.declared.modules[key.scope[0]]
-    item = module_names(module)[key.name]
-    head = _code(written(item.span, analysis.sources) or key.name)
-    lowered = _module(analysis, key.scope[0])
-    detail = "" if lowered is None else _member_detail(analysis, lowered, key.name, item)
-    about = f"Of module `{key.scope[0]}`, {_uses(analysis, key)}."
-    return "\n\n".join(part for part in (head, detail, about) if part)
-
-
-def _member_detail(analysis: Analysis, module: ir.Module, name: str, item: s.ModuleItem) -> str:
-    match item:
-        case s.Param():
+def _member_detail(analysis: Analysis, module: ir.Module, entity: Entity) -> str:
+    name = entity.name
+    match entity.kind:
+        case "parameter":
             found = next((p for p in module.parameters if p.name == name), None)
             return "" if found is None else _parameter(found)
-        case s.Dof():
+        case "degree of freedom":
             dof = next((d for d in module.dofs if d.name == name), None)
             return "" if dof is None else _dof(analysis, module, dof)
-        case s.State():
+        case "state":
             state = next((each for each in module.states if each.name == name), None)
             if state is None:
                 return ""
             start = "0" if state.initial is None else closed_text(state.initial)
             return f"A state, in {_unit(state.unit)}; {start} at first."
-        case s.Input():
+        case "input":
             given = next((each for each in module.inputs if each.name == name), None)
             return "" if given is None else f"An input in {domain_text(given.domain, given.unit)}."
-        case s.Const():
-            return "A constant."
         case _:
-            return ""
+            return "A constant."
 
 
 def _unit(unit: str) -> str:
@@ -138,53 +139,44 @@ def _efforts(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> list[str]:
 # --- grammars ----------------------------------------------------------------------------------
 
 
-def _nonterminal(analysis: Analysis, key: Key) -> str:
-    marks = analysis.names.definitions(key)
-    grammar = analysis.declared.grammars[key.scope[0]]
+def _nonterminal(analysis: Analysis, entity: Entity) -> str:
+    number = len(analysis.names.declarations(entity))
+    grammar = analysis.declared.grammars[entity.scope[0]]
     productions = [p for p in grammar.items if isinstance(p, s.Production)]
-    lines = [written(p.span, analysis.sources) for p in productions if p.left.text == key.name]
+    lines = [written(p.span, analysis.sources) for p in productions if p.left.text == entity.name]
     rules = "\n".join(f"{line};" for line in lines if line)
-    many = f"{len(marks)} production{'s' * (len(marks) != 1)}"
-    return f"{_code(rules)}\n\nA nonterminal of `{key.scope[0]}` with {many}."
+    many = f"{number} production{'s' * (number != 1)}"
+    return f"{_code(rules)}\n\nA nonterminal of `{grammar.name.text}` with {many}."
 
 
-def _occurrence(analysis: Analysis, key: Key) -> str:
-    grammar = analysis.declared.grammars[key.scope[0]]
-    for item in grammar.items:
-        if isinstance(item, s.Production) and item.label.text == key.scope[1]:
-            for each in item.right:
-                if each.alias is not None and each.alias.text == key.name:
-                    which = f"`{each.symbol.text}` called `{key.name}`"
-                    return f"The occurrence of {which} in `{key.scope[1]}`."
-    return f"An occurrence called `{key.name}`."
+def _occurrence(analysis: Analysis, entity: Entity) -> str:
+    symbol = (written(entity.statement, analysis.sources) or "").partition(":")[2].strip(" '\"")
+    return f"The occurrence of `{symbol}` called `{entity.name}` in `{entity.scope[1]}`."
 
 
-def _attribute(analysis: Analysis, key: Key) -> str:
-    marks = analysis.names.definitions(key)
-    grammar, nonterminal = key.scope
+def _attribute(analysis: Analysis, entity: Entity) -> str:
+    grammar, nonterminal = entity.scope
     lines = []
-    for mark in marks[:8]:
-        text = analysis.sources[mark.span.file].text
-        line = text[text.rfind("\n", 0, mark.span.start) + 1 :].partition("\n")[0].strip()
+    for mention in analysis.names.declarations(entity)[:8]:
+        text = analysis.sources[mention.span.file].text
+        line = text[text.rfind("\n", 0, mention.span.start) + 1 :].partition("\n")[0].strip()
         lines.append(line)
+    uses = _uses(analysis, entity)
     rules = _code("\n".join(lines))
-    return f"{rules}\n\nAn attribute of `{nonterminal}` in `{grammar}`, {_uses(analysis, key)}."
+    return f"{rules}\n\nAn attribute of `{nonterminal}` in `{grammar}`, {uses}."
 
 
-def _production(analysis: Analysis, key: Key) -> str:
-    grammar = analysis.declared.grammars[key.scope[0]]
-    items = (i for i in grammar.items if isinstance(i, s.Production) and i.label.text == key.name)
-    production = next(items, None)
-    head = "" if production is None else written(production.span, analysis.sources) or ""
-    text = f"{_code(head)}\n\nA production of `{key.scope[0]}`."
+def _production(analysis: Analysis, entity: Entity) -> str:
+    grammar = entity.scope[0]
+    text = f"{_statement(analysis, entity)}\n\nA production of `{grammar}`."
     program = analysis.program
-    lowered = None if program is None else program.grammars.get(key.scope[0])
+    lowered = None if program is None else program.grammars.get(grammar)
     if program is None or lowered is None:
         return text
-    added = added_physics(program, lowered, key.name)
+    added = added_physics(program, lowered, entity.name)
     if added is None:
         return f"{text}\n\nWhat it adds is not known: the semantics is missing or has errors."
-    return f"{text}\n\n{physics_text(added, _dimension(program, key.scope[0]))}"
+    return f"{text}\n\n{physics_text(added, _dimension(program, grammar))}"
 
 
 def _dimension(program: ir.Program, grammar: str) -> int | None:
@@ -197,13 +189,13 @@ def _dimension(program: ir.Program, grammar: str) -> int | None:
     return found.pop() if len(found) == 1 else None
 
 
-def _grammar(analysis: Analysis, key: Key) -> str:
-    grammar = analysis.declared.grammars[key.name]
+def _grammar(analysis: Analysis, entity: Entity) -> str:
+    grammar = analysis.declared.grammars[entity.name]
     productions = sum(isinstance(item, s.Production) for item in grammar.items)
     start = next((i.name.text for i in grammar.items if isinstance(i, s.StartSymbol)), "?")
     accepts = [i for i in grammar.items if isinstance(i, s.Accept)]
     lines = [f"{written(item.span, analysis.sources)};" for item in accepts]
-    known = "with" if key.name in analysis.declared.semantics else "without"
+    known = "with" if entity.name in analysis.declared.semantics else "without"
     text = f"A grammar of {productions} productions from `{start}`, {known} semantics."
     return f"{_code(chr(10).join(lines))}\n\n{text}" if lines else text
 
@@ -211,41 +203,38 @@ def _grammar(analysis: Analysis, key: Key) -> str:
 # --- workspaces and tasks ----------------------------------------------------------------------
 
 
-def _workspace(analysis: Analysis, key: Key) -> str:
-    program = analysis.program
-    workspace = None if program is None else program.workspaces.get(key.name)
+def _workspace(analysis: Analysis, entity: Entity) -> str:
+    program, uses = analysis.program, _uses(analysis, entity)
+    workspace = None if program is None else program.workspaces.get(entity.name)
     if workspace is None:
-        return f"A workspace, {_uses(analysis, key)}."
+        return f"A workspace, {uses}."
     kind = "plane" if workspace.dimension == 2 else "space"
     names = ", ".join(f"`{region.name}`" for region in workspace.regions)
-    return f"A workspace in the {kind}: {names or 'no regions'}; {_uses(analysis, key)}."
+    return f"A workspace in the {kind}: {names or 'no regions'}; {uses}."
 
 
-def _region(analysis: Analysis, key: Key) -> str:
+def _region(analysis: Analysis, entity: Entity) -> str:
     from srgc.language_server.hovers.region_sizes import region_text
 
-    workspace = analysis.declared.workspaces[key.scope[0]]
-    regions_written = (item for item in workspace.items if isinstance(item, t.Region))
-    item = next(i for i in regions_written if i.name is not None and i.name.text == key.name)
-    head = _code(written(item.span, analysis.sources) or key.name)
-    program = analysis.program
-    lowered = None if program is None else program.workspaces.get(key.scope[0])
+    program, workspace = analysis.program, entity.scope[0]
+    lowered = None if program is None else program.workspaces.get(workspace)
     regions = () if lowered is None else lowered.regions
-    region = next((r for r in regions if r.name == key.name), None)
+    region = next((r for r in regions if r.name == entity.name), None)
     detail = "" if region is None or lowered is None else region_text(region, lowered.dimension)
-    about = f"Of workspace `{key.scope[0]}`, {_uses(analysis, key)}."
-    return "\n\n".join(part for part in (head, detail, about) if part)
+    about = f"Of workspace `{workspace}`, {_uses(analysis, entity)}."
+    return "\n\n".join(part for part in (_statement(analysis, entity), detail, about) if part)
 
 
-def _map(analysis: Analysis, key: Key) -> str:
-    return f"All obstacles of the map `{key.name}` of `{key.scope[0]}`, {_uses(analysis, key)}."
+def _map(analysis: Analysis, entity: Entity) -> str:
+    of, uses = f"of the map `{entity.name}` of `{entity.scope[0]}`", _uses(analysis, entity)
+    return f"All obstacles {of}, {uses}."
 
 
-def _task(analysis: Analysis, key: Key) -> str:
+def _task(analysis: Analysis, entity: Entity) -> str:
     program = analysis.program
-    task = None if program is None else program.tasks.get(key.name)
+    task = None if program is None else program.tasks.get(entity.name)
     if task is None:
-        return f"{described(analysis, key).capitalize()}."
+        return f"{described(entity).capitalize()}."
     end = rounded(float(task.steps * task.step))
     step = rounded(float(task.step))
     lines = [

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
+from grammar_lang.ir import constants
 from grammar_lang.ir.expression_text import Names, expression_text, number_text
 
 

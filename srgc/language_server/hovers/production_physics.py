@@ -18,7 +18,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
+from grammar_lang.ir import constants
 from grammar_lang.ir.expression_text import Names, expression_text, occurrence_names, rule_text
 from srgc.language_server.hovers.monomials import Product, product_of
 from srgc.language_server.hovers.quantity_text import domain_text, rounded

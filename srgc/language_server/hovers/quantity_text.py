@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from grammar_lang import constants, ir
+from grammar_lang import ir
+from grammar_lang.ir import constants
 from grammar_lang.ir.expression_text import expression_text, number_text
 from grammar_lang.units import Unit, symbol
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from lsprotocol import types as lsp
 
-from grammar_lang import syntax_tasks as t
 from grammar_lang.source import Span
 from grammar_lang.syntax import Ident
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.published import UriOf
 

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang import syntax_tasks as t
+from grammar_lang.names.entities import Kind
 from grammar_lang.source import Span, written
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.line_map import LineMap
 from srgc.language_server.documents.places import location
@@ -100,13 +101,16 @@ def outline(analysis: Analysis, number: int) -> list[lsp.DocumentSymbol]:
     return [symbol for item in analysis.items(number) for symbol in maker.item(item)]
 
 
-_INDEXED = {
-    "terminal": _KINDS.Class,
-    "label": _KINDS.Function,
+_INDEXED: dict[Kind, lsp.SymbolKind] = {
+    "module": _KINDS.Class,
+    "edge": _KINDS.Class,
+    "production": _KINDS.Function,
     "nonterminal": _KINDS.Interface,
     "grammar": _KINDS.Module,
     "workspace": _KINDS.Package,
     "region": _KINDS.Field,
+    "obstacle": _KINDS.Field,
+    "target": _KINDS.Field,
     "task": _KINDS.Event,
 }
 
@@ -123,15 +127,16 @@ def workspace_symbols(
     """What is declared in all programs, by a part of its name."""
     found: dict[tuple[str, int, str], lsp.WorkspaceSymbol] = {}
     for analysis in analyses:
-        for mark in analysis.names.marks:
-            kind = _INDEXED.get(mark.key.kind)
-            if kind is None or not mark.defines or not _matches(mark.key.name, query):
+        for mention in analysis.names.mentions:
+            entity, span = mention.entity, mention.span
+            kind = _INDEXED.get(entity.kind)
+            if kind is None or not mention.declares or not _matches(entity.name, query):
                 continue
-            key = (analysis.place(mark.span.file), mark.span.start, mark.key.kind)
-            container = ".".join(mark.key.scope) or None
+            key = (analysis.place(span.file), span.start, entity.kind)
+            container = ".".join(entity.scope) or None
             found[key] = lsp.WorkspaceSymbol(
-                location=location(analysis, mark.span, uri_of),
-                name=mark.key.name,
+                location=location(analysis, span, uri_of),
+                name=entity.name,
                 kind=kind,
                 container_name=container,
             )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from lsprotocol import types as lsp
 
-from grammar_lang.findings.diagnostics import Sink
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.names.entities import Kind
 from grammar_lang.parsing.parse import parse_tokens
 from grammar_lang.parsing.tokens import SKIPPED, Tokens
 from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.documents.analysis import Analysis
-from srgc.language_server.names.names import Key
 
 _KEYWORD, _NUMBER, _STRING, _UNIT = "keyword", "number", "string", "type"
 TYPES = (
@@ -17,25 +17,27 @@ TYPES = (
     "property", "namespace", "event", "parameter",
 )  # fmt: skip
 MODIFIERS = ("declaration",)
-_OF_KIND = {
+_OF_KIND: dict[Kind, str] = {
+    "module": "class",
+    "edge": "enumMember",
     "nonterminal": "interface",
-    "label": "function",
+    "production": "function",
     "occurrence": "parameter",
-    "member": "property",
+    "parameter": "property",
+    "constant": "property",
+    "degree of freedom": "property",
+    "state": "property",
+    "input": "property",
     "attribute": "property",
     "grammar": "namespace",
     "workspace": "namespace",
     "region": "variable",
+    "obstacle": "variable",
+    "target": "variable",
     "map": "variable",
     "task": "event",
 }
 LEGEND = lsp.SemanticTokensLegend(list(TYPES), list(MODIFIERS))
-
-
-def _of_key(analysis: Analysis, key: Key) -> str:
-    if key.kind == "terminal":
-        return "class" if key.name in analysis.declared.modules else "enumMember"
-    return _OF_KIND[key.kind]
 
 
 def _of_token(tokens: Tokens, index: int) -> str | None:
@@ -56,22 +58,24 @@ def semantic_tokens(analysis: Analysis, number: int) -> lsp.SemanticTokens:
     """The tokens of a document, each relative to the one before."""
     tokens = parse_tokens(analysis.sources[number].text, Sink(), number)[1]
     lines = analysis.lines(number)
-    marks = {mark.whole.start: mark for mark in analysis.names.marks if mark.whole.file == number}
+    named = {
+        name.whole.start: name for name in analysis.names.mentions if name.whole.file == number
+    }
     data: list[int] = []
     line = column = 0
     for index, start in enumerate(tokens.starts):
         if tokens.kinds[index] == SKIPPED:
             continue
-        mark = marks.get(start)
-        kind = _of_token(tokens, index) if mark is None else _of_key(analysis, mark.key)
+        name = named.get(start)
+        kind = _of_token(tokens, index) if name is None else _OF_KIND[name.entity.kind]
         if kind is None:
             continue
-        here, end = lines.position(start), lines.position(tokens.ends[index])
-        if here.line != end.line:
+        begin, end = lines.position(start), lines.position(tokens.ends[index])
+        if begin.line != end.line:
             continue
-        column = column if here.line == line else 0
-        declares = int(mark is not None and mark.defines)
-        size = end.character - here.character
-        data += [here.line - line, here.character - column, size, TYPES.index(kind), declares]
-        line, column = here.line, here.character
+        column = column if begin.line == line else 0
+        declares = int(name is not None and name.declares)
+        size = end.character - begin.character
+        data += [begin.line - line, begin.character - column, size, TYPES.index(kind), declares]
+        line, column = begin.line, begin.character
     return lsp.SemanticTokens(data)

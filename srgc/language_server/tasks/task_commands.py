@@ -12,8 +12,8 @@ from typing import Any
 from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
-from grammar_lang.findings.counted import counted
-from grammar_lang.findings.diagnostics import Severity
+from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.diagnostics.wording import counted
 from srgc.exit_status import SPEC_ERRORS, USAGE
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.disk import bytes_of, is_folder

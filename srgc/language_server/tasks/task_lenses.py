@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from lsprotocol import types as lsp
 
-from grammar_lang import syntax_tasks as t
+from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.tasks.verdicts import Verdicts, current_files, folder_of
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.source_file import decoded
-from grammar_lang.findings.diagnostics import Sink
 from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.disk import bytes_of

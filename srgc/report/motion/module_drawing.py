@@ -19,7 +19,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotDof, RodBody
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 from srgc.report.motion.module_marks import MarkedRobot
 from srgc.report.motion.view import NAMED, sight
 

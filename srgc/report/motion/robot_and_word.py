@@ -9,7 +9,7 @@ from compiler.grammars.derivation import Derivation
 from compiler.robots.robot import RobotDof
 from compiler.semantics.semantics_error import SemanticsError
 from grammar_lang import ir
-from grammar_lang.constants import to_float
+from grammar_lang.ir.constants import to_float
 from srgc.report.evidence import Evidence
 from srgc.report.html_text import number, text, with_unit
 from srgc.report.motion.derivation_tree import derivation_tree

@@ -1,0 +1,208 @@
+"""Which attributes a grammar's semantics defines: synthesized or inherited, each exactly once.
+
+Source: D. E. Knuth, "Semantics of Context-Free Languages", *Mathematical Systems Theory* 2 (1968).
+``this.a = …`` defines a synthesized attribute of the left side, ``A.a = …`` an inherited one of an
+occurrence.  The start symbol inherits only ``frame``, which is ``world``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.productions import GrammarInfo, ProductionInfo
+from grammar_lang.names.entities import Entity
+from grammar_lang.names.table import NameTable
+from grammar_lang.source import Span
+
+Key = tuple[str, str]
+ROOT_ATTRIBUTE = "frame"
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedRule:
+    """A rule of a block with its target resolved; ``key`` is (nonterminal, attribute)."""
+
+    label: str
+    target: ir.AttributeOf
+    key: Key
+    rule: s.Rule
+
+
+@dataclass(slots=True)
+class Attributes:
+    """The attributes of a grammar with the place of their first definition.
+
+    ``failed`` holds the labels of blocks with a rule whose target is wrong, which was reported, and
+    ``lost`` the names of the attributes that such rules meant to define.
+    """
+
+    synthesized: dict[Key, Span] = field(default_factory=dict[Key, Span])
+    inherited: dict[Key, Span] = field(default_factory=dict[Key, Span])
+    rules: list[PlacedRule] = field(default_factory=list[PlacedRule])
+    failed: set[str] = field(default_factory=set[str])
+    lost: set[str] = field(default_factory=set[str])
+
+    def has(self, key: Key) -> bool:
+        """Whether the attribute exists."""
+        return key in self.synthesized or key in self.inherited
+
+    def of(self, nonterminal: str) -> tuple[str, ...]:
+        """The attributes of a nonterminal."""
+        keys = (*self.synthesized, *self.inherited)
+        return tuple(dict.fromkeys(name for owner, name in keys if owner == nonterminal))
+
+
+def occurrence_of(owner: s.Ident, info: ProductionInfo, sink: Sink) -> int | None:
+    """The occurrence that an owner names, ``ir.THIS`` for ``this``; reported if there is none.
+
+    Silent in a broken production: its unknown symbol was reported.
+    """
+    if owner.text == "this":
+        return ir.THIS
+    if owner.text in info.names:
+        return info.names[owner.text]
+    if info.broken:
+        return None
+    label = info.production.label
+    if owner.text in info.word.repeated:
+        names = [f"`{n}`" for n in info.word.repeated[owner.text] if n in info.names]
+        message = f"`{owner.text}` occurs more than once in production `{label}`"
+        hint = f"write {', '.join(names)}" if names else "an edge has no attributes"
+        sink.error(Code.AMBIGUOUS_OCCURRENCE, message, owner.span, hint)
+        return None
+    message = f"no symbol is called `{owner.text}` on the right side of production `{label}`"
+    if owner.text == info.production.left:
+        hint = "the left side is called `this`"
+    else:
+        hint = did_you_mean(owner.text, ("this", *info.names), "symbol", sink)
+    sink.error(Code.UNKNOWN_NAME, message, owner.span, hint)
+    return None
+
+
+def nonterminal_at(info: ProductionInfo, occurrence: int) -> str | None:
+    """The nonterminal at an occurrence; None for a module or an edge."""
+    if occurrence == ir.THIS:
+        return info.production.left
+    symbol = info.production.right[occurrence]
+    return symbol.name if symbol.kind == "nonterminal" else None
+
+
+def _place(label: str, rule: s.Rule, info: ProductionInfo, sink: Sink) -> PlacedRule | None:
+    owner = rule.target.owner
+    occurrence = occurrence_of(owner, info, sink)
+    if occurrence is None:
+        return None
+    nonterminal = nonterminal_at(info, occurrence)
+    if nonterminal is None:
+        message = f"`{owner.text}` has no attributes: it is a module or an edge"
+        sink.error(Code.WRONG_KIND, message, rule.target.span, "only nonterminals have attributes")
+        return None
+    name = rule.target.name.text
+    return PlacedRule(label, ir.AttributeOf(occurrence, name), (nonterminal, name), rule)
+
+
+def _collect(
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], found: Attributes, sink: Sink
+) -> Iterator[PlacedRule]:
+    for label, block in blocks.items():
+        first: dict[ir.AttributeOf, Span] = {}
+        for statement in block.statements:
+            if not isinstance(statement, s.Rule):
+                continue
+            placed = _place(label, statement, grammar.productions[label], sink)
+            if placed is None:
+                found.failed.add(label)
+                found.lost.add(statement.target.name.text)
+                continue
+            if placed.target in first:
+                target = statement.target
+                message = f"`{target.owner.text}.{target.name.text}` is defined twice"
+                notes = [(first[placed.target], "first here")]
+                sink.error(
+                    Code.DOUBLE_ATTRIBUTE, message, target.span, "remove one definition", notes
+                )
+                found.failed.add(label)
+                continue
+            first[placed.target] = statement.target.span
+            yield placed
+
+
+def _reads_root(grammar: GrammarInfo, blocks: Iterable[s.Block], names: NameTable) -> bool:
+    """Whether a production of the start symbol reads ``this.frame``."""
+    root = Entity("attribute", (grammar.grammar.name, grammar.grammar.start), ROOT_ATTRIBUTE)
+    return any(
+        mention.entity == root and mention.position == ir.THIS and not mention.declares
+        for block in blocks
+        for mention in names.inside(block.span)
+    )
+
+
+def _classify(found: Attributes, start: str, sink: Sink) -> None:
+    for placed in found.rules:
+        span = placed.rule.target.span
+        mine, other = found.inherited, found.synthesized
+        if placed.target.occurrence == ir.THIS:
+            mine, other = other, mine
+        if placed.key in other:
+            name = ".".join(placed.key)
+            message = f"`{name}` is both synthesized and inherited"
+            hint = "define it either as `this.…` or for the occurrences, not both"
+            notes = [(other[placed.key], "defined the other way here")]
+            sink.error(Code.DOUBLE_ATTRIBUTE, message, span, hint, notes)
+            continue
+        mine.setdefault(placed.key, span)
+        if mine is found.inherited and placed.key[0] == start and placed.key[1] != ROOT_ATTRIBUTE:
+            message = f"the start symbol `{start}` cannot inherit `{placed.key[1]}`"
+            hint = "nothing defines it at the root; the start symbol inherits only `frame`"
+            sink.error(Code.UNDEFINED_ATTRIBUTE, message, span, hint)
+
+
+def collect_attributes(
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], names: NameTable, sink: Sink
+) -> Attributes:
+    """The attributes that the blocks define; double and impossible definitions are reported."""
+    found = Attributes()
+    found.rules.extend(_collect(grammar, blocks, found, sink))
+    _classify(found, grammar.grammar.start, sink)
+    root = (grammar.grammar.start, ROOT_ATTRIBUTE)
+    if root not in found.synthesized and _reads_root(grammar, blocks.values(), names):
+        found.inherited.setdefault(root, grammar.grammar.span)
+    return found
+
+
+def _by_nonterminal(keys: Iterable[Key]) -> dict[str, list[str]]:
+    names: dict[str, list[str]] = {}
+    for nonterminal, name in keys:
+        names.setdefault(nonterminal, []).append(name)
+    return names
+
+
+def check_complete(
+    grammar: GrammarInfo, blocks: Mapping[str, s.Block], found: Attributes, sink: Sink
+) -> None:
+    """Report the attributes that a production leaves undefined."""
+    given = {(placed.label, placed.target) for placed in found.rules}
+    synthesized, inherited = _by_nonterminal(found.synthesized), _by_nonterminal(found.inherited)
+    for label, block in blocks.items():
+        info = grammar.productions[label]
+        if info.broken or label in found.failed:
+            continue
+        due = [(ir.THIS, "this", name) for name in synthesized.get(info.production.left, ())]
+        called_by: dict[int, str] = {}
+        for name, place in info.names.items():
+            called_by.setdefault(place, name)
+        for position, symbol in enumerate(info.production.right):
+            if symbol.kind == "nonterminal" and symbol.name in inherited:
+                called = symbol.alias or called_by.get(position, symbol.name)
+                due += [(position, called, name) for name in inherited[symbol.name]]
+        for occurrence, called, name in due:
+            if (label, ir.AttributeOf(occurrence, name)) not in given:
+                message = f"production `{label}` does not define `{called}.{name}`"
+                hint = f"add `{called}.{name} = …;`"
+                sink.error(Code.UNDEFINED_ATTRIBUTE, message, block.label.span, hint)

@@ -1,0 +1,217 @@
+"""Emissions: rods, point masses, solids and effectors with named arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.closed import list_unit
+from grammar_lang.elaboration.frames import require_axis
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.plausibility import warn_implausible, warn_implausible_vector
+from grammar_lang.elaboration.sorts import (
+    ZERO,
+    DimensionUse,
+    Scope,
+    Sort,
+    require_frame,
+    require_scalar,
+    require_vector,
+    scale,
+)
+from grammar_lang.elaboration.typecheck import FUNCTIONS, Checker
+from grammar_lang.ir import constants
+from grammar_lang.ir.expressions import too_large
+from grammar_lang.units import DENSITY, INERTIA, LENGTH, MASS, Dimension
+
+_ARGUMENTS: dict[str, tuple[str, ...]] = {
+    "rod": ("frame", "axis", "length", "density", "radius"),
+    "point": ("frame", "mass"),
+    "solid": ("frame", "mass", "com", "inertia"),
+    "effector": ("frame",),
+}
+_OPTIONAL = frozenset({("rod", "radius")})
+
+
+@dataclass(frozen=True, slots=True)
+class Emissions:
+    """Lowers the emissions of a block; ``modules`` are those of the right side, by occurrence."""
+
+    scope: Scope
+    sink: Sink
+    modules: Sequence[ModuleInfo | None] = ()
+
+    def lower(self, emission: s.Emission) -> ir.Emission | None:
+        """The emission; None where an error was reported."""
+        kind = emission.kind.text
+        if kind in FUNCTIONS:
+            message = f"`{kind}(…)` is a value, not an emission"
+            hint = "give it to an attribute: `this.frame = …;`"
+            self.sink.error(Code.SORT_MISMATCH, message, emission.kind.span, hint)
+            return None
+        if kind not in _ARGUMENTS:
+            hint = did_you_mean(kind, _ARGUMENTS, "emission", self.sink)
+            self.sink.error(
+                Code.BAD_EMISSION, f"unknown emission `{kind}`", emission.kind.span, hint
+            )
+            return None
+        arguments = self._arguments(emission)
+        if arguments is None:
+            return None
+        return self._build(kind, arguments, emission)
+
+    def _build(
+        self, kind: str, arguments: Mapping[str, s.Expr], emission: s.Emission
+    ) -> ir.Emission:
+        frame = self._frame(arguments["frame"])
+        others = [value for name, value in arguments.items() if name != "frame"]
+        mentions = self.scope.mentions(others)
+        match kind:
+            case "rod":
+                return self._rod(frame, arguments, emission, mentions)
+            case "point":
+                mass = self._positive(arguments["mass"], MASS)
+                return ir.PointMass(frame, mass, emission.span, mentions)
+            case "solid":
+                mass = self._positive(arguments["mass"], MASS)
+                com = self._com(arguments["com"])
+                inertia = self._inertia(arguments["inertia"])
+                return ir.Solid(frame, mass, com, inertia, emission.span, mentions)
+            case _:
+                return ir.Effector(frame, emission.span, mentions)
+
+    def _rod(
+        self,
+        frame: ir.Expr,
+        arguments: Mapping[str, s.Expr],
+        emission: s.Emission,
+        mentions: tuple[int, ...],
+    ) -> ir.Rod:
+        axis = require_axis(arguments["axis"], self.sink)
+        if axis in {"z", "-z"}:
+            message = f"a rod along {axis} leaves the plane"
+            self.scope.uses.append(DimensionUse(3, arguments["axis"].span, message))
+        length = self._positive(arguments["length"], LENGTH)
+        density = self._positive(arguments["density"], DENSITY)
+        radius = None
+        if "radius" in arguments:
+            radius = self._positive(arguments["radius"], LENGTH)
+        return ir.Rod(frame, axis, length, density, radius, emission.span, mentions)
+
+    # --- arguments -----------------------------------------------------------------------------
+
+    def _arguments(self, emission: s.Emission) -> dict[str, s.Expr] | None:
+        """The arguments by name; unknown, repeated and missing ones are reported."""
+        kind, known = emission.kind.text, _ARGUMENTS[emission.kind.text]
+        found: dict[str, s.Expr] = {}
+        sound = True
+        for argument in emission.arguments:
+            problem = self._problem(argument, kind, found)
+            if problem is None and argument.name is not None:
+                found[argument.name.text] = argument.value
+                continue
+            sound = False
+            message, hint = problem or ("", None)
+            at = argument.span if argument.name is None else argument.name.span
+            self.sink.error(Code.BAD_EMISSION, message, at, hint)
+        missing = [n for n in known if n not in found and (kind, n) not in _OPTIONAL]
+        if missing and sound:
+            names = ", ".join(f"`{n}`" for n in missing)
+            hint = f"add {', '.join(f'`{n}: …`' for n in missing)}"
+            self.sink.error(Code.BAD_EMISSION, f"`{kind}` lacks {names}", emission.kind.span, hint)
+        return found if sound and not missing else None
+
+    def _problem(
+        self, argument: s.Argument, kind: str, found: Mapping[str, s.Expr]
+    ) -> tuple[str, str] | None:
+        known = _ARGUMENTS[kind]
+        if argument.name is None:
+            form = ", ".join(f"{n}: …" for n in known)
+            return f"an argument of `{kind}` has no name", f"write `{kind}({form})`"
+        name = argument.name.text
+        if name not in known:
+            hint = did_you_mean(name, known, "argument", self.sink)
+            return f"`{kind}` has no argument `{name}`", hint
+        if name in found:
+            return f"the argument `{name}` occurs twice", "remove one"
+        return None
+
+    def _sized(self, expr: ir.Expr, at: s.Expr) -> ir.Expr:
+        if not too_large(expr):
+            return expr
+        self.sink.error(
+            Code.TOO_DEEP,
+            "this expression is too large",
+            at.span,
+            "give a part of it to an attribute",
+        )
+        return ZERO
+
+    def _frame(self, expr: s.Expr) -> ir.Expr:
+        value = Checker(self.scope, self.sink).elaborate(expr)
+        return self._sized(require_frame(value, expr.span, self.sink), expr)
+
+    def _scalar(self, expr: s.Expr, dimension: Dimension) -> ir.Expr:
+        value = Checker(self.scope, self.sink).elaborate(expr)
+        found = require_scalar(value, dimension, expr.span, self.sink)
+        warn_implausible(value, dimension, expr, None, self.sink)
+        return self._sized(found, expr)
+
+    def _positive(self, expr: s.Expr, dimension: Dimension) -> ir.Expr:
+        """A scalar that, if it is a constant, is not negative."""
+        value = self._scalar(expr, dimension)
+        known = constants.evident(value)
+        if known is not None and known[0] < 0:
+            self.sink.error(
+                Code.BAD_EMISSION, "this value is negative", expr.span, "write a positive value"
+            )
+        if isinstance(value, ir.ParameterOf):
+            self._check_range(value, expr)
+        return value
+
+    def _check_range(self, parameter: ir.ParameterOf, expr: s.Expr) -> None:
+        """Report a parameter that stands for an amount and may be negative."""
+        info = self.modules[parameter.occurrence] if self.modules else None
+        found = () if info is None else info.module.parameters
+        domain = next((p.domain for p in found if p.name == parameter.name), None)
+        if domain is None:
+            return
+        values = (domain.lower,) if isinstance(domain, ir.Interval) else domain.values
+        least = [known[0] for v in values if (known := constants.evident(v)) is not None]
+        if least and min(least) < 0:
+            message = f"the range of `{parameter.name}` allows a negative value here"
+            hint = "narrow the range to zero and more"
+            self.sink.error(Code.BAD_EMISSION, message, expr.span, hint)
+
+    def _com(self, expr: s.Expr) -> ir.Expr:
+        value = Checker(self.scope, self.sink).elaborate(expr)
+        found = require_vector(value, LENGTH, expr.span, self.sink)
+        warn_implausible_vector(value, LENGTH, expr, self.sink)
+        return self._sized(found, expr)
+
+    def _inertia(self, expr: s.Expr) -> tuple[ir.Expr, ...]:
+        """One moment about the com in the plane; xx, yy, zz, xy, xz, yz in space."""
+        if not isinstance(expr, s.Tuple):
+            message = "in space an inertia has six numbers"
+            self.scope.uses.append(DimensionUse(2, expr.span, message))
+            return (self._positive(expr, INERTIA),)
+        if len(expr.items) != 6:
+            message = f"an inertia has one number or six, not {len(expr.items)}"
+            hint = "write one in the plane, `(xx, yy, zz, xy, xz, yz)` in space"
+            self.sink.error(Code.BAD_EMISSION, message, expr.span, hint)
+            return (ZERO,)
+        message = "in the plane an inertia is one number"
+        self.scope.uses.append(DimensionUse(3, expr.span, message))
+        unit = list_unit(expr.unit, INERTIA, self.sink)
+        found: list[ir.Expr] = []
+        for item in expr.items:
+            value = Checker(self.scope, self.sink).elaborate(item)
+            if unit.unit is not None and value.sort is Sort.SCALAR:
+                value = scale(value, unit.unit, item.span, self.sink)
+            found.append(require_scalar(value, INERTIA, item.span, self.sink))
+        return tuple(self._sized(e, expr) for e in found)

@@ -1,0 +1,211 @@
+"""Modules: roles, parameters (Definition 5), constants, degrees of freedom, own dynamics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.closed import Constants
+from grammar_lang.elaboration.module_dynamics import Statements, lower_dynamics
+from grammar_lang.elaboration.module_scope import ModuleScope
+from grammar_lang.elaboration.plausibility import warn_implausible, warn_implausible_vector
+from grammar_lang.elaboration.sorts import UNKNOWN, Sort, Typed, wrong_sort
+from grammar_lang.elaboration.typecheck import Checker
+from grammar_lang.ir.expressions import too_large
+from grammar_lang.names.declarations import duplicate
+from grammar_lang.names.entities import members
+from grammar_lang.source import Span
+from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, symbol
+
+_ROLES: dict[str, ir.Role] = {
+    "base": "base",
+    "joint": "joint",
+    "link": "link",
+    "effector": "effector",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleInfo:
+    """A module with what its names mean.
+
+    ``members`` holds parameters and constants; parameters occur in them at ``ir.THIS``.  ``own``
+    says of the names of its own dynamics whether they are a state or an input.
+    """
+
+    module: ir.Module
+    members: Mapping[str, Typed]
+    dofs: Mapping[str, ir.Dof]
+    own: Mapping[str, str]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Everything that may follow the dot."""
+        return (*self.members, *self.dofs)
+
+    def at(self, occurrence: int, name: str) -> Typed:
+        """A parameter or constant of the module at an occurrence; KeyError if there is none."""
+        value = self.members[name]
+        return replace(value, expr=_placed(value.expr, occurrence))
+
+
+def _placed(expr: ir.Expr, occurrence: int) -> ir.Expr:
+    match expr:
+        case ir.ParameterOf(name=name):
+            return ir.ParameterOf(occurrence, name)
+        case ir.Unary(function=function, operand=operand):
+            return ir.Unary(function, _placed(operand, occurrence))
+        case ir.Binary(operator=operator, left=left, right=right):
+            return ir.Binary(operator, _placed(left, occurrence), _placed(right, occurrence))
+        case ir.Vector(x=x, y=y, z=z):
+            return ir.Vector(*(_placed(part, occurrence) for part in (x, y, z)))
+        case _:
+            return expr
+
+
+@dataclass(slots=True)
+class _Reader:
+    sink: Sink
+    scope: ModuleScope
+    seen: dict[str, Span] = field(default_factory=dict[str, Span])
+    roles: list[tuple[ir.Role, Span]] = field(default_factory=list[tuple[ir.Role, Span]])
+    parameters: list[ir.Parameter] = field(default_factory=list[ir.Parameter])
+    dofs: list[ir.Dof] = field(default_factory=list[ir.Dof])
+    dynamics: Statements = field(default_factory=Statements)
+
+    def item(self, item: s.ModuleItem) -> None:
+        match item:
+            case s.Role():
+                self._role(item)
+            case s.Param() if self._fresh(item.name):
+                self._parameter(item)
+            case s.Const() if self._fresh(item.name):
+                self._constant(item)
+            case s.Dof() if self._fresh(item.name):
+                self._dof(item)
+            case s.State() | s.Input() if self._fresh(item.name):
+                self.dynamics.add(item)
+            case s.Derivative() | s.Torque():
+                self.dynamics.add(item)
+            case _:
+                pass
+
+    def _fresh(self, name: s.Ident) -> bool:
+        if name.text in self.seen:
+            duplicate(name, self.seen[name.text], self.sink)
+            return False
+        self.seen[name.text] = name.span
+        return True
+
+    def _role(self, item: s.Role) -> None:
+        role = _ROLES.get(item.name.text)
+        if role is None:
+            message = f"unknown role `{item.name.text}`"
+            hint = did_you_mean(item.name.text, _ROLES, "role", self.sink)
+            self.sink.error(Code.UNKNOWN_NAME, message, item.name.span, hint)
+            role = "link"
+        if self.roles:
+            notes = [(self.roles[0][1], "first here")]
+            self.sink.error(
+                Code.REPEATED_CLAUSE, "a second role", item.span, "a module has one role", notes
+            )
+        self.roles.append((role, item.span))
+
+    def _parameter(self, item: s.Param) -> None:
+        reader = Constants(self.sink, self.scope)
+        found: tuple[ir.Interval | ir.Choices, Typed] | None
+        if isinstance(item.domain, s.Interval):
+            found = reader.interval(item.domain, None)
+        else:
+            found = reader.choices(item.domain)
+        if found is None:
+            self.scope.members[item.name.text] = UNKNOWN
+            return
+        domain, sample = found
+        unit = symbol(sample.dimension or ONE, angular=sample.angular)
+        self.parameters.append(ir.Parameter(item.name.text, domain, unit, item.span))
+        self.scope.members[item.name.text] = Typed(
+            ir.ParameterOf(ir.THIS, item.name.text),
+            Sort.SCALAR,
+            sample.dimension,
+            declared=item.span,
+        )
+
+    def _constant(self, item: s.Const) -> None:
+        value = Checker(self.scope, self.sink).elaborate(item.value)
+        if value.sort is Sort.FRAME:
+            wrong_sort(value, "a number or a vector", item.value.span, self.sink)
+            value = UNKNOWN
+        elif too_large(value.expr):
+            self.sink.error(
+                Code.TOO_DEEP,
+                "this expression is too large",
+                item.value.span,
+                "use fewer operations",
+            )
+            value = UNKNOWN
+        elif value.dimension is not None:
+            warn_implausible(value, value.dimension, item.value, None, self.sink)
+            warn_implausible_vector(value, value.dimension, item.value, self.sink)
+        if value.bare:
+            value = replace(value, dimension=ONE)
+        self.scope.members[item.name.text] = replace(value, declared=item.span)
+
+    def _dof(self, item: s.Dof) -> None:
+        reader = Constants(self.sink, self.scope)
+        revolute = item.kind == "revolute"
+        ranged = rated = None
+        if item.range is not None:
+            ranged = reader.interval(item.range, ONE if revolute else LENGTH, angle=revolute)
+        if item.rate is not None:
+            rated = reader.interval(item.rate, FREQUENCY if revolute else SPEED)
+        self.dofs.append(
+            ir.Dof(
+                item.name.text,
+                item.kind,
+                item.axis,
+                None if ranged is None else ranged[0],
+                None if rated is None else rated[0],
+                item.span,
+            )
+        )
+
+
+def not_supported(what: str, span: Span, sink: Sink) -> None:
+    """Report a construct that this version refuses."""
+    sink.error(
+        Code.NOT_SUPPORTED,
+        f"{what} is not supported by this version",
+        span,
+        "remove it; it is part of the language, but not yet compiled",
+    )
+
+
+def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
+    """The module and its names; whatever is wrong with it is reported."""
+    reader = _Reader(sink, ModuleScope({name: each.kind for name, each in members(module).items()}))
+    for item in module.items:
+        reader.item(item)
+    if not reader.roles:
+        message = f"module `{module.name.text}` has no role"
+        hint = "add `role base;`, `role joint;`, `role link;` or `role effector;`"
+        sink.error(Code.MISSING_CLAUSE, message, module.name.span, hint)
+    dofs = {dof.name: dof for dof in reader.dofs}
+    dynamics = lower_dynamics(module, reader.dynamics, reader.scope, dofs, sink)
+    lowered = ir.Module(
+        module.name.text,
+        reader.roles[0][0] if reader.roles else "link",
+        tuple(reader.parameters),
+        tuple(reader.dofs),
+        module.span,
+        dynamics.states,
+        dynamics.inputs,
+        dynamics.torques,
+    )
+    own = {name: what for name, what in reader.scope.kinds.items() if what in {"state", "input"}}
+    return ModuleInfo(lowered, reader.scope.members, dofs, own)

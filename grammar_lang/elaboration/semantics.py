@@ -1,0 +1,198 @@
+"""Semantics (Definition 5): attribute rules and emissions of each production, typed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import did_you_mean, nearest
+from grammar_lang.elaboration.attribute_types import Inference, ProductionScope, Types
+from grammar_lang.elaboration.attributes import (
+    Attributes,
+    PlacedRule,
+    check_complete,
+    collect_attributes,
+)
+from grammar_lang.elaboration.circularity import cycle
+from grammar_lang.elaboration.emissions import Emissions
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.productions import GrammarInfo
+from grammar_lang.elaboration.sorts import (
+    ZERO,
+    DimensionUse,
+    Sort,
+    Typed,
+    mismatch,
+    wrong_sort,
+)
+from grammar_lang.elaboration.typecheck import Checker
+from grammar_lang.ir.expression_text import occurrence_names
+from grammar_lang.ir.expressions import too_large
+from grammar_lang.names.declarations import duplicate
+from grammar_lang.names.table import NameTable
+from grammar_lang.source import Span
+
+_ENDS = 3
+"""So many attributes are named at either end of a long cycle."""
+
+
+# --- lowering ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class SemanticsInfo:
+    """The blocks of a grammar and what in them depends on plane or space (nothing after errors)."""
+
+    blocks: Mapping[str, ir.SemanticBlock]
+    uses: tuple[DimensionUse, ...]
+
+
+def _fits(value: Typed, due: Typed | None, at: Span, sink: Sink) -> None:
+    """Check a rule's value against the type of its attribute."""
+    if due is None or Sort.UNKNOWN in {value.sort, due.sort}:
+        return
+    if value.sort is not due.sort:
+        wrong_sort(value, due.sort.value, at, sink)
+    elif due.dimension is not None and value.dimension not in {None, due.dimension}:
+        mismatch(value, due.dimension, at, sink)
+
+
+def _rule(placed: PlacedRule, scope: ProductionScope, sink: Sink) -> ir.AttributeRule:
+    value = Checker(scope, sink).elaborate(placed.rule.value)
+    _fits(value, scope.types.get(placed.key), placed.rule.value.span, sink)
+    if too_large(value.expr):
+        sink.error(
+            Code.TOO_DEEP, "this expression is too large", placed.rule.span, "use more attributes"
+        )
+        return ir.AttributeRule(placed.target, ZERO, placed.rule.span)
+    mentions = scope.mentions([placed.rule.value])
+    return ir.AttributeRule(placed.target, value.expr, placed.rule.span, mentions)
+
+
+def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
+    """Each degree of freedom of each module occurrence is used exactly once."""
+    production = scope.info.production
+    called_by = {place: name for name, place in scope.info.names.items()}
+    for position, symbol in enumerate(production.right):
+        module = scope.modules.get(symbol.name)
+        for name in () if module is None else module.dofs:
+            places = scope.dofs.get(ir.DofOf(position, name), [])
+            called = f"`{symbol.alias or called_by.get(position, symbol.name)}.{name}`"
+            if not places:
+                message = f"production `{production.label}` does not use {called}"
+                hint = f"use {called} once, in a `rot` or `move`"
+                sink.error(Code.BAD_DOF_USE, message, block.label.span, hint)
+            for place in places[1:]:
+                message = f"{called} is used more than once"
+                notes = [(places[0], "first here")]
+                hint = "give the moved frame to an attribute, and use that"
+                sink.error(Code.BAD_DOF_USE, message, place, hint, notes)
+
+
+def _block(
+    block: s.Block, rules: list[PlacedRule], scope: ProductionScope, sink: Sink
+) -> ir.SemanticBlock:
+    lowered = tuple(_rule(placed, scope, sink) for placed in rules)
+    symbols = scope.info.production.right
+    emissions = Emissions(scope, sink, [scope.modules.get(symbol.name) for symbol in symbols])
+    emitted = [emissions.lower(e) for e in block.statements if isinstance(e, s.Emission)]
+    failed = scope.info.broken or None in emitted
+    if not failed and scope.info.production.label not in scope.attributes.failed:
+        _check_dofs(scope, block, sink)
+    return ir.SemanticBlock(lowered, tuple(e for e in emitted if e is not None), block.span)
+
+
+def _blocks(
+    grammar: GrammarInfo, semantics: s.Semantics, names: NameTable, sink: Sink
+) -> dict[str, s.Block]:
+    """The blocks by label; unknown, repeated and missing ones are reported."""
+    found: dict[str, s.Block] = {}
+    meant: set[str | None] = set()
+    for block in semantics.blocks:
+        label = block.label
+        if names.entity(label) is None:
+            meant.add(nearest(label.text, grammar.productions, sink))
+            message = f"grammar `{grammar.grammar.name}` has no production `{label.text}`"
+            hint = did_you_mean(label.text, grammar.productions, "production", sink)
+            sink.error(Code.UNKNOWN_NAME, message, label.span, hint)
+        elif label.text in found:
+            duplicate(label, found[label.text].label.span, sink)
+        else:
+            found[label.text] = block
+    for label_text, info in grammar.productions.items():
+        if label_text not in found and label_text not in meant:
+            message = f"production `{label_text}` has no block in the semantics"
+            notes = [(info.production.span, "the production")]
+            hint = f"add `{label_text} {{ }}`, at least"
+            sink.error(Code.MISSING_BLOCK, message, semantics.grammar.span, hint, notes)
+    return found
+
+
+def _check_inferred(attributes: Attributes, types: Types, sink: Sink) -> None:
+    """Report the attributes whose every definition refers to itself in another derivation."""
+    for (nonterminal, name), span in (
+        *attributes.synthesized.items(),
+        *attributes.inherited.items(),
+    ):
+        if (nonterminal, name) not in types:
+            message = f"nothing determines what the attribute `{name}` of `{nonterminal}` is"
+            hint = "no production defines it without reading it; add one that does"
+            sink.error(Code.UNDEFINED_ATTRIBUTE, message, span, hint)
+
+
+def _check_cycle(grammar: GrammarInfo, blocks: Mapping[str, ir.SemanticBlock], sink: Sink) -> None:
+    found = cycle(grammar.grammar.productions, blocks)
+    if found is None:
+        return
+    production, nodes = found
+    called = occurrence_names(production)
+    names = [
+        f"{'this' if n.occurrence == ir.THIS else called[n.occurrence]}.{n.name}" for n in nodes
+    ]
+    if len(names) > 2 * _ENDS + 1:
+        names[_ENDS:-_ENDS] = [f"… {len(names) - 2 * _ENDS} more …"]
+    around = frozenset(nodes)
+    here = [rule.span for rule in blocks[production.label].rules if rule.target in around]
+    message = f"circular attributes in production `{production.label}`: "
+    hint = "an attribute cannot depend on itself"
+    sink.error(
+        Code.CIRCULAR_ATTRIBUTES,
+        message + " -> ".join([*names, names[0]]),
+        here[0] if here else production.span,
+        hint,
+    )
+
+
+def lower_semantics(
+    grammar: GrammarInfo,
+    semantics: s.Semantics,
+    modules: Mapping[str, ModuleInfo],
+    names: NameTable,
+    sink: Sink,
+) -> SemanticsInfo:
+    """The semantics of a grammar; whatever is wrong with it is reported."""
+    before = len(sink.found)
+    blocks = _blocks(grammar, semantics, names, sink)
+    attributes = collect_attributes(grammar, blocks, names, sink)
+    check_complete(grammar, blocks, attributes, sink)
+    types = Inference(grammar, modules, attributes, names).run()
+    rules: dict[str, list[PlacedRule]] = {}
+    for placed in attributes.rules:
+        rules.setdefault(placed.label, []).append(placed)
+    lowered: dict[str, ir.SemanticBlock] = {}
+    uses: list[DimensionUse] = []
+    for label, info in grammar.productions.items():
+        if label in blocks:
+            scope = ProductionScope(info, modules, attributes, types, names)
+            lowered[label] = _block(blocks[label], rules.get(label, []), scope, sink)
+            uses.extend(scope.uses)
+    if Sink(sink.found[before:]).has_errors:
+        return SemanticsInfo(lowered, ())
+    _check_cycle(grammar, lowered, sink)
+    if not Sink(sink.found[before:]).has_errors:
+        _check_inferred(attributes, types, sink)
+    return SemanticsInfo(lowered, tuple(uses))

@@ -1,0 +1,228 @@
+"""Sorts and dimensions of values, and the checks that a value fits its place.
+
+A value is a scalar, a vector or a frame.  A *bare* value (dimension None) is made of numbers
+without units; it takes the dimension that its place requires.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from typing import Literal, Protocol
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.ir import constants
+from grammar_lang.source import Span
+from grammar_lang.units import ONE, Dimension, Unit, describe, symbol
+
+
+class Sort(Enum):
+    """What a value is; UNKNOWN after an error, or where it is not yet inferred."""
+
+    SCALAR = "a number"
+    VECTOR = "a vector"
+    FRAME = "a frame"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Typed:
+    """An expression with its sort and dimension; ``declared`` is where its name is declared."""
+
+    expr: ir.Expr
+    sort: Sort
+    dimension: Dimension | None
+    angular: bool = False
+    declared: Span | None = None
+
+    @property
+    def bare(self) -> bool:
+        """Whether it takes the dimension of its place."""
+        return self.dimension is None and self.sort in {Sort.SCALAR, Sort.VECTOR}
+
+
+ZERO = ir.Num(Fraction(0))
+UNKNOWN = Typed(ZERO, Sort.UNKNOWN, None)
+
+
+def unknown(expr: ir.Expr) -> Typed:
+    """An expression of a sort that is not yet inferred; what it reads is kept."""
+    return Typed(expr, Sort.UNKNOWN, None)
+
+
+@dataclass(frozen=True, slots=True)
+class DimensionUse:
+    """Something that makes sense in the plane (2) or in space (3) only."""
+
+    only: Literal[2, 3]
+    span: Span
+    message: str
+
+
+class Scope(Protocol):
+    """What names mean where an expression stands."""
+
+    uses: list[DimensionUse]
+
+    def name(self, ident: s.Ident, sink: Sink) -> Typed:
+        """The value of a plain name; reports it and returns UNKNOWN if there is none."""
+        ...
+
+    def member(self, member: s.Member, sink: Sink) -> Typed:
+        """The value of ``owner.name``; reports it and returns UNKNOWN if there is none."""
+        ...
+
+    def dof(self, member: s.Member) -> ir.Dof | None:
+        """The degree of freedom that ``owner.name`` is."""
+        ...
+
+    def use_dof(self, member: s.Member) -> ir.Expr:
+        """Take note that the degree of freedom stands alone in a ``rot`` or ``move`` here."""
+        ...
+
+    def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
+        """The occurrences of modules that expressions name, in order of first mention."""
+        ...
+
+
+def _describe(value: Typed) -> str:
+    if value.sort is Sort.SCALAR and value.dimension is not None:
+        angle = value.angular and value.dimension == ONE
+        return "an angle" if angle else describe(value.dimension)
+    return value.sort.value
+
+
+def _known_already(declared: Span | None, sink: Sink) -> bool:
+    if declared is None:
+        return False
+    return any(
+        declared == span
+        for found in sink.found
+        if found.code is Code.UNIT_MISMATCH
+        for span, _ in found.notes
+    )
+
+
+def mismatch(
+    value: Typed, dimension: Dimension, at: Span, sink: Sink, hint: str | None = None
+) -> None:
+    """Report a wrong dimension, once for each declaration that is to blame."""
+    if _known_already(value.declared, sink):
+        return
+    if hint is None:
+        unit = symbol(dimension)
+        hint = f"write it in `{unit}`, as in `3 {unit}`"
+        if dimension == ONE:
+            hint = "write a plain number or an angle"
+    notes = [] if value.declared is None else [(value.declared, "declared here")]
+    message = f"expected {describe(dimension)}, found {_describe(value)}"
+    sink.error(Code.UNIT_MISMATCH, message, at, hint, notes)
+
+
+def wrong_sort(value: Typed, wanted: str, at: Span, sink: Sink) -> None:
+    """Report a wrong sort; silent where the sort is unknown because of an earlier error."""
+    if value.sort is Sort.UNKNOWN:
+        return
+    hint = {
+        Sort.SCALAR: "a frame is `world`, `rot(axis, angle)`, `move(axis, d)` or a product of them",
+        Sort.VECTOR: "vectors stand in `move((x, y, z))` and in `com:` only",
+        Sort.FRAME: "frames are joined with `*`, and go into `frame:` or another frame only",
+    }[value.sort]
+    if wanted == "a vector":
+        hint = "a vector is `(x, y)`, or `(x, y, z)` in space"
+    sink.error(Code.SORT_MISMATCH, f"expected {wanted}, found {_describe(value)}", at, hint)
+
+
+def require_scalar(value: Typed, dimension: Dimension, at: Span, sink: Sink) -> ir.Expr:
+    """The expression of a scalar of that dimension; whatever else it is, is reported."""
+    if value.sort is not Sort.SCALAR:
+        wrong_sort(value, describe(dimension), at, sink)
+    elif value.dimension is not None and value.dimension != dimension:
+        mismatch(value, dimension, at, sink)
+    return value.expr
+
+
+def require_vector(value: Typed, dimension: Dimension, at: Span, sink: Sink) -> ir.Expr:
+    """The expression of a vector of that dimension."""
+    if value.sort is not Sort.VECTOR:
+        wrong_sort(value, "a vector", at, sink)
+    elif value.dimension is not None and value.dimension != dimension:
+        mismatch(value, dimension, at, sink)
+    return value.expr
+
+
+def require_frame(value: Typed, at: Span, sink: Sink) -> ir.Expr:
+    """The expression of a frame."""
+    if value.sort is not Sort.FRAME:
+        wrong_sort(value, "a frame", at, sink)
+    return value.expr
+
+
+def warn_turn(value: Typed, at: Span, sink: Sink) -> None:
+    """Warn of a bare angle above a turn: it was probably meant in degrees."""
+    if not value.bare or value.sort is not Sort.SCALAR or not constants.is_closed(value.expr):
+        return
+    try:
+        size = abs(constants.to_float(value.expr))
+    except ValueError:
+        return
+    if size > 2 * math.pi:
+        sink.warning(
+            Code.ANGLE_ABOVE_TURN,
+            "this angle is more than a turn: a number without a unit is in radians",
+            at,
+            "write `deg` or `rad` after it",
+        )
+
+
+def finite(value: Typed, at: Span, sink: Sink) -> Typed:
+    """The value, or UNKNOWN (reported) where it is closed and has no finite real value."""
+    if value.sort is not Sort.SCALAR or not constants.is_closed(value.expr):
+        return value
+    try:
+        constants.to_float(value.expr)
+    except ValueError:
+        message = "this has no finite value"
+        hint = "it divides by zero, takes the root of a negative number or exceeds 1e308"
+        if isinstance(value.expr, ir.Num):
+            message, hint = "this number is too large", "use a smaller one"
+        sink.error(Code.BAD_NUMBER, message, at, hint)
+        return UNKNOWN
+    return value
+
+
+def folded(build: Callable[[], ir.Expr], at: Span, sink: Sink) -> ir.Expr | None:
+    """The expression that ``build`` makes; numbers too large to represent are reported."""
+    try:
+        return build()
+    except constants.MagnitudeError:
+        sink.error(Code.BAD_NUMBER, "this number is too large", at, "use a smaller one")
+        return None
+
+
+def scale(value: Typed, unit: Unit, at: Span, sink: Sink) -> Typed:
+    """A bare value in a unit; a value with a dimension of its own is left as it is."""
+    if not value.bare:
+        return value
+    factor = constants.from_monomial((unit.factor, unit.pi_power))
+
+    def times(expr: ir.Expr) -> ir.Expr:
+        return constants.binary("*", expr, factor)
+
+    def build() -> ir.Expr:
+        match value.expr:
+            case ir.Vector(x=x, y=y, z=z):
+                return ir.Vector(times(x), times(y), times(z))
+            case expr:
+                return times(expr)
+
+    expr = folded(build, at, sink)
+    if expr is None:
+        return UNKNOWN
+    return finite(Typed(expr, value.sort, unit.dimension, unit.angular), at, sink)

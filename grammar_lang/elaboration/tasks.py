@@ -1,0 +1,392 @@
+"""Tasks: a robot family, a workspace and what is to be done, every clause checked."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeVar
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.closed import Constants, coordinates, list_unit
+from grammar_lang.elaboration.efforts import lower_efforts
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.sorts import (
+    DimensionUse,
+    Sort,
+    Typed,
+    mismatch,
+    warn_turn,
+    wrong_sort,
+)
+from grammar_lang.names.declarations import report_unknown
+from grammar_lang.names.table import NameTable
+from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
+from grammar_lang.units import (
+    ACCELERATION,
+    FREQUENCY,
+    LENGTH,
+    ONE,
+    SPEED,
+    TIME,
+    Dimension,
+)
+
+DEFAULT_SLACK = Fraction(1, 10**6)
+COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
+"""What a coordinate of a degree of freedom is; a bare number is of either kind."""
+
+Clause = TypeVar("Clause", bound=t.TaskItem)
+Named = TypeVar("Named")
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A robot family as a task sees it.
+
+    ``kinds`` are those of its joints, ``driven`` those of joints with a free input, in fixed order.
+    """
+
+    kinds: tuple[ir.DofKind, ...]
+    driven: tuple[ir.DofKind, ...]
+    has_semantics: bool
+    uses: tuple[DimensionUse, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What a task may name, and the modules, families and workspaces that were made of it."""
+
+    names: NameTable
+    modules: Mapping[str, ModuleInfo]
+    families: Mapping[str, Family]
+    workspaces: Mapping[str, ir.Workspace]
+
+
+@dataclass(slots=True)
+class _Reader:
+    task: t.Task
+    around: Surroundings
+    sink: Sink
+    family: Family | None = None
+    workspace: ir.Workspace | None = None
+    itself: ir.AvoidSelf | None = None
+
+    @property
+    def constants(self) -> Constants:
+        return Constants(self.sink)
+
+    def one(self, kind: type[Clause], name: str, hint: str | None) -> Clause | None:
+        """The clause of a kind; a second one is reported, and with a hint a missing one."""
+        items = [item for item in self.task.items if isinstance(item, kind)]
+        for item in items[1:]:
+            notes = [(items[0].span, "first here")]
+            message = f"a second `{name}`"
+            self.sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
+        if not items and hint is not None:
+            message = f"task `{self.task.name.text}` has no `{name}`"
+            self.sink.error(Code.MISSING_CLAUSE, message, self.task.name.span, hint)
+        return items[0] if items else None
+
+    def region(self, name: s.Ident) -> str:
+        """The name of a region or map of the workspace; reported if it is none."""
+        if self.workspace is not None and self.around.names.entity(name) is None:
+            known = self.around.names.declared.places[self.workspace.name]
+            self._no_region(name, self.workspace.name, known)
+        return name.text
+
+    def place(self, name: s.Ident) -> str:
+        """The name of a region where the task starts or ends; reported if it is none."""
+        found = self.around.names.entity(name)
+        if found is not None and found.kind == "map":
+            message = f"`{name.text}` is a map of obstacles, and no place to start or to end"
+            notes = [(found.span, "declared here")]
+            hint = "name a region; a map is avoided, or named in a formula"
+            self.sink.error(Code.WRONG_KIND, message, name.span, hint, notes)
+        elif found is None and self.workspace is not None:
+            known = self.around.names.declared.regions[self.workspace.name]
+            self._no_region(name, self.workspace.name, known)
+        return name.text
+
+    def _no_region(self, name: s.Ident, workspace: str, known: Collection[str]) -> None:
+        message = f"workspace `{workspace}` has no region `{name.text}`"
+        due = f"a region of workspace `{workspace}`"
+        report_unknown(name, due, known, self.around.names.declared, self.sink, message)
+
+    def named(self, name: s.Ident, known: Mapping[str, Named], due: str) -> Named | None:
+        """The thing of that name; reported if there is none."""
+        if self.around.names.entity(name) is None:
+            report_unknown(name, due, known, self.around.names.declared, self.sink)
+        return known.get(name.text)
+
+    def effector(self, expr: s.Expr | None) -> int | None:
+        return None if expr is None else self.constants.integer(expr, 1, "an effector's number")
+
+    def not_negative(self, expr: s.Expr, dimension: Dimension, what: str) -> Fraction:
+        """A rational, at least zero; zero where an error was reported."""
+        value = self.constants.rational(expr, dimension)
+        if value is not None and value < 0:
+            self.sink.error(Code.BAD_VALUE, f"{what} is negative", expr.span, "write zero or more")
+        return value or Fraction(0)
+
+    def positive(self, expr: s.Expr, dimension: Dimension, what: str) -> Fraction:
+        """A rational above zero; one where an error was reported."""
+        value = self.constants.rational(expr, dimension)
+        if value is not None and value <= 0:
+            self.sink.error(
+                Code.BAD_VALUE, f"{what} is not positive", expr.span, "write more than zero"
+            )
+        return value or Fraction(1)
+
+    # --- start, reach, avoid -------------------------------------------------------------------
+
+    def start(self) -> ir.StartIn | ir.StartAt | None:
+        items = [i for i in self.task.items if isinstance(i, t.StartIn | t.StartAt)]
+        for item in items[1:]:
+            notes = [(items[0].span, "first here")]
+            self.sink.error(
+                Code.REPEATED_CLAUSE, "a second `start`", item.span, "remove one", notes
+            )
+        if not items:
+            message = f"task `{self.task.name.text}` has no `start`"
+            hint = "add `start in R;` or `start at (…);`"
+            self.sink.error(Code.MISSING_CLAUSE, message, self.task.name.span, hint)
+            return None
+        match items[0]:
+            case t.StartIn(region=region, effector=effector, rates=rates, span=span):
+                name = self.place(region)
+                number = self.effector(effector)
+                return ir.StartIn(name, number, self._rates(rates), span)
+            case t.StartAt(point=point, span=span):
+                return self._given(point, span)
+
+    def _of_kinds(self, value: Typed, dimensions: Mapping[ir.DofKind, Dimension], at: Span) -> bool:
+        """Whether a value has the dimension that some kind of dof of the family requires."""
+        if value.sort is not Sort.SCALAR:
+            wrong_sort(value, "a number", at, self.sink)
+            return False
+        kinds = self.family.kinds if self.family is not None else tuple(dimensions)
+        due = [dimensions[kind] for kind in kinds or tuple(dimensions)]
+        if value.dimension is None or value.dimension in due:
+            return True
+        mismatch(value, due[0], at, self.sink)
+        return False
+
+    def _rates(self, expr: s.Expr | None) -> Fraction:
+        if expr is None:
+            return Fraction(0)
+        value = self.constants.typed(expr)
+        if not self._of_kinds(value, {"revolute": FREQUENCY, "prismatic": SPEED}, expr.span):
+            return Fraction(0)
+        exact = self.constants.exact(value.expr, expr.span)
+        if exact is not None and exact < 0:
+            self.sink.error(
+                Code.BAD_VALUE, "the rates are negative", expr.span, "write zero or more"
+            )
+        return exact or Fraction(0)
+
+    def _given(self, point: t.Point, span: Span) -> ir.StartAt:
+        """The start with these coordinates, without those that are reported."""
+        unit = list_unit(point.unit, None, self.sink)
+        found: list[tuple[ir.Expr, ir.DofKind | None, Span]] = []
+        for item in point.items:
+            value = self.constants.typed(item, unit)
+            if self.family is not None and self.family.kinds == ("revolute",):
+                warn_turn(value, item.span, self.sink)
+            if self._of_kinds(value, COORDINATES, item.span):
+                kinds = (kind for kind, due in COORDINATES.items() if due == value.dimension)
+                found.append((value.expr, next(kinds, None), item.span))
+        values, kinds_due, places = zip(*found, strict=True) if found else ((), (), ())
+        return ir.StartAt(values, span, kinds_due, places)
+
+    def reach(self) -> ir.Reach | None:
+        wanted = not any(isinstance(i, t.Satisfy) for i in self.task.items)
+        hint = "add `reach R;`, or `satisfy FORMULA;`" if wanted else None
+        item = self.one(t.Reach, "reach", hint)
+        if item is None:
+            return None
+        effector = self.effector(item.effector)
+        return ir.Reach(self.place(item.region), effector, item.at_rest, item.span)
+
+    def avoid(self) -> tuple[ir.Avoid, ...]:
+        found = (self._avoid(i) for i in self.task.items if isinstance(i, t.Avoid))
+        return tuple(avoid for avoid in found if avoid is not None)
+
+    def _avoid(self, item: t.Avoid) -> ir.Avoid | None:
+        """What is avoided besides the robot itself; None if there is nothing else."""
+        margin = Fraction(0)
+        if item.margin is not None:
+            margin = self.not_negative(item.margin, LENGTH, "the margin")
+        others: list[str] = []
+        for name in item.regions:
+            if self._is_self(name):
+                self._avoid_self(item, name, margin)
+            else:
+                others.append(self.region(name))
+        return ir.Avoid(tuple(others), item.subject, margin, item.span) if others else None
+
+    def _is_self(self, name: s.Ident) -> bool:
+        """Whether a name in ``avoid`` is the robot itself, not a region that is called so."""
+        if name.text != "self":
+            return False
+        return self.around.names.entity(name) is None
+
+    def _avoid_self(self, item: t.Avoid, name: s.Ident, margin: Fraction) -> None:
+        if item.subject == "effector":
+            message = "an effector alone cannot collide with itself"
+            hint = "write `avoid self with body`"
+            self.sink.error(Code.BAD_VALUE, message, name.span, hint)
+        elif self.itself is not None:
+            notes = [(self.itself.span, "first here")]
+            message = "a second `avoid self`"
+            self.sink.error(Code.REPEATED_CLAUSE, message, name.span, "remove one", notes)
+        else:
+            self.itself = ir.AvoidSelf(margin, item.span)
+
+    # --- formulas ------------------------------------------------------------------------------
+
+    def satisfy(self) -> tuple[ir.Satisfy, ...]:
+        found: list[ir.Satisfy] = []
+        for item in self.task.items:
+            if isinstance(item, t.Satisfy):
+                # Loaded where a task needs it, so that a check starts fast.
+                from grammar_lang.elaboration.formulas import lower_formula
+
+                formula = lower_formula(item.formula, self.region, self.sink)
+                found.append(ir.Satisfy(formula, item.span))
+        return tuple(found)
+
+    # --- the existing robot, and disturbances --------------------------------------------------
+
+    def origin(self) -> ir.Origin | None:
+        item = self.one(t.From, "from", None)
+        if item is None:
+            return None
+        from grammar_lang.elaboration.reconfiguration import lower_origin
+
+        return lower_origin(item, self.around.modules, self.around.names, self.sink)
+
+    def robust(self) -> ir.Robust | None:
+        if not any(isinstance(i, t.RobustStart | t.RobustEffort) for i in self.task.items):
+            return None
+        from grammar_lang.elaboration.robustness import lower_robust
+
+        return lower_robust(self.task.items, self.sink)
+
+    # --- the rest ------------------------------------------------------------------------------
+
+    def horizon(self) -> tuple[int, Fraction]:
+        item = self.one(t.Horizon, "horizon", "add `horizon 80 steps of 0.125 s;`")
+        if item is None:
+            return 1, Fraction(1)
+        steps = self.constants.integer(item.steps, 1, "the number of steps")
+        return steps or 1, self.positive(item.step, TIME, "the step")
+
+    def slack(self) -> Fraction:
+        item = self.one(t.Slack, "slack", None)
+        return DEFAULT_SLACK if item is None else self.not_negative(item.value, ONE, "the slack")
+
+    def gravity(self) -> tuple[Fraction, ...]:
+        item = self.one(t.Gravity, "gravity", None)
+        size = 2 if self.workspace is None else self.workspace.dimension
+        none = (Fraction(0),) * size
+        if item is None or self.workspace is None:
+            return none
+        point = item.point
+        unit = list_unit(point.unit, ACCELERATION, self.sink)
+        found = coordinates(
+            self.constants,
+            point.items,
+            unit,
+            ACCELERATION,
+            self.workspace.dimension,
+            point.span,
+        )
+        return found or none
+
+    def modules(self) -> int | None:
+        item = self.one(t.Modules, "modules", None)
+        if item is None:
+            return None
+        if item.comparison != "<=":
+            message = f"`modules` takes `<=`, not `{item.comparison}`"
+            self.sink.error(Code.BAD_VALUE, message, item.span, "write `modules <= n;`")
+        return self.constants.integer(item.bound, 1, "the number of modules")
+
+
+def _check_family(reader: _Reader, robot: t.Robot) -> None:
+    """The family has a meaning, and one in the dimension of the workspace."""
+    family, workspace, sink = reader.family, reader.workspace, reader.sink
+    if family is None:
+        return
+    if not family.has_semantics:
+        message = f"grammar `{robot.name.text}` has no semantics, so it describes no robot"
+        hint = f"add `semantics {robot.name.text} {{ … }}`"
+        sink.error(Code.MISSING_BLOCK, message, robot.name.span, hint)
+    if workspace is None:
+        return
+    where = "`plane xy`" if workspace.dimension == 2 else "`space xyz`"
+    for use in family.uses:
+        known = any(d.code is Code.OUT_OF_PLANE and d.span == use.span for d in sink.found)
+        if use.only != workspace.dimension and not known:
+            hint = f"workspace `{workspace.name}` is {where}"
+            notes = [(robot.span, "the task that joins them")]
+            sink.error(Code.OUT_OF_PLANE, use.message, use.span, hint, notes)
+
+
+def _places(task: t.Task) -> dict[str, Span]:
+    """Where the clauses stand that are plain numbers in the task."""
+    kinds = {
+        t.Horizon: "horizon",
+        t.Gravity: "gravity",
+        t.Modules: "modules",
+        t.BoundsBody: "bounds_body",
+    }
+    return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
+
+
+def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None:
+    """The task; None where a required clause is missing or wrong, which is reported."""
+    reader = _Reader(task, around, sink)
+    robot = reader.one(t.Robot, "robot", "add `robot G;` with the name of a grammar")
+    place = reader.one(t.TaskWorkspace, "workspace", "add `workspace W;`")
+    if robot is not None:
+        reader.family = reader.named(robot.name, around.families, "a grammar")
+    if place is not None:
+        reader.workspace = reader.named(place.name, around.workspaces, "a workspace")
+    if robot is not None:
+        _check_family(reader, robot)
+    start, reach, satisfy = reader.start(), reader.reach(), reader.satisfy()
+    avoid = reader.avoid()
+    effort = lower_efforts(task, () if reader.family is None else reader.family.driven, sink)
+    steps, step = reader.horizon()
+    slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
+    body = reader.one(t.BoundsBody, "bounds with body", None) is not None
+    origin, robust = reader.origin(), reader.robust()
+    if robot is None or place is None or start is None or not (reach or satisfy):
+        return None
+    return ir.Task(
+        name=task.name.text,
+        grammar=robot.name.text,
+        workspace=place.name.text,
+        start=start,
+        reach=reach,
+        avoid=avoid,
+        effort=effort,
+        steps=steps,
+        step=step,
+        slack=slack,
+        gravity=gravity,
+        modules=modules,
+        bounds_body=body,
+        span=task.span,
+        avoid_self=reader.itself,
+        origin=origin,
+        satisfy=satisfy,
+        robust=robust,
+        clauses=_places(task),
+    )

@@ -1,0 +1,1 @@
+"""What every name of a specification stands for, and where it stands."""

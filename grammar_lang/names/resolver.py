@@ -1,0 +1,385 @@
+"""Name resolution: one walk over the syntax finds what every name stands for.
+
+Errors do not matter here: a name that stands for nothing is no mention of anything, and every other
+one is.  Whether an entity is of the kind that is due is for the checks to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.names.declarations import Declarations, declarations, named
+from grammar_lang.names.entities import (
+    Entity,
+    Occurrences,
+    entity,
+    map_name,
+    members,
+    nonterminals,
+    occurrences,
+    productions,
+)
+from grammar_lang.names.table import Mention, NameTable
+from grammar_lang.source import Span
+from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import tasks as t
+from grammar_lang.syntax.expressions import bounds, readings
+
+
+def _bare(name: s.Ident) -> Span:
+    """The place of a name, without the quotes that may be about it."""
+    span = name.span
+    quotes = span.end - span.start - len(name.text)
+    return Span(span.start + 1, span.end - 1, span.file) if quotes == 2 else span
+
+
+@dataclass(slots=True)
+class _GrammarNames:
+    """The names of a grammar; ``symbols`` are terminals and nonterminals."""
+
+    grammar: s.Grammar
+    symbols: Mapping[str, Entity]
+    productions: Mapping[str, s.Production]
+
+    def production(self, label: s.Ident) -> Entity:
+        """The production with a label that exists."""
+        first = self.productions[label.text]
+        return entity("production", (self.grammar.name.text,), first.label, first.span)
+
+
+@dataclass(slots=True)
+class _Resolver:
+    declared: Declarations
+    found: list[Mention] = field(default_factory=list[Mention])
+    words: dict[Span, Occurrences] = field(default_factory=dict[Span, Occurrences])
+    within: Entity | None = None
+    _members: dict[str, Mapping[str, Entity]] = field(
+        default_factory=dict[str, Mapping[str, Entity]]
+    )
+    _grammars: dict[str, _GrammarNames] = field(default_factory=dict[str, _GrammarNames])
+
+    # --- what is found -------------------------------------------------------------------------
+
+    def add(
+        self,
+        meant: Entity | None,
+        name: s.Ident,
+        *,
+        declares: bool = False,
+        position: int | None = None,
+    ) -> None:
+        """A name that stands for an entity, if it does."""
+        if meant is not None:
+            span = _bare(name)
+            self.found.append(Mention(meant, span, name.span, declares, self.within, position))
+
+    def numbered(self, meant: Entity | None, name: s.Ident, position: int) -> None:
+        """A name that is a symbol's, perhaps with a number behind it."""
+        if meant is not None:
+            span = Span(name.span.start, name.span.start + len(meant.name), name.span.file)
+            here = self.within
+            mention = Mention(meant, span, name.span, within=here, position=position)
+            self.found.append(mention)
+
+    def members(self, module: str) -> Mapping[str, Entity]:
+        """What a module of that name declares; nothing if there is none."""
+        if module not in self.declared.modules:
+            return {}
+        if module not in self._members:
+            self._members[module] = members(self.declared.modules[module])
+        return self._members[module]
+
+    def names_of(self, grammar: s.Grammar) -> _GrammarNames:
+        """The names of a grammar."""
+        name = grammar.name.text
+        if name not in self._grammars:
+            symbols = nonterminals(grammar) | self.declared.terminals
+            self._grammars[name] = _GrammarNames(grammar, symbols, productions(grammar))
+        return self._grammars[name]
+
+    # --- items ---------------------------------------------------------------------------------
+
+    def item(self, item: t.Item) -> None:
+        """The names of an item; inside a second one of its name nothing is resolved."""
+        self.within = None
+        match item:
+            case s.Module(name=name):
+                self.add(self.declared.terminals.get(name.text), name, declares=True)
+            case s.Edges(names=names):
+                for name in names:
+                    self.add(self.declared.terminals.get(name.text), name, declares=True)
+            case s.Grammar() | t.Workspace() | t.Task():
+                self.add(named(item), item.name, declares=True)
+            case s.Semantics() | t.Include():
+                pass
+        if self.declared.is_first(item):
+            self._inside(item)
+
+    def _inside(self, item: t.Item) -> None:
+        match item:
+            case s.Module():
+                self._module(item)
+            case s.Grammar():
+                self._grammar(item)
+            case s.Semantics():
+                self._semantics(item)
+            case t.Workspace():
+                self._workspace(item)
+            case t.Task():
+                self.within = named(item)
+                self._task(item)
+            case s.Edges() | t.Include():
+                pass
+
+    def _module(self, module: s.Module) -> None:
+        known = self.members(module.name.text)
+        for item in module.items:
+            self.within = known.get(item.name.text)
+            if not isinstance(item, s.Role):
+                declares = not isinstance(item, s.Derivative | s.Torque)
+                self.add(self.within, item.name, declares=declares)
+            for name in readings(_expressions(item)):
+                if isinstance(name, s.Name):
+                    self.add(known.get(name.ident.text), name.ident)
+
+    def _workspace(self, workspace: t.Workspace) -> None:
+        scope = (workspace.name.text,)
+        known = self.declared.places[workspace.name.text]
+        for item in workspace.items:
+            if isinstance(item, t.Region) and item.name is not None:
+                self.add(known[item.name.text], item.name, declares=True)
+            elif isinstance(item, t.ObstaclesFrom):
+                map_ = Entity("map", scope, map_name(item.path.text), item.path.span, item.span)
+                self.add(map_, item.path, declares=True)
+
+    # --- grammars ------------------------------------------------------------------------------
+
+    def _grammar(self, grammar: s.Grammar) -> None:
+        names = self.names_of(grammar)
+        symbols = names.symbols
+        edges = {name for name, each in self.declared.terminals.items() if each.kind == "edge"}
+        for item in grammar.items:
+            match item:
+                case s.StartSymbol(name=name):
+                    self.add(symbols.get(name.text), name)
+                case s.Production():
+                    self.within = names.production(item.label)
+                    self._production(item, symbols)
+                    self.words[item.span] = occurrences(item.right, symbols, edges)
+                case s.Accept(condition=condition):
+                    for name in _condition_symbols(condition):
+                        self.add(symbols.get(name.text), name)
+            self.within = None
+
+    def _production(self, item: s.Production, symbols: Mapping[str, Entity]) -> None:
+        self.add(self.within, item.label, declares=True)
+        left = symbols.get(item.left.text)
+        is_nonterminal = left is not None and left.kind == "nonterminal"
+        self.add(left, item.left, declares=is_nonterminal)
+        for each in item.right:
+            if each.alias is not None:
+                self.add(_alias(self.within, each), each.alias, declares=True)
+            self.add(symbols.get(each.symbol.text), each.symbol)
+
+    # --- semantics -----------------------------------------------------------------------------
+
+    def _semantics(self, semantics: s.Semantics) -> None:
+        grammar = self.declared.grammars.get(semantics.grammar.text)
+        if grammar is None:
+            return
+        self.add(named(grammar), semantics.grammar)
+        names = self.names_of(grammar)
+        for block in semantics.blocks:
+            production = names.productions.get(block.label.text)
+            if production is not None:
+                self.within = names.production(block.label)
+                self.add(self.within, block.label)
+                self._block(block, production, names.symbols)
+        self.within = None
+
+    def _block(
+        self, block: s.Block, production: s.Production, symbols: Mapping[str, Entity]
+    ) -> None:
+        for statement in block.statements:
+            if isinstance(statement, s.Rule):
+                self._member(statement.target, production, symbols, declares=True)
+                values: Iterable[s.Expr] = (statement.value,)
+            else:
+                values = [argument.value for argument in statement.arguments]
+            for name in readings(values):
+                if isinstance(name, s.Member):
+                    self._member(name, production, symbols)
+
+    def _member(
+        self,
+        member: s.Member,
+        production: s.Production,
+        symbols: Mapping[str, Entity],
+        *,
+        declares: bool = False,
+    ) -> None:
+        """``owner.name``: a member of a module, or an attribute of a nonterminal."""
+        symbol, position = production.left, ir.THIS
+        if member.owner.text != "this":
+            found = _position(member.owner.text, production, self.words[production.span])
+            if found is None:
+                return
+            position = found
+            each = production.right[position]
+            symbol = each.symbol
+            if each.alias is not None and each.alias.text == member.owner.text:
+                self.add(_alias(self.within, each), member.owner, position=position)
+            else:
+                self.numbered(symbols.get(symbol.text), member.owner, position)
+        meant = symbols.get(symbol.text)
+        if meant is not None and meant.kind == "nonterminal":
+            attribute = Entity("attribute", (*meant.scope, meant.name), member.name.text)
+            self.add(attribute, member.name, declares=declares, position=position)
+        else:
+            known = self.members(symbol.text)
+            self.add(known.get(member.name.text), member.name, position=position)
+
+    # --- tasks ---------------------------------------------------------------------------------
+
+    def _task(self, task: t.Task) -> None:
+        declared = self.declared
+        at = next((i.name.text for i in task.items if isinstance(i, t.TaskWorkspace)), "")
+        known = declared.places.get(at, {})
+        for item in task.items:
+            match item:
+                case t.Robot(name=name) if name.text in declared.grammars:
+                    self.add(named(declared.grammars[name.text]), name)
+                case t.TaskWorkspace(name=name) if name.text in declared.workspaces:
+                    self.add(named(declared.workspaces[name.text]), name)
+                case t.From():
+                    self._origin(item)
+                case _:
+                    for name in _region_names(item):
+                        self.add(known.get(name.text), name)
+
+    def _origin(self, item: t.From) -> None:
+        terminals = self.declared.terminals
+        for symbol in item.word:
+            self.add(terminals.get(symbol.text), symbol)
+        word = occurrences([s.Occurrence(None, symbol) for symbol in item.word], terminals)
+        self.words[item.span] = word
+        for fixing in item.fixed:
+            position = word.places.get(fixing.occurrence.text)
+            if position is not None:
+                name = item.word[position].text
+                self.numbered(terminals.get(name), fixing.occurrence, position)
+                self.add(self.members(name).get(fixing.name.text), fixing.name, position=position)
+
+
+def _position(owner: str, production: s.Production, word: Occurrences) -> int | None:
+    """The occurrence that an owner names.
+
+    An alias that is another symbol's name as well is an error; renaming it has to find its uses.
+    """
+    if any(own == owner for _, own in word.clashes):
+        for position, each in enumerate(production.right):
+            if each.alias is not None and each.alias.text == owner:
+                return position
+    return word.places.get(owner)
+
+
+def _alias(production: Entity | None, occurrence: s.Occurrence) -> Entity | None:
+    """The occurrence of a production, by the name that is given to it there."""
+    if production is None or occurrence.alias is None:
+        return None
+    alias = occurrence.alias
+    statement = alias.span.to(occurrence.symbol.span)
+    return entity("occurrence", (*production.scope, production.name), alias, statement)
+
+
+# --- names in parts of the syntax --------------------------------------------------------------
+
+
+def _expressions(item: s.ModuleItem) -> tuple[s.Expr, ...]:
+    """The expressions of a statement of a module."""
+    match item:
+        case s.Param(domain=domain) | s.Input(domain=domain):
+            return bounds(domain)
+        case s.Const(value=value) | s.Derivative(value=value) | s.Torque(value=value):
+            return (value,)
+        case s.Dof(range=ranged, rate=rate):
+            return (*bounds(ranged), *bounds(rate))
+        case s.State(initial=initial):
+            return () if initial is None else (initial,)
+        case s.Role():
+            return ()
+
+
+def _condition_symbols(condition: s.Condition) -> Iterator[s.Ident]:
+    """The symbols that an accept condition names."""
+    match condition:
+        case s.Factor(word=word):
+            yield from word
+        case s.Count(symbol=symbol):
+            if symbol is not None:
+                yield symbol
+        case s.Matches(regex=regex):
+            yield from _regex_symbols(regex)
+        case s.Not(part=part):
+            yield from _condition_symbols(part)
+        case s.And(parts=parts) | s.Or(parts=parts):
+            for each in parts:
+                yield from _condition_symbols(each)
+
+
+def _regex_symbols(regex: s.Regex) -> Iterator[s.Ident]:
+    match regex:
+        case s.RegexSymbol(symbol=symbol):
+            yield symbol
+        case s.RegexSequence(parts=parts) | s.RegexChoice(parts=parts):
+            for each in parts:
+                yield from _regex_symbols(each)
+        case s.RegexRepeat(part=part):
+            yield from _regex_symbols(part)
+        case s.RegexEmpty():
+            pass
+
+
+def _region_names(item: t.TaskItem) -> Iterator[s.Ident]:
+    """The regions and maps that a clause of a task names."""
+    match item:
+        case t.StartIn(region=region) | t.Reach(region=region):
+            yield region
+        case t.Avoid(regions=regions):
+            yield from regions
+        case t.Satisfy(formula=formula):
+            yield from _atoms(formula)
+        case _:
+            pass
+
+
+def _atoms(formula: f.Formula) -> Iterator[s.Ident]:
+    match formula:
+        case f.Atom(region=region):
+            yield region
+        case f.Unary(operand=operand) | f.Last(operand=operand):
+            yield from _atoms(operand)
+        case f.Joined(operands=operands):
+            for operand in operands:
+                yield from _atoms(operand)
+        case f.Binary(left=left, right=right):
+            yield from _atoms(left)
+            yield from _atoms(right)
+
+
+def resolve_names(file: t.File, sink: Sink) -> NameTable:
+    """The names of a specification.
+
+    Args:
+        file: the items of the main file and of all it includes.
+        sink: takes the errors about names that are declared twice.
+    """
+    resolver = _Resolver(declarations(file, sink))
+    # The blocks of a semantics may stand before its grammar.
+    for item in sorted(file.items, key=lambda each: isinstance(each, s.Semantics)):
+        resolver.item(item)
+    return NameTable(resolver.found, resolver.declared, resolver.words)

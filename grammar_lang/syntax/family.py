@@ -1,0 +1,292 @@
+"""The abstract syntax of modules, grammars and semantics: one frozen dataclass per rule.
+
+Nothing is resolved here: names are text with a span.  Nodes compare without their spans.
+"""
+
+from __future__ import annotations
+
+from dataclasses import field
+from typing import Literal, TypeAlias
+
+from grammar_lang.node import node
+from grammar_lang.source import Span
+from grammar_lang.syntax.expressions import (
+    NOWHERE,
+    Argument,
+    Choices,
+    Expr,
+    Ident,
+    Interval,
+    Member,
+)
+
+# --- modules -----------------------------------------------------------------------------------
+
+
+@node
+class Role:
+    """``role NAME;``."""
+
+    name: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Param:
+    """``param NAME in domain;``."""
+
+    name: Ident
+    domain: Interval | Choices
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Const:
+    """``const NAME = expr;``."""
+
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Dof:
+    """``dof NAME: kind axis in interval rate in interval;``."""
+
+    name: Ident
+    kind: Literal["revolute", "prismatic"]
+    axis: Literal["x", "y", "z", "-x", "-y", "-z"]
+    range: Interval | None
+    rate: Interval | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class State:
+    """``state NAME unit = initial;``."""
+
+    name: Ident
+    unit: Ident | None
+    initial: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Input:
+    """``input NAME in [lo, hi] unit;``."""
+
+    name: Ident
+    domain: Interval
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Derivative:
+    """``der(NAME) = expr;``."""
+
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Torque:
+    """``torque(NAME) = expr;``."""
+
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+ModuleItem: TypeAlias = Role | Param | Const | Dof | State | Input | Derivative | Torque
+
+
+@node
+class Module:
+    """``module NAME { … }``."""
+
+    name: Ident
+    items: tuple[ModuleItem, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Edges:
+    """``edge a, '[';``."""
+
+    names: tuple[Ident, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+# --- grammars ----------------------------------------------------------------------------------
+
+
+@node
+class StartSymbol:
+    """``start NAME;``."""
+
+    name: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Occurrence:
+    """A symbol of a right side, with the name given to it."""
+
+    alias: Ident | None
+    symbol: Ident
+
+
+@node
+class Production:
+    """``label: left -> right;``."""
+
+    label: Ident
+    left: Ident
+    right: tuple[Occurrence, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class RegexSymbol:
+    """One symbol."""
+
+    symbol: Ident
+
+
+@node
+class RegexEmpty:
+    """``empty``."""
+
+
+@node
+class RegexSequence:
+    """Juxtaposition."""
+
+    parts: tuple[Regex, ...]
+
+
+@node
+class RegexChoice:
+    """Alternation."""
+
+    parts: tuple[Regex, ...]
+
+
+@node
+class RegexRepeat:
+    """``*``, ``+`` or ``?``."""
+
+    part: Regex
+    mark: Literal["*", "+", "?"]
+
+
+Regex: TypeAlias = RegexSymbol | RegexEmpty | RegexSequence | RegexChoice | RegexRepeat
+Comparison: TypeAlias = Literal["<=", "<", ">=", ">", "=="]
+
+
+@node
+class Factor:
+    """``contains``, ``starts with`` or ``ends with`` a word."""
+
+    where: Literal["contains", "starts", "ends"]
+    word: tuple[Ident, ...]
+
+
+@node
+class Count:
+    """``count(SYM) <= expr``; without a symbol: ``length <= expr``."""
+
+    symbol: Ident | None
+    comparison: Comparison
+    bound: Expr
+
+
+@node
+class Matches:
+    """``matches REGEX``."""
+
+    regex: Regex
+
+
+@node
+class Not:
+    """Negation."""
+
+    part: Condition
+
+
+@node
+class And:
+    """Conjunction."""
+
+    parts: tuple[Condition, ...]
+
+
+@node
+class Or:
+    """Disjunction."""
+
+    parts: tuple[Condition, ...]
+
+
+Condition: TypeAlias = Factor | Count | Matches | Not | And | Or
+
+
+@node
+class Accept:
+    """``accept condition;``."""
+
+    condition: Condition
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+GrammarItem: TypeAlias = StartSymbol | Production | Accept
+
+
+@node
+class Grammar:
+    """``grammar NAME { … }``."""
+
+    name: Ident
+    items: tuple[GrammarItem, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+# --- semantics ---------------------------------------------------------------------------------
+
+
+@node
+class Rule:
+    """``owner.name = expr;``."""
+
+    target: Member
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Emission:
+    """``kind(argument: expr, …);``."""
+
+    kind: Ident
+    arguments: tuple[Argument, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Block:
+    """``label { … }``."""
+
+    label: Ident
+    statements: tuple[Rule | Emission, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Semantics:
+    """``semantics NAME { … }``."""
+
+    grammar: Ident
+    blocks: tuple[Block, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)

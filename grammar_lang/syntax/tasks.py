@@ -1,0 +1,312 @@
+"""The abstract syntax of workspaces and tasks, and of a whole file.
+
+Continues :mod:`grammar_lang.syntax` with the rules of the last two parts of ``srg.lark``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import field
+from typing import Literal, TypeAlias
+
+from grammar_lang.node import node
+from grammar_lang.source import Span
+from grammar_lang.syntax import (
+    NOWHERE,
+    Comparison,
+    Edges,
+    Expr,
+    Grammar,
+    Ident,
+    Interval,
+    Module,
+    Semantics,
+)
+from grammar_lang.syntax.formulas import Formula
+
+# --- workspaces --------------------------------------------------------------------------------
+
+
+@node
+class Dimension:
+    """``plane xy;`` (2) or ``space xyz;`` (3)."""
+
+    value: Literal[2, 3]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Box:
+    """``box [..] x [..] x [..]``."""
+
+    sides: tuple[Interval, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Inequality:
+    """``left comparison right``."""
+
+    left: Expr
+    comparison: Comparison
+    right: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Polytope:
+    """``polytope { inequality; … } unit``."""
+
+    rows: tuple[Inequality, ...]
+    unit: Ident | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Point:
+    """``(a, b, …) unit``: a point, a vector or a list of coordinates."""
+
+    items: tuple[Expr, ...]
+    unit: Ident | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Hull:
+    """``hull (..), (..), …``."""
+
+    points: tuple[Point, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Shape: TypeAlias = Box | Polytope | Hull
+
+
+@node
+class Region:
+    """``region NAME shape;`` and its like; ``bounds`` has no name."""
+
+    kind: Literal["bounds", "region", "obstacle", "target"]
+    name: Ident | None
+    shape: Shape
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class ObstaclesFrom:
+    """``obstacles from "path";``."""
+
+    path: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Workspace:
+    """``workspace NAME { … }``."""
+
+    name: Ident
+    items: tuple[Dimension | Region | ObstaclesFrom, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+# --- tasks -------------------------------------------------------------------------------------
+
+
+@node
+class Robot:
+    """``robot NAME;``."""
+
+    name: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class TaskWorkspace:
+    """``workspace NAME;``."""
+
+    name: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class StartIn:
+    """``start in R by effector n at rest;``, or ``rates <= v``; None where not written."""
+
+    region: Ident
+    effector: Expr | None
+    rates: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class StartAt:
+    """``start at (…);``."""
+
+    point: Point
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Reach:
+    """``reach R by effector n at rest;``."""
+
+    region: Ident
+    effector: Expr | None
+    at_rest: bool
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Avoid:
+    """``avoid R1, R2 with subject margin d;``."""
+
+    regions: tuple[Ident, ...]
+    subject: Literal["effector", "body"]
+    margin: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Effort:
+    """``effort <= v norm 2;``; ``norm`` is the text of the number."""
+
+    bound: Expr
+    norm: Ident | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Horizon:
+    """``horizon k steps of dt;``."""
+
+    steps: Expr
+    step: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Slack:
+    """``slack expr;``."""
+
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Gravity:
+    """``gravity (gx, gy) unit;``."""
+
+    point: Point
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Modules:
+    """``modules <= n;``."""
+
+    comparison: Comparison
+    bound: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class BoundsBody:
+    """``bounds with body;``."""
+
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Fixing:
+    """``OCCURRENCE.NAME = expr`` after ``fixed``."""
+
+    occurrence: Ident
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class From:
+    """``from SYMBOLS fixed L1.length = 2 m, …;``."""
+
+    word: tuple[Ident, ...]
+    fixed: tuple[Fixing, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Satisfy:
+    """``satisfy FORMULA;``."""
+
+    formula: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class RobustStart:
+    """``robust start 1 mm 0.1 deg;``."""
+
+    values: tuple[Expr, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class RobustEffort:
+    """``robust effort 0.5 %;``; the value counts hundredths."""
+
+    percent: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+TaskItem: TypeAlias = (
+    Robot
+    | TaskWorkspace
+    | StartIn
+    | StartAt
+    | Reach
+    | Avoid
+    | Effort
+    | Horizon
+    | Slack
+    | Gravity
+    | Modules
+    | BoundsBody
+    | From
+    | Satisfy
+    | RobustStart
+    | RobustEffort
+)
+
+
+@node
+class Task:
+    """``task NAME { … }``."""
+
+    name: Ident
+    items: tuple[TaskItem, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Include:
+    """``include "path";``."""
+
+    path: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Include
+
+
+@node
+class File:
+    """The items of a file in the order written, and what could not be read.
+
+    ``broken`` are the spans of items with a syntax error; statements that could be read are in
+    ``items`` all the same.  ``skipped`` are the words that stand in what was left out: whoever
+    misses a name that is one of them says nothing.
+    """
+
+    items: tuple[Item, ...]
+    broken: tuple[Span, ...] = ()
+    skipped: frozenset[str] = frozenset()

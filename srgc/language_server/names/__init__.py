@@ -1,1 +1,0 @@
-"""What the names of a program mean, and where they stand."""
