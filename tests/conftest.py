@@ -14,6 +14,7 @@ import pytest
 from hypothesis import settings
 
 from tests.oracles import small_specs
+from tests.oracles.some_cases import USUAL
 from tests.oracles.spatial_arm import SPATIAL
 
 ROOT = Path(__file__).parents[1]
@@ -34,10 +35,10 @@ SPECS = {
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """`make test` takes the same examples every time; `make test-slow` looks for others."""
-    settings.register_profile("the same examples", derandomize=True)
+    """`make test` takes the same few examples every time; `make test-slow` looks for others."""
+    settings.register_profile(USUAL, derandomize=True, max_examples=40)
     if config.option.markexpr == "not slow":
-        settings.load_profile("the same examples")
+        settings.load_profile(USUAL)
 
 
 def srgc_process(

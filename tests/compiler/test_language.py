@@ -20,6 +20,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 
@@ -48,7 +49,7 @@ def check_against_brute_force(g: ir.Grammar) -> None:
         assert not expected
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_the_fewest_modules_against_an_automaton_that_counts_them(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset("b"))
@@ -62,7 +63,7 @@ def test_the_fewest_modules_against_an_automaton_that_counts_them(g: ir.Grammar)
         assert fewest == 0 or lang.is_empty(max_modules=fewest - 1)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(10, 40))
 @given(random_grammars())
 def test_language_equals_brute_force_and_the_automaton(g: ir.Grammar) -> None:
     check_against_brute_force(g)
@@ -75,7 +76,7 @@ def test_language_equals_brute_force_and_the_automaton_at_length(g: ir.Grammar) 
     check_against_brute_force(g)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(25, 60))
 @given(random_grammars())
 def test_module_bound_and_finiteness(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset({"a"}))
@@ -94,7 +95,7 @@ def test_module_bound_and_finiteness(g: ir.Grammar) -> None:
             lang.count_words(max_modules=2)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_the_oracles_agree(g: ir.Grammar) -> None:
     found = sentential_words(g, 3, 6)
