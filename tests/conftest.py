@@ -24,6 +24,7 @@ COMMAND = (sys.executable, "-c", "from srgc.cli import main; main()")
 
 SPECS = {
     **{path.stem: path.read_bytes() for path in sorted((ROOT / "specs").glob("*.srg"))},
+    **{path.stem: path.read_bytes() for path in sorted((ROOT / "srgc" / "starters").glob("*.srg"))},
     "turner": small_specs.TURNER.encode(),
     "motor": small_specs.MOTOR.encode(),
     "slider": small_specs.SLIDER.encode(),

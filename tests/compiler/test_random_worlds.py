@@ -69,7 +69,7 @@ def test_cells_of_the_plane_against_shapely(seed, obstacles, side, finer):
     check_labels(abstraction, workspace, random.Random(seed))
 
 
-@pytest.mark.parametrize("seed", some(range(6), 3))
+@pytest.mark.parametrize("seed", some(range(6), 2))
 def test_labels_of_random_points(seed):
     workspace = plane_world(seed, obstacles=20, side=6)
     abstraction = abstract(workspace)
@@ -151,7 +151,7 @@ def test_the_order_of_declaration_names_cells_and_nothing_else():
     assert {p for _, p in found[0]} == {p for _, p in found[1]}
 
 
-@pytest.mark.parametrize("seed", some(range(10), 5))
+@pytest.mark.parametrize("seed", some(range(10), 3))
 def test_cells_of_space_against_brute_force(seed):
     workspace = space_world(seed, obstacles=1 + seed % 4)
     abstraction = abstract(workspace)

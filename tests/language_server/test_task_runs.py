@@ -16,6 +16,7 @@ from srgc.language_server.tasks.task_lenses import task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts
 from tests.language_server.client import PATIENCE, Client
 from tests.oracles.small_specs import TURNER
+from tests.oracles.some_cases import some
 
 LONG = TURNER.replace("modules <= 1", "").replace(
     "[1.2, 1.9] x [-0.3, 0.3]", "[2.4, 2.5] x [0, 0.1]"
@@ -168,7 +169,7 @@ def test_a_text_with_errors_is_not_synthesised(client: Client) -> None:
     assert told == {"type": 1, "message": "Turn: 1 error, 0 warnings"}
 
 
-@pytest.mark.parametrize("end", ["shutdown", "exit", "end of input", "SIGTERM"])
+@pytest.mark.parametrize("end", some(["shutdown", "SIGTERM", "exit", "end of input"], 2))
 def test_an_end_while_a_synthesis_runs(
     started: Callable[..., Client], tmp_path: Path, end: str
 ) -> None:

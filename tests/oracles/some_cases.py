@@ -13,9 +13,12 @@ USUAL = "the same examples"
 
 
 def some(cases: Iterable[Any], count: int) -> list[Any]:
-    """The cases, all but the first so many marked as slow."""
-    listed = list(cases)
-    return [*listed[:count], *(pytest.param(one, marks=pytest.mark.slow) for one in listed[count:])]
+    """The cases, all but the first so many marked as slow; a tuple is of several arguments."""
+    listed = [one if isinstance(one, tuple) else (one,) for one in cases]
+    return [
+        *(pytest.param(*one) for one in listed[:count]),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in listed[count:]),
+    ]
 
 
 def examples(usual: int, slow: int) -> int:

@@ -159,7 +159,12 @@ def test_units_are_those_of_the_joint(
 
 
 @pytest.mark.parametrize(
-    ("integrator", "order"), [("rk4", 4), ("euler", 1), ("implicit", 1), ("implicitfast", 1)]
+    ("integrator", "order"),
+    [
+        ("rk4", 4),
+        ("euler", 1),
+        *(pytest.param(name, 1, marks=pytest.mark.slow) for name in ("implicit", "implicitfast")),
+    ],
 )
 def test_halved_steps_converge_at_the_order_of_the_method(
     srgc: Command, tmp_path: Path, integrator: str, order: int
