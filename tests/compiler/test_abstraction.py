@@ -283,6 +283,6 @@ def test_the_same_whatever_the_hash_seed():
             capture_output=True,
             check=True,
         ).stdout
-        for seed in ("0", "1", "2")
+        for seed in ("0", "1")
     }
     assert len(outputs) == 1

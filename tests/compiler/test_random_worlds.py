@@ -87,7 +87,7 @@ def test_labels_of_random_points(seed):
         )
 
 
-@pytest.mark.parametrize(("obstacles", "side"), [(10, 8), (30, 20), (30, 8), (60, 30)])
+@pytest.mark.parametrize(("obstacles", "side"), some([(10, 8), (30, 20), (30, 8), (60, 30)], 2))
 def test_the_cells_are_few(obstacles, side):
     workspace = tilted_boxes(obstacles, obstacles=obstacles, side=side)
     least, one_cut_each = reflex_bounds(workspace)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -87,16 +88,16 @@ def test_cancelling(client: Client) -> None:
     assert titles(client, uri) == ["check", "synth"]
 
 
-def test_results_of_another_text(client: Client) -> None:
+def test_results_of_another_text(client: Client, made: Callable[[str], Path]) -> None:
     """They are replaced only if the user says so; a client that does not ask keeps them."""
     folder = client.folder / "twice"
     folder.mkdir()
-    one, other = folder / "one.srg", folder / "other.srg"
+    shutil.copytree(made("turner") / "out", folder / "out" / "Turn")
+    one, other = folder / "turner.srg", folder / "other.srg"
     for path, text in ((one, TURNER), (other, TURNER + "// another\n")):
         path.write_text(text, encoding="utf-8", newline="")
         client.open(uri_of(path), text)
     found = {"verdict": "found", "status": 0}
-    assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(one))) == found
     design = folder / "out" / "Turn" / "design.json"
     before = design.read_bytes()
     asked: list[Any] = []

@@ -24,6 +24,7 @@ from tests.oracles.driven_claims import CASES, FRICTION, Driven
 from tests.oracles.found_folders import claim_found
 from tests.oracles.mujoco_motions import sampled
 from tests.oracles.small_specs import TURNER, replaced
+from tests.oracles.some_cases import some
 from tests.srgc.conftest import Ran
 
 Command = Callable[..., Ran]
@@ -106,7 +107,10 @@ def spoilt(
 
 @pytest.mark.parametrize(
     ("case", "simulator"),
-    [("space, turning and sliding", "mujoco"), ("branches", "mujoco"), ("friction", "python")],
+    some(
+        [("space, turning and sliding", "mujoco"), ("friction", "python"), ("branches", "mujoco")],
+        2,
+    ),
 )
 def test_a_spoilt_input_is_seen(
     srgc: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str, simulator: str
