@@ -123,3 +123,12 @@ def result(made: Callable[[str], Path], tmp_path: Path) -> Callable[[str], Path]
         return target
 
     return copy
+
+
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For tests that look at no picture: syntheses of this process draw none, which saves time."""
+    from srgc.pictures import figures
+
+    for name in ("workspace_figure", "input_figure"):
+        monkeypatch.setattr(figures, name, lambda *_: "<svg/>")

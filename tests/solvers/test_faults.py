@@ -32,6 +32,9 @@ from tests.oracles.result_files import without_boxes
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 from tests.oracles.some_cases import some
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 ROOT = Path(__file__).parents[2]
 STATUS = {"found": 0, "impossible": 3, "unknown": 4}
 TOGETHER = replaced(SLIDER, "effort <= 10 N;", "effort <= 10 N norm 2;")

@@ -24,6 +24,9 @@ from tests.oracles.result_files import alter_spec
 from tests.oracles.small_specs import TURNER
 from tests.oracles.some_cases import some
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 JOINT = "module JO { role joint; dof q: revolute z in [-180, 180] deg; }"
 
 

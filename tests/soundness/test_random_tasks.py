@@ -15,6 +15,9 @@ from tests.oracles.some_cases import some
 from tests.oracles.spec_figures import figures_of
 from tests.soundness.task_trials import FOUND, IMPOSSIBLE, INFLATED, farthest, tried
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 QUICK = {12: FOUND, 16: FOUND, 28: FOUND, 17: IMPOSSIBLE, 18: IMPOSSIBLE, 22: IMPOSSIBLE}
 PART, PARTS = 10, 20
 

@@ -11,6 +11,9 @@ from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.small_specs import TURNER
 from tests.oracles.some_cases import some
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 NAMES = ["gp-ucb", "nelder-mead", "particle-swarm", "simulated-annealing", "random"]
 
 

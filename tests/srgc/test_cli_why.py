@@ -18,6 +18,9 @@ from tests.oracles.extended_arm import best_robustness
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 from tests.srgc.conftest import Ran
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 Srgc = Callable[..., Ran]
 
 NARROW = replaced(

@@ -14,6 +14,9 @@ from tests.oracles.small_specs import SLIDER, TURNER, replaced
 from tests.oracles.some_cases import some
 from tests.srgc.conftest import Ran
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 Run = Callable[..., Ran]
 STEP = Fraction(1, 5)
 FINE = 50

@@ -23,6 +23,9 @@ from tests.conftest import ROOT
 from tests.oracles.small_specs import TURNER
 from tests.oracles.some_cases import some
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 RESULTS = ("design.json", "certificate.json", "trajectory.csv")
 
 KILLED = """\
