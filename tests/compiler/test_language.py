@@ -20,7 +20,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
-from tests.oracles.some_cases import examples
+from tests.oracles.some_cases import examples, some
 
 AB = ("a", "b")
 
@@ -188,7 +188,7 @@ def long_word(name: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
     return text, word, (*word, "a", "b")
 
 
-@pytest.mark.parametrize("name", ["left", "right", "counted", "unambiguous sums"])
+@pytest.mark.parametrize("name", some(["left", "unambiguous sums", "right", "counted"], 2))
 def test_words_of_five_thousand_symbols(name: str) -> None:
     text, word, other = long_word(name)
     lang = language(grammar(text, ALPHABET), ALPHABET, frozenset(ALPHABET))
