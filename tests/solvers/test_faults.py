@@ -113,7 +113,7 @@ def test_garbage_is_believed_by_nobody(
     assert calls[0] > 2
 
 
-@pytest.mark.parametrize("fault", some(sorted(CLAIMS), 4))
+@pytest.mark.parametrize("fault", sorted(CLAIMS))
 def test_a_program_that_is_not_solved_is_unknown_by_name(
     fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -245,9 +245,7 @@ def z3_fault(name: str):
     return check
 
 
-@pytest.mark.parametrize(
-    "name", some(["raises", "unknown", "garbage", "has no memory", "nothing"], 3)
-)
+@pytest.mark.parametrize("name", ["raises", "has no memory", "unknown", "garbage", "nothing"])
 @pytest.mark.parametrize("text", [BESIDE, SLIDER], ids=["impossible", "possible"])
 def test_z3_that_fails_refutes_nothing(
     name: str, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -314,7 +312,7 @@ SAT_FAULTS = {
 }
 
 
-@pytest.mark.parametrize("name", some(sorted(SAT_FAULTS), 6))
+@pytest.mark.parametrize("name", sorted(SAT_FAULTS))
 def test_a_sat_solver_that_fails_plans_nothing(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
