@@ -7,6 +7,7 @@ needs: until ``main`` has seen to it, an interrupt is a traceback of Python's.
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 
@@ -30,6 +31,9 @@ def main() -> None:
         escape_unencodable()
         # No command opens a window; matplotlib is not to look for the backend of another program.
         os.environ["MPLBACKEND"] = "svg"
+        # Most objects live to the end: to look for garbage among them after every 700 new ones,
+        # which is Python's usual number, takes time and finds little.
+        gc.set_threshold(50_000, 20, 20)
         status = run()
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")

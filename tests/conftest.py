@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import subprocess
@@ -14,6 +15,7 @@ import pytest
 from hypothesis import settings
 
 from tests.oracles import small_specs
+from tests.oracles.some_cases import OTHERS, USUAL
 from tests.oracles.spatial_arm import SPATIAL
 
 pytest_plugins = ["tests.long_tests", "tests.resumable"]
@@ -24,6 +26,7 @@ COMMAND = (sys.executable, "-c", "from srgc.cli import main; main()")
 
 SPECS = {
     **{path.stem: path.read_bytes() for path in sorted((ROOT / "specs").glob("*.srg"))},
+    **{path.stem: path.read_bytes() for path in sorted((ROOT / "srgc" / "starters").glob("*.srg"))},
     "turner": small_specs.TURNER.encode(),
     "motor": small_specs.MOTOR.encode(),
     "slider": small_specs.SLIDER.encode(),
@@ -35,10 +38,21 @@ SPECS = {
 }
 
 
-# The same examples every time; `make test-slow` looks for others.
-settings.register_profile("others", derandomize=False)
-settings.register_profile("same", derandomize=True)
-settings.load_profile("same")
+# The same few examples every time; `make test-slow` takes more, and looks for others.
+settings.register_profile(USUAL, derandomize=True, max_examples=40)
+settings.register_profile(OTHERS)
+settings.load_profile(USUAL)
+
+# Until all tests are collected, hardly anything is given back.
+gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """Ten thousand tests and the libraries they load are no garbage to look for again and again."""
+    gc.enable()
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 def srgc_process(
@@ -114,3 +128,12 @@ def result(made: Callable[[str], Path], tmp_path: Path) -> Callable[[str], Path]
         return target
 
     return copy
+
+
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For tests that look at no picture: syntheses of this process draw none, which saves time."""
+    from srgc.pictures import figures
+
+    for name in ("workspace_figure", "input_figure"):
+        monkeypatch.setattr(figures, name, lambda *_: "<svg/>")

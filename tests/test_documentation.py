@@ -6,7 +6,7 @@ import json
 import re
 import shlex
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -17,6 +17,7 @@ import yaml
 import srgc.cli
 from grammar_lang.load import load_text
 from srgc.command_table import command_named
+from tests.conftest import SPECS
 from tests.oracles import pages
 from tests.oracles.page_session import NUMBER, Session
 
@@ -34,6 +35,8 @@ RUN = [
     if page != RUN_ELSEWHERE[0]
     and {"console", "python"} & {block.kind for block in pages.blocks(text)}
 ]
+LONG = ("why out/short",)
+"""What a page shows and only the slow suite runs."""
 WITHOUT_THE_FIRST_PAGE = ("README.md", "docs/reference/language.md")
 
 
@@ -74,10 +77,32 @@ def test_pages_run_as_shown(
     if page not in WITHOUT_THE_FIRST_PAGE:
         for name, body in pages.files(TEXTS["README.md"]).items():
             (checkout / name).write_text(body, encoding="utf-8")
-    Session(TEXTS[page], checkout, srgc.cli.run, lambda: capsys.readouterr().out, made).follow()
+    follow(page, checkout, made, capsys, LONG)
     if page == "README.md":
         drawn = checkout / "out" / "fetch" / "figures" / "workspace.svg"
         assert_alike(drawn, ROOT / "docs" / "pictures" / "fetch.svg")
+
+
+def follow(
+    page: str,
+    checkout: Path,
+    made: Callable[[str], Path],
+    capsys: pytest.CaptureFixture[str],
+    left_out: Collection[str] = (),
+) -> None:
+    def printed() -> str:
+        return capsys.readouterr().out
+
+    Session(TEXTS[page], checkout, srgc.cli.run, printed, made, SPECS, left_out).follow()
+
+
+@pytest.mark.slow
+def test_the_tutorial_runs_with_its_longest_command(
+    checkout: Path, made: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = "docs/tutorial.md"
+    assert all(f"$ srgc {command}\n" in TEXTS[page] for command in LONG)
+    follow(page, checkout, made, capsys)
 
 
 def assert_alike(drawn: Path, kept: Path) -> None:

@@ -25,8 +25,9 @@ from tests.oracles.planes import (
     strictly_inside,
     workspaces,
 )
+from tests.oracles.some_cases import examples
 
-SETTINGS = settings(max_examples=60, deadline=None)
+SETTINGS = settings(max_examples=examples(15, 60), deadline=None)
 inner_points = st.tuples(
     st.integers(0, 6 * 12).map(lambda n: Fraction(n, 12)),
     st.integers(0, 5 * 12).map(lambda n: Fraction(n, 12)),
@@ -204,7 +205,7 @@ def test_bounds_must_be_a_polytope():
 sides = st.lists(st.integers(0, 4), min_size=2, max_size=2, unique=True).map(sorted)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(12, 25), deadline=None)
 @given(st.lists(st.tuples(sides, sides, sides), max_size=3))
 def test_boxes_in_space_against_unit_cubes(regions):
     bounds = box("bounds", "bounds", (0, 4), (0, 4), (0, 4))
@@ -262,6 +263,7 @@ from compiler.views.dot import to_dot
 from compiler.views.workspace_view import workspace_view
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import box, hull
+from tests.oracles.some_cases import examples
 shapes = [("B", "region", (0, 0), (3, 1), (1, 3)), ("A", "target", (2, 0), (4, 4), (1, 2)),
           ("O", "obstacle", (1, 1), (4, 1), (4, 2), (1, 2))]
 regions = tuple(hull(*shape) for shape in shapes)
@@ -281,6 +283,6 @@ def test_the_same_whatever_the_hash_seed():
             capture_output=True,
             check=True,
         ).stdout
-        for seed in ("0", "1", "2")
+        for seed in ("0", "1")
     }
     assert len(outputs) == 1

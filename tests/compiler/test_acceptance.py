@@ -9,12 +9,13 @@ from compiler.automata.finite_automaton import AutomatonTooLargeError, Dfa
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies
 from tests.oracles.grammars import ARM_ACCEPT, ARM_TERMINALS, accepts
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 ABC = ("a", "b", "c")
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(105, 300))
 @given(accepts(AB))
 def test_automaton_decides_the_condition(condition: ir.Accept) -> None:
     dfa = accept_dfa(condition, AB)
@@ -22,7 +23,7 @@ def test_automaton_decides_the_condition(condition: ir.Accept) -> None:
         assert dfa.accepts(word) == satisfies(condition, word), word
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(75, 150))
 @given(accepts(AB))
 def test_automaton_is_minimal_complete_and_canonical(condition: ir.Accept) -> None:
     dfa = accept_dfa(condition, AB)
@@ -53,7 +54,7 @@ def test_automaton_is_minimal_complete_and_canonical(condition: ir.Accept) -> No
     assert len(distinct) == dfa.size * (dfa.size - 1) // 2
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(50, 100))
 @given(accepts(AB), accepts(AB))
 def test_boolean_laws_give_equal_automata(one: ir.Accept, two: ir.Accept) -> None:
     both = accept_dfa(ir.AllOf((one, two)), AB)

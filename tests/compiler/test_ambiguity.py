@@ -11,6 +11,7 @@ from compiler.languages.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, arm, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 LENGTH = 5
 
@@ -38,7 +39,7 @@ def ambiguous_words(g: ir.Grammar, length: int) -> list[tuple[str, ...]]:
     return [word for word in words if satisfies(g.accept, word) and several(g, word)]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(30, 150), deadline=None)
 @given(random_grammars())
 def test_it_agrees_with_brute_force(g: ir.Grammar) -> None:
     lang = language_over(g, ("a", "b"))

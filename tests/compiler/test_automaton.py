@@ -31,6 +31,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 
@@ -47,7 +48,7 @@ def check_run(pda: Pda, word: tuple[str, ...]) -> list[Configuration]:
     return steps
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(35, 80))
 @given(random_grammars())
 def test_runs_of_all_accepted_words(g: ir.Grammar) -> None:
     pda = sra(srg(g, AB, frozenset()), accept_dfa(g.accept, AB))
@@ -166,7 +167,7 @@ def test_highly_ambiguous_words_take_polynomial_time() -> None:
     assert not accepts(pda, (*("a",) * 60, "b"))
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(40, 200))
 @given(random_grammars())
 def test_linear_grammars_have_a_finite_automaton(g: ir.Grammar) -> None:
     rules = srg(g, AB, frozenset())
@@ -194,7 +195,7 @@ def test_finite_automaton_of_the_running_example() -> None:
     assert linear_automaton(tree, accept_dfa(ir.AllOf(()), ALPHABET)) is None
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(30, 60))
 @given(random_grammars())
 def test_runs_along_derivations(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset(AB))

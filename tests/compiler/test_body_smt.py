@@ -78,7 +78,7 @@ def at(x: object, y: object, bounds: object = PLANE, start: object = None) -> Po
 # --- exactness and soundness --------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", some(range(16), 8))
+@pytest.mark.parametrize("seed", some(range(16), 4))
 def test_two_links_reach_a_point_if_and_only_if_one_of_two_poses_is_clear(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b, x, y = (Fraction(int(n), 10) for n in rng.integers((8, 8, -20, -20), (20, 20, 21, 21)))
@@ -139,7 +139,7 @@ def sound(seed: int, *, pin: bool) -> Iterator[object]:
                 yield decide(subject, asked, wanted, names, SMALL_BUDGET)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", some([1, 0, 2], 1))
 def test_what_a_robot_does_is_never_refuted(seed: int) -> None:
     answers = list(sound(seed, pin=True))
     assert UNSAT not in answers

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 
 from compiler.planning.cell_graph import UNREACHABLE, distances, edges
 from tests.oracles.plans import Cells, graphs
+from tests.oracles.some_cases import examples
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(30, 60), deadline=None)
 @given(graphs(7), st.data())
 def test_distances_are_those_of_networkx(
     neighbours: tuple[Cells, ...], data: st.DataObject

@@ -10,8 +10,9 @@ from compiler.geometry.partition import divide, glue
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.geometry.reflex_cuts import convex_pieces
 from tests.oracles.planes import box_rows, in_shape, points, polygons
+from tests.oracles.some_cases import examples
 
-SETTINGS = settings(max_examples=60, deadline=None)
+SETTINGS = settings(max_examples=examples(30, 60), deadline=None)
 
 
 def square(*sides):

@@ -15,6 +15,7 @@ from compiler.grammars.grammar import srg
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import words_of
 from tests.oracles.grammars import arm, grammar, random_grammars
+from tests.oracles.some_cases import examples
 from tests.oracles.word_changes import arrangements, cheapest, distance, largest_step
 
 TERMINALS = ("B", "J", "L", "E", "eps", "[", "]")
@@ -83,7 +84,7 @@ def test_the_edges_of_a_configuration_are_those_of_the_one_before() -> None:
     assert way(text, "B [ L ] [ L ]", "B") == ["B [ L ] [ L ]", "B [ L ]", "B"]
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=examples(8, 15))
 @given(random_grammars(), st.data())
 def test_random_grammars(g: ir.Grammar, data: st.DataObject) -> None:
     symbols, modules = ("a", "b"), data.draw(st.sampled_from([frozenset("ab"), frozenset("a")]))

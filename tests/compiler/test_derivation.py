@@ -21,6 +21,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 
@@ -67,7 +68,7 @@ def in_order(g: ir.Grammar, labels: set[tuple[str, ...]]) -> list[tuple[str, ...
     return sorted(labels, key=lambda sequence: [number[label] for label in sequence])
 
 
-@settings(deadline=None, max_examples=120)
+@settings(deadline=None, max_examples=examples(25, 120))
 @given(random_grammars())
 def test_derivations_are_those_of_brute_force(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset(AB))
@@ -82,7 +83,7 @@ def test_derivations_are_those_of_brute_force(g: ir.Grammar) -> None:
             check_tree(g, derivation)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(30, 60))
 @given(random_grammars())
 def test_the_first_derivations_of_highly_ambiguous_words(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset(AB))
@@ -96,7 +97,7 @@ def test_the_first_derivations_of_highly_ambiguous_words(g: ir.Grammar) -> None:
         assert all(replay(g, labels).word == word for labels in found)
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(30, 80))
 @given(random_grammars())
 def test_structures_by_word_then_by_productions(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset("a"))
@@ -113,7 +114,7 @@ def test_structures_by_word_then_by_productions(g: ir.Grammar) -> None:
     assert following is None or len(following.word) > 5
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(35, 100))
 @given(random_grammars())
 def test_cyclic_grammars_are_refused_at_once(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset(AB))

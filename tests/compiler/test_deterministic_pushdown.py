@@ -29,6 +29,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 
@@ -72,7 +73,7 @@ def only_run(pda: Pda, word: tuple[str, ...]) -> tuple[bool, int]:
     return not stack and state == pda.final and position == len(codes), most
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(15, 40))
 @given(random_grammars())
 def test_agrees_with_the_other_readings(g: ir.Grammar) -> None:
     found = automata(g, AB)
@@ -127,7 +128,7 @@ def test_the_end_marker_is_no_terminal() -> None:
     assert not some_run_accepts(pda, ("#", "#", "a", "##", "###"))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(15, 40))
 @given(random_grammars())
 def test_runs_show_the_reductions(g: ir.Grammar) -> None:
     found = automata(g, AB)

@@ -222,7 +222,7 @@ def test_the_same_bytes_whatever_the_hash_seed() -> None:
             capture_output=True,
             check=True,
         ).stdout
-        for seed in ("0", "1", "2")
+        for seed in ("0", "1")
     }
     assert len(outputs) == 1
     assert outputs.pop().count(b"digraph") == 8 * len(languages())

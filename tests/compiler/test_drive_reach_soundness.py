@@ -10,6 +10,7 @@ import pytest
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import constant_ball
 from tests.oracles.driven_chains import Segment, answer, problem, robot_of, spot
+from tests.oracles.some_cases import examples
 
 STEPS, FINE = 8, 40
 FREE = {"revolute": "", "prismatic": "in [-4, 4] m"}
@@ -105,13 +106,13 @@ def refuted(seeds, excess):
 
 
 def test_what_was_reached_is_not_refuted():
-    wrong, tried = refuted(range(9), 1)
+    wrong, tried = refuted(range(examples(6, 9)), 1)
     assert wrong == 0
     assert tried >= 5
 
 
 def test_what_takes_thirty_times_the_effort_is_refuted_now_and_then():
-    right, _ = refuted(range(12), 30)
+    right, _ = refuted(range(examples(6, 12)), 30)
     assert right >= 2
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from compiler.semantics.effector_counts import several_effectors
 from grammar_lang import ir
 from grammar_lang.load import load_text
+from tests.oracles.some_cases import examples
 
 MODULES = "module B { role base; } module E { role effector; } edge c;"
 
@@ -64,7 +65,7 @@ def test_without_semantics_nothing_is_known() -> None:
 RIGHT = st.lists(st.sampled_from(["B", "E", "c", "S", "T"]), max_size=3)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(75, 150), deadline=None)
 @given(st.lists(st.tuples(st.sampled_from("ST"), RIGHT), min_size=2, max_size=5), st.integers(0, 3))
 def test_all_small_derivations(rules: list[tuple[str, list[str]]], most: int) -> None:
     rules = [("S", ["B", "E", "c"]), ("T", ["c"]), *rules]

@@ -20,6 +20,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 BEYOND = 2 * FIRST_HORIZON + 5
@@ -29,7 +30,7 @@ def over(text: str, accept: ir.Accept = EVERY) -> Language:
     return language(grammar(text, ALPHABET, accept), ALPHABET, frozenset(ALPHABET))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_words_of_a_length_are_those_of_brute_force(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset(AB))

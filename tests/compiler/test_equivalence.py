@@ -10,6 +10,7 @@ from compiler.languages.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import Word, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 ARITHMETIC = ("id", "+", "*", "(", ")")
@@ -44,7 +45,7 @@ def check_against_brute_force(g: ir.Grammar, h: ir.Grammar, terminals: tuple[str
     assert (None if codes is None else first.srg.decode(codes)) == short
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(15, 60))
 @given(random_grammars(), random_grammars())
 def test_the_first_difference_of_random_grammars(g: ir.Grammar, h: ir.Grammar) -> None:
     check_against_brute_force(g, h, AB)

@@ -10,6 +10,7 @@ from compiler.languages.language import language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import satisfies, words_of
 from tests.oracles.grammars import ALPHABET, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 BOUND = 5
 
@@ -25,7 +26,7 @@ def size(
     )
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(40, 80), deadline=None)
 @given(random_grammars())
 def test_it_agrees_with_brute_force(g: ir.Grammar) -> None:
     short = replace(g, accept=ir.AllOf((g.accept, ir.Count(None, "<=", BOUND))))

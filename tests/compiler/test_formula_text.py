@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from compiler.specifications.formula_text import formula_text
 from grammar_lang import ir
 from tests.oracles.formulas import SHAPES, formulas, program, spec
+from tests.oracles.some_cases import examples
 
 A, C = ir.Atom("A", 1, numbered=False), ir.Atom("C", 2)
 F = Fraction
@@ -59,7 +60,7 @@ def read(text: str) -> ir.Formula:
     return task["P"].satisfy[0].formula
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(30, 60), deadline=None)
 @given(formulas(3, 2, deep=6).filter(written))
 def test_text_reads_back(formula: ir.Formula) -> None:
     assert flat(read(formula_text(formula))) == flat(formula)

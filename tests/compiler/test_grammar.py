@@ -30,6 +30,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 
@@ -54,7 +55,7 @@ def test_undeclared_symbols_are_refused() -> None:
         srg(ir.Grammar("G", "S", (), (), EVERY, None), AB, frozenset())
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(30, 150))
 @given(random_grammars())
 def test_symbol_sets_by_brute_force(g: ir.Grammar) -> None:
     rules = srg(g, AB, frozenset())
@@ -70,7 +71,7 @@ def test_symbol_sets_by_brute_force(g: ir.Grammar) -> None:
     assert set(rules.names(reachable(rules.cfg))) == {"S"} | networkx.descendants(graph, "S")
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(35, 150))
 @given(random_grammars())
 def test_cycles_by_definition(g: ir.Grammar) -> None:
     empty = {n for n, w in word_sets(g, 0).items() if w}
@@ -85,7 +86,7 @@ def test_cycles_by_definition(g: ir.Grammar) -> None:
     assert set(rules.names(cyclic(rules.cfg))) == {n for n in graph if closure.has_edge(n, n)}
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(30, 150))
 @given(random_grammars())
 def test_finiteness_two_ways(g: ir.Grammar) -> None:
     everything = ir.Grammar(g.name, g.start, g.nonterminals, g.productions, EVERY, None)

@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 
 from compiler.geometry.hull import hull_rows
 from compiler.geometry.polytope import Polytope
+from tests.oracles.some_cases import examples
 
 coordinate = st.integers(-6, 6).map(lambda n: Fraction(n, 3))
 
@@ -19,7 +20,7 @@ def clouds(dimension):
     return st.lists(st.tuples(*[coordinate] * dimension), min_size=1, max_size=9)
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=examples(60, 120), deadline=None)
 @given(clouds(1) | clouds(2) | clouds(3))
 def test_the_hull_is_the_least_convex_set(cloud):
     shape = Polytope(hull_rows(cloud))

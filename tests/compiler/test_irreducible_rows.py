@@ -9,8 +9,9 @@ from scipy.optimize import linprog
 from compiler.geometry.irreducible_rows import irreducible_rows
 from compiler.geometry.polytope import Polytope
 from tests.oracles.planes import box_rows, row
+from tests.oracles.some_cases import examples
 
-SETTINGS = settings(max_examples=120, deadline=None)
+SETTINGS = settings(max_examples=examples(60, 120), deadline=None)
 
 
 def rows_of(dimension: int) -> st.SearchStrategy:

@@ -20,6 +20,7 @@ from tests.oracles.grammars import (
     grammar,
     random_grammars,
 )
+from tests.oracles.some_cases import examples, some
 
 AB = ("a", "b")
 
@@ -48,7 +49,7 @@ def check_against_brute_force(g: ir.Grammar) -> None:
         assert not expected
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_the_fewest_modules_against_an_automaton_that_counts_them(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset("b"))
@@ -62,7 +63,7 @@ def test_the_fewest_modules_against_an_automaton_that_counts_them(g: ir.Grammar)
         assert fewest == 0 or lang.is_empty(max_modules=fewest - 1)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(10, 40))
 @given(random_grammars())
 def test_language_equals_brute_force_and_the_automaton(g: ir.Grammar) -> None:
     check_against_brute_force(g)
@@ -75,7 +76,7 @@ def test_language_equals_brute_force_and_the_automaton_at_length(g: ir.Grammar) 
     check_against_brute_force(g)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(25, 60))
 @given(random_grammars())
 def test_module_bound_and_finiteness(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset({"a"}))
@@ -94,7 +95,7 @@ def test_module_bound_and_finiteness(g: ir.Grammar) -> None:
             lang.count_words(max_modules=2)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_the_oracles_agree(g: ir.Grammar) -> None:
     found = sentential_words(g, 3, 6)
@@ -187,7 +188,7 @@ def long_word(name: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
     return text, word, (*word, "a", "b")
 
 
-@pytest.mark.parametrize("name", ["left", "right", "counted", "unambiguous sums"])
+@pytest.mark.parametrize("name", some(["left", "unambiguous sums", "right", "counted"], 2))
 def test_words_of_five_thousand_symbols(name: str) -> None:
     text, word, other = long_word(name)
     lang = language(grammar(text, ALPHABET), ALPHABET, frozenset(ALPHABET))

@@ -27,6 +27,7 @@ from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, ARM_MODULES, ARM_TERMINALS, TRAPS, arm, grammar
 from tests.oracles.other_recognisers import NltkChart, PyformlangCyk
 from tests.oracles.shaped_grammars import LETTERS, SHAPES
+from tests.oracles.some_cases import examples
 
 Word = tuple[str, ...]
 Reader = Callable[[Word], bool]
@@ -179,7 +180,7 @@ def check_shape(shape: str, lang: Language) -> None:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_all_readings_agree(shape: str) -> None:
-    @settings(deadline=None, max_examples=15)
+    @settings(deadline=None, max_examples=examples(5, 15))
     @given(SHAPES[shape])
     def check(g: ir.Grammar) -> None:
         check_shape(shape, check_agreement(g, LETTERS, LONGEST, SHORT))
@@ -189,7 +190,7 @@ def test_all_readings_agree(shape: str) -> None:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_libraries_agree(shape: str) -> None:
-    @settings(deadline=None, max_examples=6)
+    @settings(deadline=None, max_examples=examples(3, 6))
     @given(SHAPES[shape])
     def check(g: ir.Grammar) -> None:
         check_libraries(g, LETTERS, 4)

@@ -18,6 +18,7 @@ from compiler.languages.enumeration import words_of_length
 from compiler.languages.language import Language, language
 from compiler.languages.structures import derivations_of
 from tests.oracles.grammars import ALPHABET, ARM_TERMINALS, grammar
+from tests.oracles.some_cases import examples
 
 Word = tuple[str, ...]
 ARM = "N -> B | N eps JO | N eps L | N eps EN"
@@ -112,12 +113,12 @@ def test_words_of_a_hundred_thousand_symbols(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "length"),
     [
-        ("the arm", 30_000),
-        ("right-linear", 10_000),
-        ("branching", 10_000),
-        ("matched pairs", 10_000),
-        ("left recursion", 10_000),
-        ("nested sums", 10_000),
+        ("the arm", examples(10_000, 30_000)),
+        ("right-linear", examples(4_000, 10_000)),
+        ("branching", examples(4_000, 10_000)),
+        ("matched pairs", examples(4_000, 10_000)),
+        ("left recursion", examples(4_000, 10_000)),
+        ("nested sums", examples(4_000, 10_000)),
     ],
 )
 def test_the_automaton_reads_long_words(name: str, length: int) -> None:

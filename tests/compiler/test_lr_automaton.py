@@ -32,6 +32,7 @@ from tests.oracles.grammars import (
     random_grammars,
 )
 from tests.oracles.rightmost_forms import lr_actions
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 LR1_TRAPS = {
@@ -109,7 +110,7 @@ def check_actions(cfg: Cfg, longest: int) -> None:
                 assert table(found, prefix, lookahead) == right, (prefix, lookahead)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(35, 100))
 @given(random_grammars())
 def test_actions_are_those_of_the_rightmost_derivations(g: ir.Grammar) -> None:
     check_actions(srg(g, AB, frozenset()).cfg, 3)
@@ -140,7 +141,7 @@ def test_sizes_known_otherwise(text: str, terminals: tuple[str, ...], states: in
 # --- the language ------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(15, 40))
 @given(random_grammars())
 def test_words_and_their_only_derivation(g: ir.Grammar) -> None:
     rules = srg(g, AB, frozenset())
@@ -162,7 +163,7 @@ def test_words_and_their_only_derivation(g: ir.Grammar) -> None:
             assert [tuple(labels[r] for r in derivation)] == list(derivations(g, word))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_parses_are_rightmost_derivations_in_reverse(g: ir.Grammar) -> None:
     rules = srg(g, AB, frozenset())

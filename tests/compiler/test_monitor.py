@@ -14,6 +14,7 @@ from compiler.specifications.time_set import TimeSet
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning
 from tests.oracles.formulas import formulas
+from tests.oracles.some_cases import examples
 from tests.oracles.time_grid import marks, time_set
 
 F = Fraction
@@ -49,7 +50,7 @@ def exact(signals: list[list[bool]]) -> dict[tuple[str, int], TimeSet]:
     return {atom: time_set(values) for atom, values in zip(ATOMS, signals, strict=True)}
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(100, 200), deadline=None)
 @given(formulas(SECONDS, 2, deep=8), st.lists(MARKS, min_size=4, max_size=4), st.integers(1, 5))
 def test_formulas_hold_when_the_definitions_say(
     formula: ir.Formula, signals: list[list[bool]], step: int
@@ -90,7 +91,7 @@ VALUES = st.sampled_from([(True, True), (False, True), (False, False)])
 UNSURE = st.lists(st.lists(VALUES, min_size=PARTS, max_size=PARTS), min_size=4, max_size=4)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(70, 150), deadline=None)
 @given(formulas(SECONDS, 2, deep=8), UNSURE, st.data())
 def test_what_is_certain_holds_whatever_the_signals(
     formula: ir.Formula, unsure: list[list[tuple[bool, bool]]], data: st.DataObject

@@ -18,6 +18,7 @@ from compiler.specifications.necessary import (
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning, signals
 from tests.oracles.formulas import KINDS, TWO_ARMS, formulas, program, spec
+from tests.oracles.some_cases import examples
 
 REGIONS = """
 region S box [-0.5, 0] x [-0.5, 0] m; region A box [0.5, 1] x [0.5, 1] m;
@@ -128,7 +129,7 @@ def holds_of_all(formula: ir.Formula, seconds: int, effectors: tuple[int, ...]) 
                 assert not any(place.region in part[place.effector] for part in signal)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(15, 60), deadline=None)
 @given(st.data())
 def test_every_signal_that_satisfies_a_formula(data: st.DataObject) -> None:
     seconds = data.draw(st.integers(1, 2))
@@ -137,7 +138,7 @@ def test_every_signal_that_satisfies_a_formula(data: st.DataObject) -> None:
     holds_of_all(ir.Always(formula, ir.Window(Fraction(0), None)), seconds, (1,))
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=examples(4, 8), deadline=None)
 @given(st.data())
 def test_of_two_effectors(data: st.DataObject) -> None:
     holds_of_all(data.draw(formulas(1, 2, deep=3)), 1, (1, 2))

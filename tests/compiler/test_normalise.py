@@ -18,6 +18,7 @@ from compiler.robots.robot import WORLD, FrameNode, Joint, RobotModel
 from compiler.robots.robot_key import robot_key
 from grammar_lang import ir
 from tests.oracles.robots import Builder, evaluate, interval
+from tests.oracles.some_cases import examples
 
 
 def bounds(limits: ir.Interval | None) -> tuple[float, float] | None:
@@ -321,7 +322,7 @@ def coordinate_map(model: RobotModel, normal: RobotModel) -> Array:
     return matrix
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(15, 30), deadline=None)
 @given(robots(), st.integers(0, 2**32 - 1))
 def test_normalisation_changes_neither_points_nor_forces(model: RobotModel, seed: int) -> None:
     """M = P' M_n P, c + g = P' (c_n + g_n) for the linear map q_n = P q, 0 where removed."""

@@ -10,8 +10,9 @@ from scipy.optimize import linprog
 from compiler.geometry.overlaps import candidates, interiors_meet
 from compiler.geometry.polytope import Polytope, polytope_of
 from tests.oracles.planes import box_rows, boxes, hull, polygons, row
+from tests.oracles.some_cases import examples
 
-SETTINGS = settings(max_examples=80, deadline=None)
+SETTINGS = settings(max_examples=examples(40, 80), deadline=None)
 ends = st.tuples(st.integers(0, 6), st.integers(1, 3)).map(lambda t: (t[0], t[0] + t[1]))
 
 

@@ -8,8 +8,9 @@ from compiler.geometry.hull import hull_rows
 from compiler.geometry.partition import divide, glue, remainder
 from compiler.geometry.polytope import Polytope, polytope_of
 from tests.oracles.planes import box_rows, in_shape, points, polygons
+from tests.oracles.some_cases import examples
 
-SETTINGS = settings(max_examples=80, deadline=None)
+SETTINGS = settings(max_examples=examples(40, 80), deadline=None)
 
 
 def square(*sides):

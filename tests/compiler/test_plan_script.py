@@ -14,6 +14,7 @@ from pysmt.smtlib.parser import SmtLibParser
 from compiler.planning.plan_script import dimacs, smt2
 from compiler.planning.specification import PlannedEffector, PlanningProblem
 from tests.oracles.plans import Case, brute_force, cases
+from tests.oracles.some_cases import examples
 
 KINDS = st.sampled_from([(1, False), (1, True), (2, True)]).flatmap(
     lambda kind: cases(effectors=kind[0], by_samples=kind[1])
@@ -49,7 +50,7 @@ def is_satisfiable_script(text: str) -> bool:
     return bool(answer)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(10, 40), deadline=None)
 @given(KINDS)
 def test_satisfiable_iff_there_is_a_plan(case: Case) -> None:
     expected = bool(brute_force(case))

@@ -10,8 +10,9 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from compiler.geometry.polytope import Polytope, half_space_complement, polytope_of
 from grammar_lang.ir import HalfSpace, Hull, Inequalities
 from tests.oracles.planes import box_rows, in_hull, points, polygons, row, turn
+from tests.oracles.some_cases import examples
 
-SETTINGS = settings(max_examples=80, deadline=None)
+SETTINGS = settings(max_examples=examples(40, 80), deadline=None)
 
 
 def small_rows(dimension, least, most):

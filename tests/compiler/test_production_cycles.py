@@ -7,6 +7,7 @@ from compiler.grammars.production_cycles import ProductionCycle, production_cycl
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import word_sets
 from tests.oracles.grammars import ALPHABET, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 
 def cycles(text: str) -> list[tuple[str, str]]:
@@ -44,7 +45,7 @@ def test_useless_productions_have_no_part() -> None:
     assert cycles("A -> a | B\nB -> B") == []
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=examples(40, 120), deadline=None)
 @given(random_grammars())
 def test_every_step_replaces_one_nonterminal_by_another(g: ir.Grammar) -> None:
     rules = srg(g, ("a", "b"), "ab")

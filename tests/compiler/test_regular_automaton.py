@@ -10,6 +10,7 @@ from compiler.grammars.grammar import srg
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 HALF = 4
@@ -33,7 +34,7 @@ def check(g: ir.Grammar, dfa: Dfa, terminals: tuple[str, ...]) -> int:
     return classes
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(30, 60))
 @given(random_grammars())
 def test_random_grammars(g: ir.Grammar) -> None:
     dfa = automaton(g, AB)

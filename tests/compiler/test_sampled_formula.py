@@ -15,6 +15,7 @@ from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning, Signal
 from tests.oracles.formulas import KINDS, formulas
 from tests.oracles.plans import untimed
+from tests.oracles.some_cases import examples
 from tests.oracles.word_semantics import Cells, signal_of, true_at, words
 
 A, C = ir.Atom("A", 1), ir.Atom("C", 1)
@@ -63,7 +64,7 @@ CASES = st.tuples(
 ).flatmap(lambda case: st.tuples(st.just(case), formulas(2 * case[1], case[2], deep=5)))
 
 
-@settings(max_examples=35, deadline=None)
+@settings(max_examples=examples(10, 35), deadline=None)
 @given(CASES)
 def test_words_that_satisfy_it_are_followed_by_motions_that_satisfy_the_formula(
     case: tuple[tuple[str, int, int, int], ir.Formula],
@@ -77,7 +78,7 @@ def test_words_that_satisfy_it_are_followed_by_motions_that_satisfy_the_formula(
             assert Remembered(motion).holds(formula), word
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(8, 25), deadline=None)
 @given(CASES)
 def test_the_meaning_on_words_is_that_of_the_definitions(
     case: tuple[tuple[str, int, int, int], ir.Formula],

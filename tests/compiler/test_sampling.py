@@ -14,6 +14,7 @@ from compiler.languages.sampling import WordSampler
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 LENGTH = 6
@@ -47,7 +48,7 @@ def check_numbering(g: ir.Grammar, terminals: tuple[str, ...]) -> None:
                 sampler.word(index)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_numbers_stand_for_words_one_to_one(g: ir.Grammar) -> None:
     check_numbering(g, AB)

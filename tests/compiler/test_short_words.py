@@ -8,9 +8,10 @@ from compiler.grammars.short_words import short_words
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(40, 150), deadline=None)
 @given(random_grammars())
 def test_words_and_numbers_of_derivations(g: ir.Grammar) -> None:
     rules = srg(g, ("a", "b"), "ab")

@@ -17,6 +17,7 @@ from tests.oracles.brute_force_grammar import satisfies, words_of
 from tests.oracles.formulas import program
 from tests.oracles.grammars import grammar, random_grammars
 from tests.oracles.joint_chains import chain_spec
+from tests.oracles.some_cases import examples
 
 R, P = "revolute z in [-3, 3]", "prismatic x in [0, 2] m"
 
@@ -162,7 +163,7 @@ LONGEST = 4
 KINDS = st.lists(st.sampled_from([None, "revolute", "prismatic"]), min_size=1, max_size=LONGEST)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(30, 150), deadline=None)
 @given(random_grammars(), KINDS)
 def test_all_short_words(rules: ir.Grammar, kinds: list[ir.DofKind | None]) -> None:
     base = program(BASE)

@@ -18,6 +18,7 @@ from grammar_lang import ir
 from tests.compiler.test_monitor import by_sign
 from tests.oracles.formula_semantics import Meaning
 from tests.oracles.formulas import formulas
+from tests.oracles.some_cases import examples
 
 with warnings.catch_warnings():
     # Its parser's runtime imports names that Python has since moved.
@@ -69,7 +70,7 @@ def certain(formula: ir.Formula, trace: list[list[int]], level: float) -> bool:
     return Meaning(signal, F(1), F(1)).holds(by_sign(formula))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(100, 200), deadline=None)
 @given(formulas(SECONDS, 1, deep=7), TRACES)
 def test_the_largest_level_at_which_a_formula_is_certain(
     formula: ir.Formula, trace: list[list[int]]
@@ -177,7 +178,7 @@ def by_rtamt(formula: ir.Formula, series: dict[str, list[float]]) -> float:
     ),
     [[-3] * SECONDS, [-3] * SECONDS],
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(75, 150), deadline=None)
 @given(formulas(SECONDS, 1, deep=6).map(upright), TRACES)
 def test_of_signals_known_exactly_it_is_what_rtamt_says(
     formula: ir.Formula, trace: list[list[int]]

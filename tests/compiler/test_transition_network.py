@@ -10,6 +10,7 @@ from compiler.grammars.transition_network import WORK_LIMIT, Network, transition
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 LENGTH = 4
 
@@ -32,7 +33,7 @@ def paths(network: Network, length: int) -> Counter[tuple[int, ...]]:
     return +found
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=examples(35, 120), deadline=None)
 @given(random_grammars())
 def test_paths_are_derivations(g: ir.Grammar) -> None:
     rules = srg(g, ("a", "b"), "ab")

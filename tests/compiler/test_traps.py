@@ -442,10 +442,10 @@ def test_nltk_repeats_words() -> None:
 # --- 16 ----------------------------------------------------------------------------------------
 
 
-def palindromes(middle: Word) -> list[Word]:
+def palindromes(middle: Word, count: int = 200) -> list[Word]:
     """Palindromes of which no two begin in the same way for long."""
     rng = random.Random(16)
-    halves = (tuple(rng.choices("ab", k=20)) for _ in range(200))
+    halves = (tuple(rng.choices("ab", k=20)) for _ in range(count))
     return [(*half, *middle, *reversed(half)) for half in halves]
 
 
@@ -466,7 +466,7 @@ def memory_held(reader: Recogniser, words: list[Word]) -> int:
 def test_what_is_remembered_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caches that keep what every prefix led to, for as long as the reader lives."""
     text = TRAPS["even palindromes"]
-    words = palindromes(())
+    words = palindromes((), 100)
     unbounded = memory_held(of(text).recogniser, words)
     for module in (residuals, pushdown_reader):
         monkeypatch.setattr(module, "CACHE_LIMIT", 30)

@@ -8,6 +8,7 @@ from compiler.reading.viable_prefix import viable_prefix
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import Word, all_words, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 LENGTH = 5
@@ -59,7 +60,7 @@ def check(g: ir.Grammar, terminals: tuple[str, ...]) -> None:
         assert viable_prefix(normal, terminals, word) == expected
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(25, 60))
 @given(random_grammars())
 def test_random_grammars(g: ir.Grammar) -> None:
     check(g, AB)

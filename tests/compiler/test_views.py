@@ -24,6 +24,7 @@ from tests.oracles.grammars import (
     arm,
     grammar,
 )
+from tests.oracles.some_cases import examples
 
 MODULES = ("B", "JO", "JO", "JO", "L", "JO", "L", "JO", "EN")
 FIGURE = (*(symbol for module in MODULES[:-1] for symbol in (module, "eps")), "EN")
@@ -284,7 +285,7 @@ def test_what_is_added_comes_in_few_runs(part: str, word: str, symbols: str) -> 
     assert added(tuple(part.split()), tuple(word.split())) == tuple(symbols.split())
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(100, 200), deadline=None)
 @given(st.lists(st.sampled_from("abc"), max_size=9), st.data())
 def test_runs_added_are_the_fewest(letters: list[str], data: st.DataObject) -> None:
     kept = data.draw(st.lists(st.booleans(), min_size=len(letters), max_size=len(letters)))

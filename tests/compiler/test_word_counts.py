@@ -13,6 +13,7 @@ from compiler.languages.prefix_counts import WordsOfLength, count_by_length
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars
+from tests.oracles.some_cases import examples
 
 AB = ("a", "b")
 LENGTH = 42
@@ -35,7 +36,7 @@ def brute_force(g: ir.Grammar, longest: int) -> tuple[int, ...]:
     return tuple(sum(len(word) == length for word in words) for length in range(longest + 1))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(20, 40))
 @given(random_grammars())
 def test_all_ways_of_counting_agree_with_brute_force(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset(AB))

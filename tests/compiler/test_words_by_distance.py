@@ -23,6 +23,7 @@ from tests.oracles.grammars import (
     random_grammars,
 )
 from tests.oracles.shaped_grammars import right_linear
+from tests.oracles.some_cases import examples
 from tests.oracles.word_changes import distance
 
 AB = ("a", "b")
@@ -42,7 +43,7 @@ def expected(
     return sorted(words, key=key)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(20, 60))
 @given(random_grammars() | right_linear(), st.lists(st.sampled_from(AB), max_size=5).map(tuple))
 def test_random_grammars(g: ir.Grammar, origin: tuple[str, ...]) -> None:
     lang = language(g, AB, frozenset(AB))

@@ -1,4 +1,4 @@
-"""Spoilt programs: 20,000 of them, and ten times as many with ``make test-slow``.
+"""Spoilt programs: 2,000 of them, and a hundred times as many with ``make test-slow``.
 
 No exception, no hang, an error if and only if there is no program, and findings fit to be shown.
 A failure prints its program, which :func:`survive` makes again of its number.
@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles.mutations import seeds, spoilt_bytes, spoilt_text
+from tests.oracles.some_cases import examples
 from tests.oracles.survival import (
     TooSlow,
     check_survives,
@@ -24,7 +25,7 @@ from tests.oracles.survival import (
     time_bound,
 )
 
-FAST_BLOCKS, FAST = 5, 1000
+FAST_BLOCKS, FAST = 5, examples(400, 1000)
 SLOW_BLOCKS, SLOW = 100, 2000
 
 # What the programs go through, in turn.

@@ -17,6 +17,7 @@ from grammar_lang.parsing.parse import parse
 from grammar_lang.parsing.tree_builder import BUILDERS
 from grammar_lang.source import Span
 from tests.oracles.programs import POOLS, grammar, random_item
+from tests.oracles.some_cases import some
 
 FAST_BLOCKS, SLOW_BLOCKS, SIZE = 5, 100, 150
 GAPS = (" ", "\n", "  ", "\t", " // c\n", "/* c */", "\r\n")
@@ -95,7 +96,7 @@ def compare(block: int) -> None:
     assert refused > SIZE
 
 
-@pytest.mark.parametrize("block", range(FAST_BLOCKS))
+@pytest.mark.parametrize("block", some(range(FAST_BLOCKS), 2))
 def test_the_parser_agrees_with_lark(block: int) -> None:
     compare(block)
 

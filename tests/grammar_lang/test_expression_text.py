@@ -18,6 +18,7 @@ from grammar_lang.ir.expression_text import (
     updates_text,
 )
 from grammar_lang.load import Loaded, load_text
+from tests.oracles.some_cases import examples
 
 ROOT = Path(__file__).parents[2]
 SPECS = (
@@ -117,7 +118,7 @@ frames = st.recursive(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(30, 150), deadline=None)
 @given(scalar=scalars, frame=frames, length=scalars)
 @example("2 - (3 - J1.k) - (1 - (J2.k - 1))", "world * (world * (world * world))", "1")
 @example("J1.k / (J2.k / 3) / (2 / J1.k * 5) * (1/3)", "(one.tip * world) * this.frame", "1")

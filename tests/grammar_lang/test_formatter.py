@@ -501,15 +501,15 @@ def test_other_syntax_is_never_given_out(monkeypatch: pytest.MonkeyPatch) -> Non
 # --- size ---------------------------------------------------------------------------------------
 
 LARGE = {
-    "one statement": "edge " + ", ".join(f"a{i}" for i in range(20_000)) + ";",
-    "parentheses": "module A { const a = " + "(" * 20_000 + "1" + ")" * 20_000 + "; }",
-    "blocks": "semantics A { " + "a { } " * 10_000 + "}",
+    "one statement": "edge " + ", ".join(f"a{i}" for i in range(8_000)) + ";",
+    "parentheses": "module A { const a = " + "(" * 8_000 + "1" + ")" * 8_000 + "; }",
+    "blocks": "semantics A { " + "a { } " * 4_000 + "}",
     "comments": "// a\n" * 50_000,
     "inner comments": "edge a" + "/* b */" * 20_000 + ";",
     "stars": "/*" + "*" * 200_000 + "/",
     "one name": "edge " + "a" * 200_000 + ";",
     "alternatives": "grammar G { accept "
-    + " or ".join(["(length < 3 and contains A)"] * 3000)
+    + " or ".join(["(length < 3 and contains A)"] * 1500)
     + "; }",
 }
 
@@ -520,7 +520,7 @@ def test_large_texts(name: str) -> None:
     begin = time.process_time()
     made = formatted(LARGE[name])
     assert formatted(made) == made
-    assert time.process_time() - begin < 20
+    assert time.process_time() - begin < 8
 
 
 def test_the_ranks_of_nested_places_are_ordered() -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.language_server.client import PATIENCE, Client
+from tests.oracles.some_cases import some
 
 ROOT = Path(__file__).parents[2]
 SPEC = (ROOT / "specs" / "planar_arm.srg").read_text(encoding="utf-8")
@@ -73,7 +74,7 @@ def test_an_end_in_the_middle_of_work(started: Start) -> None:
     assert b"Traceback" not in b"".join(client.log), b"".join(client.log).decode()
 
 
-@pytest.mark.parametrize("politely", [True, False])
+@pytest.mark.parametrize("politely", some([False, True], 1))
 def test_an_end_without_shutdown(started: Start, politely: bool) -> None:
     client = started()
     client.initialize()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from srgc.language_server.tasks.task_lenses import task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts
 from tests.language_server.client import PATIENCE, Client
 from tests.oracles.small_specs import TURNER
+from tests.oracles.some_cases import some
 
 LONG = TURNER.replace("modules <= 1", "").replace(
     "[1.2, 1.9] x [-0.3, 0.3]", "[2.4, 2.5] x [0, 0.1]"
@@ -86,16 +88,16 @@ def test_cancelling(client: Client) -> None:
     assert titles(client, uri) == ["check", "synth"]
 
 
-def test_results_of_another_text(client: Client) -> None:
+def test_results_of_another_text(client: Client, made: Callable[[str], Path]) -> None:
     """They are replaced only if the user says so; a client that does not ask keeps them."""
     folder = client.folder / "twice"
     folder.mkdir()
-    one, other = folder / "one.srg", folder / "other.srg"
+    shutil.copytree(made("turner") / "out", folder / "out" / "Turn")
+    one, other = folder / "turner.srg", folder / "other.srg"
     for path, text in ((one, TURNER), (other, TURNER + "// another\n")):
         path.write_text(text, encoding="utf-8", newline="")
         client.open(uri_of(path), text)
     found = {"verdict": "found", "status": 0}
-    assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(one))) == found
     design = folder / "out" / "Turn" / "design.json"
     before = design.read_bytes()
     asked: list[Any] = []
@@ -168,7 +170,7 @@ def test_a_text_with_errors_is_not_synthesised(client: Client) -> None:
     assert told == {"type": 1, "message": "Turn: 1 error, 0 warnings"}
 
 
-@pytest.mark.parametrize("end", ["shutdown", "exit", "end of input", "SIGTERM"])
+@pytest.mark.parametrize("end", some(["shutdown", "SIGTERM", "exit", "end of input"], 2))
 def test_an_end_while_a_synthesis_runs(
     started: Callable[..., Client], tmp_path: Path, end: str
 ) -> None:

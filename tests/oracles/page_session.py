@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
@@ -76,7 +76,11 @@ def assert_shown(command: Command, printed: str) -> None:
 
 
 class Session:
-    """A page that is followed in a folder, which is the working directory."""
+    """A page that is followed in a folder, which is the working directory.
+
+    ``made`` gives the results of the specs that the suite makes once, by name, ``shared`` their
+    texts; ``left_out`` are commands that are not run.
+    """
 
     def __init__(
         self,
@@ -85,12 +89,16 @@ class Session:
         run: Callable[[list[str]], int],
         printed: Callable[[], str],
         made: Callable[[str], Path],
+        shared: Mapping[str, bytes],
+        left_out: Collection[str] = (),
     ) -> None:
         self.blocks = blocks(text)
         self.folder = folder
         self.run = run
         self.printed = printed
         self.made = made
+        self.shared = shared
+        self.left_out = left_out
         self.names: dict[str, object] = {"__name__": "__main__"}
 
     def follow(self) -> None:
@@ -111,7 +119,8 @@ class Session:
             file.write_text(text, encoding="utf-8")
         elif block.kind == "console":
             for command in commands(block):
-                assert_shown(command, self._output(command))
+                if " ".join(command.arguments) not in self.left_out:
+                    assert_shown(command, self._output(command))
         elif block.kind == "python" and not block.name:
             self.printed()
             exec(compile(block.body, f"line {block.line}", "exec"), self.names)
@@ -131,13 +140,16 @@ class Session:
         return self.printed()
 
     def _ready(self, arguments: tuple[str, ...]) -> str | None:
-        """The result of a spec of the project, which the suite makes once for all tests."""
+        """The result of a text that the suite synthesises once for all tests."""
         wanted = [one for one in arguments if one != "--quiet"]
-        if len(wanted) != 4 or wanted[0] != "synth" or wanted[2] != "-o":
+        if wanted[0] != "synth" or len(wanted) not in (2, 4) or wanted[2:3] not in ([], ["-o"]):
             return None
-        spec, target = Path(arguments[1]), arguments[3]
-        if spec.parent != Path("specs"):
+        spec = Path(wanted[1])
+        text = (self.folder / spec).read_bytes()
+        if self.shared.get(spec.stem) != text:
             return None
+        task = re.findall(r"^task (\w+)", text.decode(), re.MULTILINE)[0]
+        target = wanted[3] if wanted[2:] else f"out/{task}"
         done = self.made(spec.stem)
         shutil.copytree(done / "out", self.folder / target)
         said = (done / "stdout").read_text(encoding="utf-8")

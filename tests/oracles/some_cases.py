@@ -1,4 +1,4 @@
-"""Many cases of one kind: the first of them in the usual suite, all in `make test-slow`."""
+"""What the usual suite takes a part of: `make test-slow` has all cases and all examples."""
 
 from __future__ import annotations
 
@@ -6,9 +6,21 @@ from collections.abc import Iterable
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+USUAL, OTHERS = "same", "others"
+"""The profiles of Hypothesis: that of the usual suite, and that of `make test-slow`."""
 
 
 def some(cases: Iterable[Any], count: int) -> list[Any]:
-    """The cases, all but the first so many marked as slow."""
-    listed = list(cases)
-    return [*listed[:count], *(pytest.param(one, marks=pytest.mark.slow) for one in listed[count:])]
+    """The cases, all but the first so many marked as slow; a tuple is of several arguments."""
+    listed = [one if isinstance(one, tuple) else (one,) for one in cases]
+    return [
+        *(pytest.param(*one) for one in listed[:count]),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in listed[count:]),
+    ]
+
+
+def examples(usual: int, slow: int) -> int:
+    """How many examples Hypothesis draws in the usual suite, and in `make test-slow`."""
+    return usual if settings.get_current_profile_name() == USUAL else slow

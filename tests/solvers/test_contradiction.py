@@ -16,6 +16,7 @@ from solvers.conflicts.contradiction import contradictions
 from solvers.conflicts.formula_checks import formula_diagnostics
 from tests.oracles.formula_semantics import Meaning, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
+from tests.oracles.some_cases import examples
 
 REGIONS = """
 region S box [-0.5, 0] x [-0.5, 0] m;
@@ -202,7 +203,7 @@ def some_signal(name: str, formula: ir.Formula, seconds: int, effectors: tuple[i
     )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(10, 50), deadline=None)
 @given(st.data())
 def test_no_signal_does_what_is_told_to_be_impossible(data: st.DataObject) -> None:
     name = data.draw(st.sampled_from(sorted(SHAPES)))
@@ -213,7 +214,7 @@ def test_no_signal_does_what_is_told_to_be_impossible(data: st.DataObject) -> No
         assert not some_signal(name, formula, seconds, (1,))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(8, 15), deadline=None)
 @given(st.data())
 def test_nor_do_two_effectors(data: st.DataObject) -> None:
     formula = ir.And(data.draw(st.tuples(*[formulas(1, 2, deep=4)] * 3)))
@@ -221,7 +222,7 @@ def test_nor_do_two_effectors(data: st.DataObject) -> None:
         assert not some_signal("disjoint", formula, 1, (1, 2))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(8, 30), deadline=None)
 @given(st.data())
 def test_windows_of_one_region_are_decided(data: st.DataObject) -> None:
     """Without nesting nothing is lost: what no signal does is told."""

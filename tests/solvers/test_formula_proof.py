@@ -35,6 +35,7 @@ from tests.oracles.driven_tips import (
 )
 from tests.oracles.formulas import formulas
 from tests.oracles.sampled_robustness import robustness
+from tests.oracles.some_cases import examples
 from tests.oracles.tasks import avoid, task
 
 F = Fraction
@@ -89,7 +90,7 @@ def agrees(found: FormulaVerdict, true: float) -> bool:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(8, 25), deadline=None)
 @given(formulas(3, 2, deep=6))
 def test_random_formulas(seed: int, formula: ir.Formula) -> None:
     assert agrees(verdict(seed, formula), by_samples(seed, formula))

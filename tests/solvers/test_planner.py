@@ -24,6 +24,7 @@ from solvers.planner import CounterExample, Exhausted, Exhaustion, Plan, Planner
 from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.planes import bench, cuts_of_the_bench, workspaces
 from tests.oracles.plans import Case, Cells, brute_force, cases, changes, without_stays
+from tests.oracles.some_cases import examples
 from tests.oracles.tasks import avoid, task
 
 MOST = 150
@@ -74,7 +75,7 @@ KINDS = st.sampled_from([(1, False), (1, True), (2, True)]).flatmap(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(10, 60), deadline=None)
 @given(KINDS)
 def test_all_plans_and_no_others_the_fewest_changes_first(case: Case) -> None:
     everything = brute_force(case)
@@ -114,7 +115,7 @@ def begins_with(plan: Sequence[tuple[int, Cells]], blocked: Sequence[CounterExam
     )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(10, 30), deadline=None)
 @given(KINDS, st.data())
 def test_blocked_prefixes_are_respected(case: Case, data: st.DataObject) -> None:
     numbers = [one.effector for one in case.problem.effectors]
@@ -150,7 +151,7 @@ def test_blocked_prefixes_are_respected(case: Case, data: st.DataObject) -> None
         assert verdict.counterexample.blocked == tuple(blocked)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(10, 40), deadline=None)
 @given(KINDS, st.data())
 def test_extended_is_as_made_anew(case: Case, data: st.DataObject) -> None:
     """What remains has as few changes as with a planner that was never asked before."""

@@ -17,6 +17,7 @@ from solvers.planner import Planner
 from solvers.verdict import Fails, Holds
 from tests.oracles.formulas import SHAPES, TWO_ARMS, formulas, program, spec
 from tests.oracles.plans import Case, brute_force, changes, untimed
+from tests.oracles.some_cases import examples
 from tests.oracles.word_semantics import true_at
 
 STARTS = "region S box [-1, 0] x [-1, 0] m;"
@@ -30,7 +31,7 @@ CASES = st.tuples(
 ).flatmap(lambda case: st.tuples(st.just(case), formulas(3, case[2], deep=4)))
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(15, 80), deadline=None)
 @given(CASES)
 def test_tasks_with_formulas(case: tuple[tuple[str, str, int, bool], ir.Formula]) -> None:
     (shape, obstacle, effectors, timed), formula = case

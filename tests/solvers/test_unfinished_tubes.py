@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 
 import pytest
@@ -26,20 +27,19 @@ def driven(growth: int, joint: str) -> tuple[Scene, Motion]:
     return where, Motion((), STATE, inputs, 0, ())
 
 
-def followed(where: Scene, motion: Motion) -> list[Followed]:
-    """The tube of every accuracy."""
-    found = []
+def followed(where: Scene, motion: Motion) -> Iterator[Followed]:
+    """The tube of every accuracy, once it is asked for."""
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
             robot = driven_robot(where, motion)
-            found.append(follow(robot, InitialSet(robot.state), None, accuracy, UNWATCHED))
-    return found
+            tube = follow(robot, InitialSet(robot.state), None, accuracy, UNWATCHED)
+        yield tube
 
 
 @pytest.mark.parametrize("growth", some([3, 6], 1))
 def test_the_time_is_that_of_the_tube_that_got_farthest(growth: int) -> None:
     where, motion = driven(growth, "")
-    tubes = followed(where, motion)
+    tubes = list(followed(where, motion))
     assert all(tube.ended for tube in tubes)
     lost = decisive(prove_motion(where, motion))
     assert lost is not None
@@ -51,7 +51,7 @@ def test_the_time_is_that_of_the_tube_that_got_farthest(growth: int) -> None:
 def test_what_is_violated_before_the_tube_ends_is_said() -> None:
     """The first joint turns by much more than two radians before the tube ends."""
     where, motion = driven(3, "in [-2, 2] rad")
-    (rough, *_) = followed(where, motion)
+    rough = next(followed(where, motion))
     assert rough.ended
     lost = decisive(prove_motion(where, motion))
     assert lost is not None

@@ -20,6 +20,7 @@ from solvers.conflicts.formula_checks import formula_diagnostics
 from solvers.conflicts.vacuity import Entailment, always_holds, without_influence
 from tests.oracles.formula_semantics import Meaning, Signal, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
+from tests.oracles.some_cases import examples
 
 REGIONS = """
 region S box [-0.5, 0] x [-0.5, 0] m;
@@ -138,7 +139,7 @@ def test_nothing_is_said_beyond_the_budget(monkeypatch: pytest.MonkeyPatch) -> N
 # --- occurrences ---------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(30, 60), deadline=None)
 @given(formulas(1, 1, deep=5), st.data())
 def test_a_strengthened_formula_is_stronger(formula: ir.Formula, data: st.DataObject) -> None:
     parts = list(occurrences(formula))
@@ -190,14 +191,14 @@ def motions(name: str, seconds: int) -> list[Signal]:
     return list(signals([frozenset(kind) for kind in KINDS[name]], 4 * seconds + 1, (1,)))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(20, 60), deadline=None)
 @given(st.data())
 def test_what_is_told_holds_of_all_signals(data: st.DataObject) -> None:
     name = data.draw(st.sampled_from(sorted(SHAPES)))
     judged(name, data.draw(st.tuples(*[formulas(1, 1, deep=4)] * 2)), 1)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(12, 25), deadline=None)
 @given(st.data())
 def test_the_same_with_what_is_idle_by_construction(data: st.DataObject) -> None:
     """`A or eventually (A and F)`, and a window after the end: what is told of F is true."""

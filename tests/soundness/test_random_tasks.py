@@ -11,15 +11,19 @@ from tests.oracles import result_files
 from tests.oracles.exported_motions import replay
 from tests.oracles.random_sweeps import counterexample, drives_reach, flooded
 from tests.oracles.random_tasks import random_task
+from tests.oracles.some_cases import some
 from tests.oracles.spec_figures import figures_of
 from tests.soundness.task_trials import FOUND, IMPOSSIBLE, INFLATED, farthest, tried
+
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
 
 QUICK = {12: FOUND, 16: FOUND, 28: FOUND, 17: IMPOSSIBLE, 18: IMPOSSIBLE, 22: IMPOSSIBLE}
 PART, PARTS = 10, 20
 
 
-@pytest.mark.parametrize("seed", QUICK)
-def test_six_random_tasks(tmp_path, seed):
+@pytest.mark.parametrize("seed", some([12, 16, 17, 18, 22, 28], 4))
+def test_single_random_tasks(tmp_path, seed):
     verdict = tried(seed, tmp_path, 60_000)
     assert verdict.objection is None
     assert verdict.status == QUICK[seed]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.oracles.some_cases import some
 from tests.soundness.certificate_trials import (
     SHARES,
     Trial,
@@ -36,8 +37,8 @@ def outcomes(
     return found
 
 
-@pytest.mark.parametrize("part", range(-4, 0))
-def test_sixty_spoilt_certificates(made, tmp_path, part):
+@pytest.mark.parametrize("part", some(range(-4, 0), 2))
+def test_some_spoilt_certificates(made, tmp_path, part):
     found = outcomes(made, tmp_path, drawn(15, part, QUICK))
     seen = tally(found)
     assert seen["false", "refuted"] >= 4

@@ -10,6 +10,9 @@ import pytest
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.small_specs import TURNER
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 GONE = ["gp-ucb", "particle-swarm", "simulated-annealing", "random"]
 
 

@@ -15,8 +15,11 @@ import pytest
 from srgc.cli import run
 from tests.oracles import result_files
 from tests.oracles.extended_arm import best_robustness
-from tests.oracles.small_specs import TURNER, replaced
+from tests.oracles.small_specs import SLIDER, TURNER, replaced
 from tests.srgc.conftest import Ran
+
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
 
 Srgc = Callable[..., Ran]
 
@@ -224,8 +227,8 @@ def test_no_change_has_poses(srgc: Srgc, tmp_path: Path) -> None:
 
 
 def test_a_design_needs_no_explanation(srgc: Srgc, tmp_path: Path) -> None:
-    (tmp_path / "turn.srg").write_text(TURNER, encoding="utf-8")
-    assert srgc("synth", tmp_path / "turn.srg", "-o", tmp_path / "out", "--json").status == 0
+    (tmp_path / "slide.srg").write_text(SLIDER, encoding="utf-8")
+    assert srgc("synth", tmp_path / "slide.srg", "-o", tmp_path / "out", "--json").status == 0
     ran = srgc("why", tmp_path / "out")
     assert (ran.status, ran.out.splitlines()[0]) == (0, "verdict: found")
     assert "nothing to explain" in ran.out

@@ -18,7 +18,7 @@ FILES = (
     "pareto.csv", "pareto.json", "log.json", "report.html", "journal.jsonl", ".lock",
     ".certificate.json.part", ".journal.jsonl.part", ".report.html.part",
 )  # fmt: skip
-INNER = ("spec/more", "spec/turner.srg", "proofs/0000.smt2", "figures/workspace.svg", "designs/0/a")
+INNER = ("spec/more", "spec/slider.srg", "proofs/0000.smt2", "figures/workspace.svg", "designs/0/a")
 COMMANDS = {
     "synth": ("synth", "SPEC", "-q", "-o", "DIR"),
     "synth --force": ("synth", "SPEC", "-q", "-o", "DIR", "--force"),
@@ -65,10 +65,10 @@ def linked(folder: Path, name: str, target: Path) -> None:
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("name", [*FOLDERS, "report.html", ".certificate.json.part", *INNER[:2]])
 def test_every_command_refuses_a_link(srgc, made, result, outside, tmp_path, command, name):
-    folder = result("turner")
+    folder = result("slider")
     linked(folder, name, outside / ("work" if name in FOLDERS else "notes.txt"))
     before, theirs = tree(folder), tree(outside)
-    words = {"SPEC": made("turner") / "turner.srg", "DIR": folder, "ELSEWHERE": tmp_path / "a.csv"}
+    words = {"SPEC": made("slider") / "slider.srg", "DIR": folder, "ELSEWHERE": tmp_path / "a.csv"}
     ran = srgc(*(words.get(word, word) for word in COMMANDS[command]))
     assert (ran.status, ran.out) == (2, "")
     assert ran.err.count("\n") == 1
@@ -80,7 +80,7 @@ def test_every_command_refuses_a_link(srgc, made, result, outside, tmp_path, com
 @pytest.mark.parametrize("name", [*FILES, *FOLDERS, *INNER])
 @pytest.mark.parametrize("target", ["notes.txt", "work", "nothing"])
 def test_no_result_is_a_link(result, outside, name, target):
-    folder = result("turner")
+    folder = result("slider")
     refuse_links(folder)
     linked(folder, name, outside / target)
     with pytest.raises(UsageFault, match="is a link"):
@@ -96,12 +96,12 @@ def test_a_result_is_a_file_where_a_file_is_due(srgc, made, result):
         "certificate.json": os.mkfifo,
         "spec": Path.touch,
     }.items():
-        folder = result("turner")
+        folder = result("slider")
         linked(folder, name, Path("gone"))
         (folder / name).unlink()
         make(folder / name)
         for command in ("synth", "report", "why"):
-            words = {"SPEC": made("turner") / "turner.srg", "DIR": folder}
+            words = {"SPEC": made("slider") / "slider.srg", "DIR": folder}
             ran = srgc(*(words.get(word, word) for word in COMMANDS[command]))
             assert ran.status == 2
             assert f"{folder / name} is " in ran.err
@@ -114,10 +114,10 @@ def test_a_result_is_a_file_where_a_file_is_due(srgc, made, result):
 
 def test_links_of_others_stay(srgc, made, result, outside):
     """A link whose name is none of ours is nobody's business."""
-    folder = result("turner")
+    folder = result("slider")
     (folder / "notes").symlink_to(outside)
     theirs = tree(outside)
-    spec = made("turner") / "turner.srg"
+    spec = made("slider") / "slider.srg"
     assert srgc("synth", spec, "-q", "-o", folder, "--seed", "1", "--force").status == 0
     assert srgc("report", folder, "-q", "--no-verify").status == 0
     assert (folder / "notes").readlink() == outside
@@ -125,7 +125,7 @@ def test_links_of_others_stay(srgc, made, result, outside):
 
 
 def test_what_a_user_names_in_the_folder_follows_no_link_either(srgc, result, outside):
-    folder = result("turner")
+    folder = result("slider")
     (folder / "mine.html").symlink_to(outside / "notes.txt")
     (folder / "pages").symlink_to(outside / "work")
     (outside / "way in").symlink_to(folder)
@@ -152,7 +152,7 @@ def test_what_a_user_names_in_the_folder_follows_no_link_either(srgc, result, ou
 
 @pytest.mark.parametrize("name", ["trajectory.csv", "figures/workspace.svg", "DESIGN.json"])
 def test_a_landscape_replaces_no_result(srgc, result, name):
-    folder = result("turner")
+    folder = result("slider")
     before = tree(folder)
     output = folder / name
     named = ("-o", output) if output.suffix == ".svg" else ("--csv", output)
@@ -164,20 +164,20 @@ def test_a_landscape_replaces_no_result(srgc, result, name):
 
 def test_a_file_with_two_names_is_written_under_one(srgc, made, result, outside):
     """A hard link in the folder: the other name keeps what it had."""
-    folder = result("turner")
+    folder = result("slider")
     for name in ("report.html", ".report.html.part", "design.json", "journal.jsonl"):
         (folder / name).unlink(missing_ok=True)
         os.link(outside / "notes.txt", folder / name)
     (folder / "design.json").unlink()
-    (folder / "design.json").write_bytes((made("turner") / "out/design.json").read_bytes())
+    (folder / "design.json").write_bytes((made("slider") / "out/design.json").read_bytes())
     assert srgc("report", folder, "-q", "--no-verify").status == 0
-    spec = made("turner") / "turner.srg"
+    spec = made("slider") / "slider.srg"
     assert srgc("synth", spec, "-q", "-o", folder).status == 0
     assert (outside / "notes.txt").read_text(encoding="utf-8") == "notes"
 
 
 def test_python_refuses_links(result, outside, tmp_path):
-    folder = result("turner")
+    folder = result("slider")
     found = public.open_result(folder)
     linked(folder, "figures", outside / "work")
     theirs = tree(outside)
@@ -231,7 +231,7 @@ def test_a_disk_that_takes_no_more_leaves_the_old_file(tmp_path, monkeypatch):
 def test_lenses_read_no_links(result, outside):
     from srgc.language_server.tasks.verdicts import Verdicts
 
-    folder = result("turner")
+    folder = result("slider")
     assert Verdicts().read(folder, {}) is not None
     (outside / "design.json").write_bytes((folder / "design.json").read_bytes())
     linked(folder, "design.json", outside / "design.json")

@@ -13,6 +13,7 @@ from srgc.cli import run
 from srgc.command_table import GROUPS, TABLE, all_commands, command_named
 from srgc.taught_command import TaughtCommand
 from tests.conftest import ROOT
+from tests.oracles.some_cases import some
 
 COMMANDS = [*TABLE]
 CONTRACT = {
@@ -54,7 +55,13 @@ def checkout(made, tmp_path_factory):
     return place
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+LONG = ("landscape", "replay")
+"""Commands whose examples take seconds."""
+
+
+@pytest.mark.parametrize(
+    "name", some([*(name for name in COMMANDS if name not in LONG), *LONG], -len(LONG))
+)
 def test_every_example_runs(name, checkout, monkeypatch, capsys):
     monkeypatch.chdir(checkout)
     examples = section(help_of(name), "Examples")
@@ -65,6 +72,14 @@ def test_every_example_runs(name, checkout, monkeypatch, capsys):
         if example not in MADE | SERVES:
             assert run(arguments) == 0, (example, capsys.readouterr().err)
     assert any(f"srgc {name}" in example for example in examples)
+
+
+def test_the_options_of_every_example_are_there():
+    for name in COMMANDS:
+        for example in section(help_of(name), "Examples"):
+            _, *arguments = shlex.split(example)
+            command = command_named(arguments[0])
+            command.make_parser(click.Context(command)).parse_args(arguments[1:])
 
 
 @pytest.mark.parametrize("name", COMMANDS)

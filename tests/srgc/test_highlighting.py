@@ -29,6 +29,7 @@ from grammar_lang.elaboration import emissions, typecheck
 from grammar_lang.units import UNIT_NAMES
 from srgc.pygments_lexer import EMISSIONS, FUNCTIONS, SrgLexer
 from tests.oracles.sentences import Sentences
+from tests.oracles.some_cases import examples
 from tests.oracles.textmate import Grammar
 
 ROOT = Path(__file__).parents[2]
@@ -285,7 +286,7 @@ AWKWARD = (*NAMES * 6, *sorted(set(KEYWORDS) - RESERVED), "self")
 GAPS = (" ", " ", " ", "\n", "\t", " /* ; } ' */ ", '// in { "\n', "\r\n")
 
 
-@settings(max_examples=400)
+@settings(max_examples=examples(200, 400))
 @given(st.integers(0, 2**32))
 def test_random_items_are_lexed_as_they_are_parsed(seed: int) -> None:
     text = sentence(random.Random(seed), AWKWARD, GAPS)

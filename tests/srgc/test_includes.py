@@ -14,6 +14,9 @@ from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.small_specs import SLIDER
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 MAP = '{"type": "FeatureCollection", "features": []}'
 ITEMS = re.split(r"\n\n", SLIDER)
 FILES = {

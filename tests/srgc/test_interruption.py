@@ -19,6 +19,7 @@ from srgc.results.folder_layout import JOURNAL
 from srgc.results.result_folder import Identity, open_folder
 from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
 from tests.conftest import srgc_process
+from tests.oracles.some_cases import examples, some
 
 KEPT = b"interrupted; what was done is kept in out: the same command goes on from there"
 RESULTS = ("design.json", "certificate.json", "trajectory.csv", "figures/workspace.svg")
@@ -54,7 +55,7 @@ def test_kills_at_random_moments(made, tmp_path):
     folder = tmp_path / "out"
     (tmp_path / "turner.srg").write_bytes((place / "turner.srg").read_bytes())
     arguments = ["synth", "turner.srg", "-o", "out"]
-    for _ in range(2):
+    for _ in range(examples(1, 2)):
         with srgc_process(arguments, tmp_path) as process:
             time.sleep(chance.uniform(0.5, 3.0))
             process.kill()
@@ -153,7 +154,7 @@ def test_a_journal_cut_in_its_last_line(tmp_path):
     assert whole.values == folder.values
 
 
-@pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.parametrize("jobs", some(["2", "1"], 1))
 def test_an_interrupt_is_one_line(arm_file, tmp_path, jobs):
     """As from a terminal, which interrupts the workers as well; the run is a long one."""
     arguments = ["synth", arm_file, "-o", "out", "--jobs", jobs]

@@ -11,6 +11,9 @@ from tests.conftest import ROOT
 from tests.oracles.result_files import alter_spec
 from tests.oracles.small_specs import TURNER
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 CLAUSES = "robust start 0.2 deg, 0.1 deg/s; robust effort 0.5 %;"
 SHAKEN = TURNER.replace("  horizon", f"  {CLAUSES}\n  horizon")
 

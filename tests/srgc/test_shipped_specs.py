@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from tests.oracles import result_files
+from tests.oracles.some_cases import some
 from tests.srgc.conftest import ROOT, Ran
 
 Run = Callable[..., Ran]
@@ -236,9 +237,7 @@ def inside(hands: Sequence[complex], box: tuple[int, float, float, float, float]
     return left < hands[hand].real < right and low < hands[hand].imag < high
 
 
-@pytest.mark.parametrize(
-    "name", ["nested", "right_linear", pytest.param("two_arm", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("name", some(["nested", "right_linear", "two_arm"], 1))
 def test_a_robot_is_found_and_verified(name: str, srgc: Run, made: Made) -> None:
     folder = made(name) / "out"
     ran = srgc("verify", folder, "--spec", ROOT / "specs" / f"{name}.srg")

@@ -16,6 +16,9 @@ from tests.oracles.joint_chains import TOP, chain_spec
 from tests.oracles.some_cases import some
 from tests.srgc.conftest import Ran
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 Run = Callable[..., Ran]
 
 J = "revolute z in [-100, 100] deg"

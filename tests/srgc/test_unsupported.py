@@ -8,6 +8,9 @@ import srgc as api
 from srgc.session import SpecErrors
 from tests.oracles.small_specs import SLIDER
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 CLAUSE = "avoid self with body;"
 WITH_CLAUSE = SLIDER.replace("reach T;", f"reach T; {CLAUSE}")
 

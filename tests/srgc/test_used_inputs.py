@@ -16,6 +16,8 @@ from tests.oracles import result_files
 from tests.oracles.html_page import Page
 from tests.oracles.small_specs import MOTOR, TURNER
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
 
 @pytest.mark.parametrize(("spec", "bounds"), [("turner", [10]), ("motor", [24]), ("slider", [10])])
 def test_peaks_and_margins(made: Callable[[str], Path], spec: str, bounds: list[float]) -> None:

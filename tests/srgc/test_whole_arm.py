@@ -18,6 +18,9 @@ from tests.oracles import result_files
 from tests.oracles.result_files import alter_spec
 from tests.srgc.conftest import ROOT, Ran
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
+
 Run = Callable[..., Ran]
 Made = Callable[[str], Path]
 

@@ -24,6 +24,7 @@ from tests.oracles.driven_claims import CASES, FRICTION, Driven
 from tests.oracles.found_folders import claim_found
 from tests.oracles.mujoco_motions import sampled
 from tests.oracles.small_specs import TURNER, replaced
+from tests.oracles.some_cases import some
 from tests.srgc.conftest import Ran
 
 Command = Callable[..., Ran]
@@ -106,7 +107,10 @@ def spoilt(
 
 @pytest.mark.parametrize(
     ("case", "simulator"),
-    [("space, turning and sliding", "mujoco"), ("branches", "mujoco"), ("friction", "python")],
+    some(
+        [("space, turning and sliding", "mujoco"), ("friction", "python"), ("branches", "mujoco")],
+        2,
+    ),
 )
 def test_a_spoilt_input_is_seen(
     srgc: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str, simulator: str
@@ -159,7 +163,12 @@ def test_units_are_those_of_the_joint(
 
 
 @pytest.mark.parametrize(
-    ("integrator", "order"), [("rk4", 4), ("euler", 1), ("implicit", 1), ("implicitfast", 1)]
+    ("integrator", "order"),
+    [
+        ("rk4", 4),
+        ("euler", 1),
+        *(pytest.param(name, 1, marks=pytest.mark.slow) for name in ("implicit", "implicitfast")),
+    ],
 )
 def test_halved_steps_converge_at_the_order_of_the_method(
     srgc: Command, tmp_path: Path, integrator: str, order: int

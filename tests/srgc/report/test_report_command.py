@@ -11,6 +11,7 @@ import pytest
 from tests.oracles import result_files
 from tests.oracles.html_page import Page
 from tests.oracles.small_specs import SLIDER, TURNER
+from tests.oracles.some_cases import some
 from tests.srgc.report.conftest import page_of
 
 Result = Callable[[str], Path]
@@ -133,7 +134,7 @@ def test_files_that_are_none_of_ours(srgc: Srgc, result: Result, name: str, cont
     assert len(ran.err.splitlines()) == 1
 
 
-@pytest.mark.parametrize("content", [None, "", "t,q1\n0,x\n", "half"])
+@pytest.mark.parametrize("content", some([None, "t,q1\n0,x\n", "half", ""], 3))
 def test_the_motion_is_that_of_the_certificate(result: Result, content: str | None) -> None:
     """``trajectory.csv`` has no digest: what it says, or that it is gone, changes nothing."""
     folder = result("turner")
