@@ -12,7 +12,7 @@ import numpy as np
 from compiler.definiteness.mass_matrix_check import mass_matrix_check
 from compiler.discretisation.float_reading import FloatReading
 from compiler.robots.robot import RobotModel
-from solvers.motions.task_limits import parameter_bounds
+from solvers.parameters.parameter_space import parameter_space
 
 SAMPLES = 4
 SINGULAR = 1e-12
@@ -30,9 +30,9 @@ def inadmissible(model: RobotModel, reading: FloatReading) -> str | None:
 def _singular_at_all_samples(model: RobotModel, reading: FloatReading) -> bool:
     """Whether M is singular, indefinite or not finite at all of a few random points."""
     rng = np.random.default_rng(0)
-    bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
+    space = parameter_space(model)
     for _ in range(SAMPLES):
-        theta = rng.uniform(bounds[:, 0], bounds[:, 1])
+        theta = rng.uniform(space.lower, space.upper)
         mass = reading.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
         finite = mass[np.isfinite(mass).all(axis=(1, 2))]
         eigenvalues = np.linalg.eigvalsh(finite)

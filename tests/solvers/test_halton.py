@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from solvers.parameters.searches.cube import Halton
+from solvers.parameters.parameter_space import Halton
 
 
 @pytest.mark.parametrize("axes", [1, 2, 6, 12])

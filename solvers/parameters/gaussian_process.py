@@ -27,7 +27,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.discretisation.float_reading import Array
+from compiler.arrays import Array
 
 LENGTHS = (0.05, 3.0)
 """Bounds of the length scales, in units of the cube."""
