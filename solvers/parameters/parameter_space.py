@@ -122,6 +122,16 @@ class ParameterSpace:
                 theta[index] = values[min(int(point[index] * len(values)), len(values) - 1)]
         return np.asarray(theta)
 
+    def to_cube(self, theta: Array) -> Array:
+        """The point of the unit cube (p,) that stands for some parameters (p,)."""
+        width = self.upper - self.lower
+        point = (theta - self.lower) / np.where(width > 0, width, 1.0)
+        for index, values in enumerate(self.choices):
+            if values is not None:
+                nearest = int(np.argmin(np.abs(values - theta[index])))
+                point[index] = (nearest + 0.5) / len(values)
+        return self.cube.nearest(point)
+
     def samples(self, power: int, seed: int) -> list[Array]:
         """A sequence of 2**power parameters that fill the space; one where nothing is free."""
         if self.is_point:

@@ -97,7 +97,7 @@ def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Co
     evaluator = Evaluator(follower, conduct.workers, conduct.journal, label)
     search = _Survey(space, evaluator, conduct)
     if space.is_point:
-        search.evaluate([np.full(len(space.lower), 0.5)], FULL)
+        search.evaluate([space.lower], FULL)
     else:
         search.run()
     entries = follower.waypoints()[1]
@@ -135,8 +135,8 @@ class _Survey:
         self.space = space
         self.evaluator = evaluator
         self.conduct = conduct
-        self.attempts: list[tuple[Array, ControlOutcome]] = []
-        """Points of the unit cube with the outcome of every seed there."""
+        self.attempts: list[ControlOutcome] = []
+        """The outcome of every seed at all parameters."""
         self.samples: list[Sample] = []
 
     def run(self) -> None:
@@ -146,27 +146,27 @@ class _Survey:
             points = search.ask(BATCH)
             if not points:
                 break
-            for point, outcome in zip(points, self.evaluate(points, SURVEY), strict=True):
+            thetas = [self.space.from_cube(point) for point in points]
+            for point, outcome in zip(points, self.evaluate(thetas, SURVEY), strict=True):
                 search.tell(point, outcome.robustness)
 
-    def evaluate(self, points: list[Array], effort: Effort) -> list[ControlOutcome]:
-        """The outcomes at points of the unit cube."""
+    def evaluate(self, thetas: list[Array], effort: Effort) -> list[ControlOutcome]:
+        """The best outcome at each of the parameters."""
         found = []
-        thetas = [self.space.from_cube(point) for point in points]
         attempts = self.evaluator.attempts(thetas, effort)
-        for point, theta, outcomes in zip(points, thetas, attempts, strict=True):
+        for theta, outcomes in zip(thetas, attempts, strict=True):
             self.conduct.check_time()
             outcome = best_of(outcomes)
             found.append(outcome)
-            self.attempts += [(point, attempt) for attempt in outcomes]
+            self.attempts += outcomes
             self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
-            self.conduct.reporter.robustness(max(o.robustness for _, o in self.attempts))
+            self.conduct.reporter.robustness(max(o.robustness for o in self.attempts))
         return found
 
     def polished(self, entries: Entries) -> list[ControlOutcome]:
         """The best outcomes with their parameters made unknowns of the convex programs."""
         if self.space.is_point:
-            return [outcome for _, outcome in self.attempts]
+            return self.attempts
         chosen = self.basins()
         requests = [
             SolveRequest(
@@ -184,28 +184,27 @@ class _Survey:
 
     def basins(self) -> list[ControlOutcome]:
         """The best outcomes that differ in parameters or in motion from each other."""
-        ranked = sorted(self.attempts, key=lambda attempt: -attempt[1].robustness)
+        ranked = sorted(self.attempts, key=lambda attempt: -attempt.robustness)
         chosen = ranked[:1]
-        for differs in (_moves_apart, _lies_apart):
+        for differs in (_moves_apart, self._lies_apart):
             for attempt in ranked:
                 if len(chosen) >= BASINS:
                     break
                 if all(differs(attempt, other) for other in chosen):
                     chosen.append(attempt)
-        return [outcome for _, outcome in chosen]
+        return chosen
+
+    def _lies_apart(self, one: ControlOutcome, other: ControlOutcome) -> bool:
+        """Whether two attempts differ in their parameters."""
+        first, second = (self.space.to_cube(each.trajectory.theta) for each in (one, other))
+        return bool(np.max(np.abs(first - second), initial=0.0) > APART)
 
 
-def _lies_apart(one: tuple[Array, ControlOutcome], other: tuple[Array, ControlOutcome]) -> bool:
-    """Whether two attempts differ in their parameters."""
-    return bool(np.max(np.abs(one[0] - other[0]), initial=0.0) > APART)
-
-
-def _moves_apart(one: tuple[Array, ControlOutcome], other: tuple[Array, ControlOutcome]) -> bool:
+def _moves_apart(one: ControlOutcome, other: ControlOutcome) -> bool:
     """Whether the robot is bent otherwise half way in two attempts, by a quarter of a turn."""
-    half = len(one[1].trajectory.x) // 2
-    n = len(one[1].trajectory.x[0]) // 2
-    poses = (attempt[1].trajectory.x[half, :n] for attempt in (one, other))
-    first, second = poses
+    half = len(one.trajectory.x) // 2
+    n = len(one.trajectory.x[0]) // 2
+    first, second = (attempt.trajectory.x[half, :n] for attempt in (one, other))
     return bool(np.max(np.abs(np.sin((first - second) / 2)), initial=0.0) > BENT)
 
 

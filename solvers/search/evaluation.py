@@ -24,14 +24,17 @@ from compiler.robots.robot import RobotModel
 from solvers.execution.in_process import InProcess
 from solvers.execution.parcel import Parcel, keep, made_of, packed
 from solvers.execution.workers import Workers
-from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, Effort
+from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, ControlProblem, Effort
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import Entries
-from solvers.motions.seed_choice import hopeful
 from solvers.motions.trajectory import Trajectory
 from solvers.progress import Journal, Memory, Recorded
 
 RADIUS = 0.5
+NEAR = 0.1
+"""Metres by which a seed may leave the path in any case."""
+FARTHER = 2.0
+"""Or so many times what the best seed leaves it by."""
 ARRAY = "float64"
 TRAJECTORY = "trajectory"
 
@@ -117,6 +120,25 @@ def best_of(outcomes: Iterable[ControlOutcome]) -> ControlOutcome:
 def _hopeful(follower: Follower, theta: Array) -> list[Trajectory]:
     problem = follower.problem(follower.waypoints()[1], released=True)
     return hopeful(problem, follower.seeds(theta))
+
+
+def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajectory]:
+    """The seeds that are worth trying, in their order; one at least where there is one.
+
+    A tracked seed leaves the path where the inverse kinematics has no pose for it; one that does
+    so by far, while another hardly does, would only take time.
+    """
+    gaps = [_excess(problem, seed) for seed in seeds]
+    most = max(NEAR, FARTHER * min(gaps, default=0.0))
+    return [seed for seed, gap in zip(seeds, gaps, strict=True) if gap <= most]
+
+
+def _excess(problem: ControlProblem, seed: Trajectory) -> float:
+    """By how much a seed breaks the half-planes of a problem at most, metres."""
+    points = problem.reading.points(seed.x[:, : problem.reading.n], seed.theta)
+    if not np.isfinite(points.value).all():
+        return float("inf")
+    return float(np.max(problem.rows_of(points.value).excess(points), initial=0.0))
 
 
 def _requests(seeds: Iterable[Trajectory], effort: Effort) -> list[SolveRequest]:
