@@ -30,12 +30,15 @@ from solvers.parameters.parameter_space import parameter_space
 from solvers.search.configuration_search import Configuration
 
 START_SAMPLES = 64
+"""Parameters that are drawn for the cells to start in."""
 REACH_LOG2 = 3
 POSES = 512
+"""For the cells within reach 2**3 parameters, and so many poses with each."""
 CHUNK = 1 << 22
 """So many products of points and rows are held at a time."""
 STANDING_LOG2 = 9
 KEPT = 4
+"""Of 2**9 parameters of a robot that cannot move, the best that are kept."""
 
 
 def start_cells(
