@@ -34,9 +34,9 @@ from solvers.motions.control_problem import ControlOutcome, ControlProblem
 from solvers.motions.convex_step import Trajectory
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import Entries
-from solvers.parameters.configuration_search import Configuration, search_configuration
 from solvers.parameters.parameter_space import parameter_space
 from solvers.progress import Conduct
+from solvers.search.configuration_search import Configuration, search_configuration
 
 NEAR = 0.005
 """By this part of rho we may be less robust than IPOPT's best."""
@@ -56,7 +56,7 @@ class FixedProblem:
     """Given cells by sample and half-planes, lengths free in ``box``, and where to start."""
 
     problem: ControlProblem
-    box: tuple[Array, Array]
+    box: tuple[Array, Array] | None
     starts: list[Trajectory]
 
 

@@ -28,9 +28,9 @@ from solvers.motions.control_problem import ControlOutcome, ControlProblem
 from solvers.motions.linear_model import PositionRows
 from solvers.motions.path_following import LEAST_MARGIN, Follower
 from solvers.motions.path_timing import Entries
-from solvers.motions.seed_choice import hopeful
 from solvers.motions.trajectory import Trajectory
 from solvers.planner import Planner
+from solvers.search.evaluation import hopeful
 from solvers.verdict import Holds
 from srgc.session import check_loaded
 

@@ -94,7 +94,7 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
     from compiler.expressions.evaluators.balls import working_precision
     from compiler.geometry.abstraction import abstract
     from compiler.semantics.family import family_of
-    from solvers.verifier.claims.certificate import FoundClaim, from_text
+    from solvers.verifier.claims.certificate import FoundClaim, claimed_values, from_text
     from solvers.verifier.proofs.enclosure import TubeSegment, tube
     from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
     from solvers.verifier.proofs.tube_checks import Status
@@ -109,7 +109,7 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
     model = family.robot(family.replay(claim.derivation))
     scene = scene_of(program, task, model, abstract(program.workspaces[task.workspace]))
     motion = Motion(
-        tuple(Fraction(p.value) for p in claim.parameters),
+        claimed_values(claim, model),
         tuple(map(Fraction, claim.start)),
         tuple(tuple(map(Fraction, row)) for row in claim.inputs),
         claim.effector,

@@ -30,10 +30,10 @@ from types import MappingProxyType
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.parameters.searches.bayesian_search import DESIGN, BayesianSearch, exploration
-from solvers.parameters.searches.cube import Cube
-from solvers.parameters.searches.nelder_mead import NelderMead
-from solvers.parameters.searches.parameter_search import Method, ParameterSearch, Record
+from solvers.parameters.bayesian_search import DESIGN, BayesianSearch, exploration
+from solvers.parameters.nelder_mead import NelderMead
+from solvers.parameters.parameter_search import Method, ParameterSearch, Record
+from solvers.parameters.parameter_space import Cube
 
 PULL = 2.05
 CONSTRICTION = 2 / (2 * PULL - 2 + np.sqrt((2 * PULL) ** 2 - 8 * PULL))

@@ -20,9 +20,9 @@ from compiler.semantics.family import family_of
 from grammar_lang.load import load
 from solvers.design_follower import PathTask
 from solvers.motions.path_following import Follower
-from solvers.parameters.evaluation import evaluate
 from solvers.parameters.parameter_space import ParameterSpace, parameter_space
 from solvers.planner import Planner
+from solvers.search.evaluation import evaluate
 from solvers.verdict import Holds
 
 

@@ -6,12 +6,11 @@ from fractions import Fraction
 from math import sin
 from pathlib import Path
 
+from compiler.expressions.exact_numbers import decimal, exact_decimal
 from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.claims.certificate import (
     FoundClaim,
     ParameterClaim,
-    decimal,
-    exact_decimal,
     spec_digest,
     to_text,
 )

@@ -7,10 +7,9 @@ from fractions import Fraction
 
 from compiler.geometry.abstraction import Abstraction
 from compiler.grammars.derivation import Derivation
-from compiler.robots.parameter_values import stated_value
+from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
-from solvers.parameters.configuration_search import Configuration
-from solvers.verifier.claims.certificate import ParameterClaim
+from solvers.search.configuration_search import Configuration
 from solvers.verifier.proofs.finding import Finding
 from solvers.verifier.proofs.trajectory_proof import Motion
 
@@ -25,7 +24,7 @@ class Design:
 
     derivation: Derivation
     model: RobotModel
-    parameters: tuple[ParameterClaim, ...]
+    parameters: tuple[ParameterValue, ...]
     effector: int
     leader: int
     start: tuple[str, ...]
@@ -41,16 +40,10 @@ class Design:
         return self.configuration.outcome.robustness
 
 
-def motion_of(design: Design) -> Motion | None:
-    """The exact numbers of a design; None if a parameter is in no range."""
-    theta = []
-    for parameter, claim in zip(design.model.parameters, design.parameters, strict=True):
-        value = stated_value(parameter.domain, Fraction(claim.value))
-        if value is None:
-            return None
-        theta.append(value)
+def motion_of(design: Design) -> Motion:
+    """The exact numbers of a design."""
     return Motion(
-        tuple(theta),
+        design.parameters,
         tuple(Fraction(value) for value in design.start),
         tuple(tuple(Fraction(value) for value in row) for row in design.inputs),
         design.effector,

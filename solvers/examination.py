@@ -15,7 +15,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from solvers.motions.task_limits import parameter_bounds
+from solvers.parameters.parameter_space import parameter_space
 from solvers.progress import Conduct, Recorded
 from solvers.refutation.structure_refutation import Refutation, refute_structure
 
@@ -68,9 +68,9 @@ def inadmissible(model: RobotModel, numeric: NumericRobot) -> str | None:
 def _singular_at_all_samples(model: RobotModel, numeric: NumericRobot) -> bool:
     """Whether M is singular, indefinite or not finite at all of a few random points."""
     rng = np.random.default_rng(0)
-    bounds = np.array(parameter_bounds(model)).reshape(-1, 2)
+    space = parameter_space(model)
     for _ in range(SAMPLES):
-        theta = rng.uniform(bounds[:, 0], bounds[:, 1])
+        theta = rng.uniform(space.lower, space.upper)
         mass = numeric.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
         finite = mass[np.isfinite(mass).all(axis=(1, 2))]
         eigenvalues = np.linalg.eigvalsh(finite)

@@ -12,10 +12,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.expressions.exact_numbers import decimal
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.bisection import halving
 from compiler.grammars.derivation import Derivation
 from compiler.planning.specification import PlanningProblem, planning_problem
+from compiler.robots.parameter_values import nearest_values
 from compiler.specifications.word_formula import SampledFormula
 from grammar_lang import ir
 from solvers.design import Design, motion_of
@@ -26,22 +28,18 @@ from solvers.motions.fine_check import seems_to_satisfy
 from solvers.motions.fine_motion import fine_motion
 from solvers.motions.path_following import Follower
 from solvers.motions.path_timing import gentle_entries, polyline, smooth_timing
-from solvers.motions.task_limits import motion_limits, parameter_bounds
 from solvers.motions.trajectory import Trajectory
-from solvers.parameters.configuration_search import (
+from solvers.planner import CounterExample, Exhausted, Plan, Planner
+from solvers.progress import Conduct
+from solvers.search.configuration_search import (
     Configuration,
+    PathSamples,
     resolved,
     search_configuration,
     within_limits,
 )
-from solvers.parameters.parameter_space import exact_text
-from solvers.parameters.reachable_cells import reachable_cells
-from solvers.parameters.sample import BlockedPrefix, PathSamples
-from solvers.parameters.standing_robot import standing_configurations
-from solvers.planner import CounterExample, Exhausted, Plan, Planner
-from solvers.progress import Conduct
+from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
 from solvers.verdict import Holds, Unknown
-from solvers.verifier.claims.certificate import ParameterClaim, decimal
 from solvers.verifier.proofs.finding import decisive
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 from solvers.verifier.proofs.watch import Watch
@@ -49,6 +47,23 @@ from solvers.wider_margins import Room, lacking_room, no_room_text
 
 PLANS = (6, 3)
 """How many plans are tried, and how many after each cut of a cell."""
+
+
+@dataclass(frozen=True, slots=True)
+class BlockedPrefix:
+    """A counterexample: no path that begins with these cells is tried again (ZEROPREFIX).
+
+    ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
+    the one that could not follow.  ``sample`` is the first that the most robust motion cannot be
+    brought to, None where it is not known; ``robustness`` is what that motion has.
+    """
+
+    structure: int
+    path: int
+    effector: int
+    cells: tuple[str, ...]
+    sample: int | None
+    robustness: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +269,7 @@ class StructureSearch:
 
     def keep(self, found: Configuration) -> None:
         """Keep what was evaluated for a path, for tables."""
-        names = tuple(f"{p.symbol}.{p.name}" for p in self.numeric.graph.model.parameters)
+        names = tuple(p.label for p in self.numeric.graph.model.parameters)
         self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
         self.top = max(self.top, found.outcome.robustness)
 
@@ -293,13 +308,13 @@ class StructureSearch:
     def certified(self, follower: Follower, found: Configuration) -> Design | None:
         """The design, if the continuous-time nonlinear robot is proved to do the task."""
         trajectory, model = found.outcome.trajectory, follower.model
+        parameters = nearest_values(model.parameters, trajectory.theta)
+        if parameters is None:
+            return None
         design = Design(
             self.derivation,
             model,
-            tuple(
-                ParameterClaim(p.symbol, p.name, exact_text(p.domain, value))
-                for p, value in zip(model.parameters, trajectory.theta, strict=True)
-            ),
+            parameters,
             follower.constraints.recorded,
             follower.effector,
             tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
@@ -309,10 +324,7 @@ class StructureSearch:
             follower.abstraction,
         )
         scene = scene_of(self.program, self.task, model, follower.abstraction, self.derivation)
-        motion = motion_of(design)
-        if motion is None:
-            return None
-        findings = prove_motion(scene, motion, Watch(self.conduct.check_time))
+        findings = prove_motion(scene, motion_of(design), Watch(self.conduct.check_time))
         obstacle = decisive(findings)
         if obstacle is not None:
             self.obstacle = f"; last proof tried: {obstacle.reason}"
@@ -339,25 +351,3 @@ def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:
     if planned is None:
         return replace(follower, timing=smooth_timing(line, steps)[1])
     return replace(follower, timing=gentle_entries(line, planned, steps, follower.allows))
-
-
-def start_cells(
-    abstraction: Abstraction, task: ir.Task, numeric: NumericRobot
-) -> dict[int, tuple[int, ...]] | None:
-    """By effector the cells it may start in, where a start pose is given; else None.
-
-    They depend on the parameters, which are sampled.
-    """
-    if isinstance(task.start, ir.StartIn):
-        return None
-    values = motion_limits(numeric.graph.model, task).start_values
-    bounds = np.array(parameter_bounds(numeric.graph.model)).reshape(-1, 2)
-    found: dict[int, set[int]] = {e: set() for e in range(len(numeric.graph.model.effectors))}
-    for theta in np.random.default_rng(0).uniform(bounds[:, 0], bounds[:, 1], (64, len(bounds))):
-        if values is not None:
-            points = numeric.points(values[None, :], theta).value[0]
-            for effector, cells in found.items():
-                cell = abstraction.locate(points[effector])
-                if cell is not None:
-                    cells.add(cell)
-    return {effector: tuple(sorted(cells)) for effector, cells in found.items()}

@@ -36,12 +36,12 @@ from solvers.conclusion import (
 )
 from solvers.design import Design
 from solvers.look_ahead import LookAhead
-from solvers.parameters.sample import BlockedPrefix, PathSamples
 from solvers.progress import Conduct
 from solvers.refutation.box_evidence import covered, out_of_reach_of_drives
 from solvers.refutation.disconnection import disconnected, separation_text
 from solvers.refutation.structure_refutation import Refutation
-from solvers.structure_search import StructureSearch
+from solvers.search.configuration_search import PathSamples
+from solvers.structure_search import BlockedPrefix, StructureSearch
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
 

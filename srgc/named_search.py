@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solvers.parameters.configuration_search import SEARCHES
+from solvers.search.configuration_search import SEARCHES
 from srgc.session import UsageFault
 
 

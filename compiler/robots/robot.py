@@ -83,6 +83,11 @@ class RobotParameter:
     domain: ir.Interval | ir.Choices
     unit: str
 
+    @property
+    def label(self) -> str:
+        """``symbol.name``, which no other parameter of the robot has."""
+        return f"{self.symbol}.{self.name}"
+
 
 @dataclass(frozen=True, slots=True)
 class RodBody:

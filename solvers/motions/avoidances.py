@@ -14,7 +14,7 @@ from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import Body, RodBody
 from grammar_lang import ir
 from solvers.motions.position_rows import ConvexSet, Dwell, Separation
-from solvers.motions.task_limits import parameter_bounds
+from solvers.parameters.parameter_space import parameter_space
 
 FAR = Fraction(1000)
 
@@ -66,8 +66,7 @@ class Avoidances:
         if not isinstance(body, RodBody) or body.radius is None:
             return 0.0
         model = self.numeric.graph.model
-        upper = np.array([bounds[1] for bounds in parameter_bounds(model)])
-        values = scalar_floats(model.scalars, upper)
+        values = scalar_floats(model.scalars, parameter_space(model).upper)
         radii = [b.radius for b in model.bodies if isinstance(b, RodBody)]
         return max(abs(values[r]) for r in radii if r is not None)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from solvers.motions.task_limits import parameter_bounds
+from solvers.parameters.parameter_space import parameter_space
 
 STABLE = 2.0
 SAMPLES = 8
@@ -20,11 +20,10 @@ def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
     """At least ``least`` parts, more where the linearised robot has fast modes at random poses."""
     n, size = numeric.n, numeric.size
     rng = np.random.default_rng(0)
-    bounds = np.array(parameter_bounds(numeric.graph.model)).reshape(-1, 2)
     x = np.zeros((SAMPLES, size))
     x[:, :n] = rng.uniform(-1, 1, (SAMPLES, n))
     rates = [0.0]
-    for theta in rng.uniform(bounds[:, 0], bounds[:, 1], (2, len(bounds))):
+    for theta in parameter_space(numeric.graph.model).uniform(rng, 2):
         with np.errstate(all="ignore"):
             _, jacobian = numeric.acceleration(x, np.zeros((SAMPLES, numeric.m)), theta)
         slope = np.zeros((SAMPLES, size, size))

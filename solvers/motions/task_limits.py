@@ -1,4 +1,4 @@
-"""What a robot and a task bound, in floats: parameters, joints and rates, inputs."""
+"""What a robot and a task bound, in floats: joints and rates, inputs."""
 
 from __future__ import annotations
 
@@ -17,19 +17,6 @@ NARROW = 0.1
 """Limits are narrowed at most by this part of a range's width."""
 RATE_MARGIN = 0.5
 """A final rest is asked for at this fraction of its bound."""
-
-
-def parameter_bounds(model: RobotModel) -> list[tuple[float, float]]:
-    """The least and largest value of every parameter, SI."""
-    bounds = []
-    for parameter in model.parameters:
-        domain = parameter.domain
-        if isinstance(domain, ir.Interval):
-            bounds.append((to_float(domain.lower), to_float(domain.upper)))
-        else:
-            values = [to_float(value) for value in domain.values]
-            bounds.append((min(values), max(values)))
-    return bounds
 
 
 def state_limits(model: RobotModel) -> Array:

@@ -16,12 +16,12 @@ from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import Pose
 from compiler.geometry.polytope import Polytope
 from grammar_lang import ir
-from grammar_lang.ir.constants import to_float
 from solvers.motions.avoidances import Avoidances, convex_set
 from solvers.motions.body_clearance import BodyClearance, body_clearance
 from solvers.motions.pose_samples import Pool, pool, poses_in
 from solvers.motions.position_rows import ConvexSet
-from solvers.motions.task_limits import parameter_bounds, state_limits
+from solvers.motions.task_limits import state_limits
+from solvers.parameters.parameter_space import parameter_space
 
 DESIGNS = 24
 """Parameters that are drawn."""
@@ -106,14 +106,6 @@ class _Search:
 
 def designs(numeric: NumericRobot, rng: np.random.Generator) -> Iterator[Array]:
     """Parameters (p,) drawn from their domains."""
-    domains = [parameter.domain for parameter in numeric.graph.model.parameters]
-    bounds = np.array(parameter_bounds(numeric.graph.model)).reshape(-1, 2)
-    free = bool(np.any(bounds[:, 0] < bounds[:, 1]))
-    for _ in range(DESIGNS if free else ATTEMPTS):
-        theta = []
-        for domain in domains:
-            if isinstance(domain, ir.Interval):
-                theta.append(rng.uniform(to_float(domain.lower), to_float(domain.upper)))
-            else:
-                theta.append(to_float(domain.values[int(rng.integers(len(domain.values)))]))
-        yield np.array(theta)
+    space = parameter_space(numeric.graph.model)
+    for _ in range(ATTEMPTS if space.is_point else DESIGNS):
+        yield space.drawn(rng)

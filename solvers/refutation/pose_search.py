@@ -17,6 +17,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.expressions.evaluators.balls import closed_ball
 from grammar_lang import ir
+from solvers.parameters.parameter_space import parameter_space
 
 RESTARTS = 12
 SAMPLES = 64
@@ -124,13 +125,10 @@ def _designs(numeric: NumericRobot, rng: np.random.Generator) -> tuple[Array, Ar
 
     Choices are drawn and stay.
     """
-    lower, upper = np.zeros((RESTARTS, numeric.p)), np.zeros((RESTARTS, numeric.p))
-    for i, parameter in enumerate(numeric.graph.model.parameters):
-        domain = parameter.domain
-        if isinstance(domain, ir.Interval):
-            lower[:, i], upper[:, i] = _float(domain.lower), _float(domain.upper)
-        else:
-            values = np.array([_float(value) for value in domain.values])
+    space = parameter_space(numeric.graph.model)
+    lower, upper = (np.tile(end, (RESTARTS, 1)) for end in (space.lower, space.upper))
+    for i, values in enumerate(space.choices):
+        if values is not None:
             lower[:, i] = upper[:, i] = rng.choice(values, RESTARTS)
     return rng.uniform(lower, upper), lower, upper
 

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from compiler.candidates.kept_parameters import robot_in_task
 from compiler.geometry.abstraction import Abstraction
 from compiler.grammars.derivation import BadDerivation, Derivation
-from compiler.robots.parameter_values import ExactValue, stated_value
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import RobotFamily, family_of
 from compiler.specifications.task_formula import missing_effector, recorded_effector
 from grammar_lang import ir
-from solvers.verifier.claims.certificate import FoundClaim, exact
+from solvers.verifier.claims.certificate import FoundClaim, claimed_values, exact
 from solvers.verifier.claims.effort_check import check_efforts
 from solvers.verifier.claims.outcome import Refused
 from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
@@ -37,6 +36,7 @@ def claimed_robot(claim: FoundClaim, program: ir.Program, task: ir.Task) -> Clai
     """The robot of a claim, which is one of the task's.
 
     Raises:
+        CertificateError: the parameters are not the robot's, or a number of the claim is none.
         Refused: it is none, or the numbers of the claim do not fit it.
     """
     family = family_of(program, task)
@@ -61,7 +61,7 @@ def check_found(
     ``cells`` are those of the workspace after the cuts of the claim.
 
     Raises:
-        Refused: the claim is false before anything is integrated.
+        CertificateError, Refused: the claim is false before anything is integrated.
     """
     claimed = claimed_robot(claim, program, task)
     model, motion = claimed.model, claimed.motion
@@ -112,28 +112,12 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
     if missing is not None:
         raise Refused(f"the robot has no effector {missing}, which the task names")
     return Motion(
-        _theta(claim, model),
+        claimed_values(claim, model),
         tuple(exact(text) for text in claim.start),
         tuple(tuple(exact(text) for text in row) for row in claim.inputs),
         claim.effector,
         claim.path,
     )
-
-
-def _theta(claim: FoundClaim, model: RobotModel) -> tuple[ExactValue, ...]:
-    expected = [(p.symbol, p.name) for p in model.parameters]
-    if [(p.symbol, p.name) for p in claim.parameters] != expected:
-        raise Refused("the parameters are not those of the robot")
-    theta = list[ExactValue]()
-    for claimed, parameter in zip(claim.parameters, model.parameters, strict=True):
-        value = stated_value(parameter.domain, exact(claimed.value))
-        if value is None:
-            raise Refused(
-                f"`{parameter.module}.{parameter.name}` = {claimed.value} "
-                f"at symbol {parameter.symbol} is outside its range"
-            )
-        theta.append(value)
-    return tuple(theta)
 
 
 def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from fractions import Fraction
+from collections.abc import Iterator
 
+from compiler.arrays import Array
 from compiler.descriptions.document import Entry
 from compiler.descriptions.robot_sections import robot_sections
 from srgc.chosen_robot import ChosenRobot
@@ -14,7 +14,7 @@ from srgc.displays.robot_drawing import drawing
 from srgc.report.html_text import number, text
 
 
-def robot_html(chosen: ChosenRobot, theta: Sequence[Fraction]) -> str:
+def robot_html(chosen: ChosenRobot, theta: Array) -> str:
     """A display of a robot."""
     word = " ".join(chosen.word)
     picture = image(drawing(chosen.model, theta), f"the robot {word}")
@@ -25,12 +25,12 @@ def robot_html(chosen: ChosenRobot, theta: Sequence[Fraction]) -> str:
     )
 
 
-def _rows(chosen: ChosenRobot, theta: Sequence[Fraction]) -> Iterator[list[str]]:
+def _rows(chosen: ChosenRobot, theta: Array) -> Iterator[list[str]]:
     """Coordinates, parameters with their values, inputs."""
     for section in robot_sections(chosen.model, chosen.word, chosen.task):
         if section.title not in ("Coordinates", "Parameters", "Inputs"):
             continue
-        values = iter(theta if section.title == "Parameters" else ())
+        values: Iterator[float] = iter(theta.tolist() if section.title == "Parameters" else ())
         for item in section.items:
             if isinstance(item, Entry):
                 value = next(values, None)

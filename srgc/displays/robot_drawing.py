@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from fractions import Fraction
+from collections.abc import Iterator
 from math import radians
 
 import numpy as np
@@ -23,7 +22,7 @@ SLID = 0.5
 INK, ARM, JOINT, TOOL = "#1f2a44", "#6b7280", "#2e6fba", "#d1495b"
 
 
-def drawing(model: RobotModel, theta: Sequence[Fraction], pose: Array | None = None) -> str:
+def drawing(model: RobotModel, theta: Array, pose: Array | None = None) -> str:
     """The robot as SVG; ``pose`` are its coordinates (n,) in rad or m."""
     robot = drawn_robot(model, theta)
     q = np.array([_usual(dof) for dof in model.dofs]) if pose is None else pose

@@ -11,7 +11,7 @@ from srgc.results.found_design import FoundDesign
 def design_tree(design: FoundDesign) -> RigidTree | None:
     """The tree of rigid links of a design, if its robot is one."""
     try:
-        return rigid_tree(design.model, design.theta)
+        return rigid_tree(design.model, design.stated)
     except RigidTreeError:
         return None
 

@@ -22,7 +22,7 @@ def exported_robot(design: FoundDesign) -> ExportedRobot:
         RigidTreeError: the robot is no tree of rigid links with a joint per degree of freedom.
     """
     model, task = design.model, design.task
-    tree = rigid_tree(model, design.theta)
+    tree = rigid_tree(model, design.stated)
     gravity = [float(value) for value in task.gravity] + [0.0] * 3
     coordinates = design.start[: 2 * len(model.dofs)]
     flat = "in the plane xy, where only moments of inertia about z act on the motion"

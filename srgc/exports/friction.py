@@ -98,14 +98,14 @@ def dampings(design: FoundDesign) -> tuple[float, ...]:
     """The viscous friction of every degree of freedom that has no other dynamics of its own."""
     found = [0.0] * len(design.model.dofs)
     for own in design.model.own:
-        for dof, damping in (viscous_friction(own, design.theta) or {}).items():
+        for dof, damping in (viscous_friction(own, design.stated) or {}).items():
             found[dof] = float(damping)
     return tuple(found)
 
 
 def left_out(design: FoundDesign) -> str | None:
     """The modules whose dynamics URDF and MJCF do not hold, or None where there are none."""
-    others = [own for own in design.model.own if viscous_friction(own, design.theta) is None]
+    others = [own for own in design.model.own if viscous_friction(own, design.stated) is None]
     modules = sorted({(own.symbol, own.module) for own in others})
     if not modules:
         return None

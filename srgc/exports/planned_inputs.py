@@ -26,11 +26,10 @@ def planned_inputs(design: FoundDesign) -> Trajectory:
         own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
         start = [float(value) for value in design.start[: 2 * len(model.dofs)]]
         rows = [[float(exact(text)) for text in row] for row in design.claim.inputs]
-        theta = [float(value) for value in design.theta]
     except CertificateError as error:
         raise UsageFault(str(error)) from None
     inputs = np.array(rows, dtype=float).reshape(len(rows), len(robot_inputs(model)))
-    return Trajectory(np.array([[*start, *own]]), inputs, np.array(theta))
+    return Trajectory(np.array([[*start, *own]]), inputs, design.theta)
 
 
 def free_inputs(model: RobotModel) -> list[int]:

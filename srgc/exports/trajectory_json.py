@@ -34,10 +34,8 @@ def _parts(motion: ExportedMotion) -> Iterator[tuple[str, str]]:
         "step": float(task.step),
         "steps": len(claim.inputs),
         "parameters": [
-            {"symbol": item.symbol, "name": item.name, "value": float(value), "unit": known.unit}
-            for item, value, known in zip(
-                claim.parameters, motion.design.theta, motion.design.model.parameters, strict=True
-            )
+            {key: value for key, value in each.describe().items() if key != "module"}
+            for each in motion.design.parameters
         ],
         "joints": list(_joints(motion)),
         "inputs": [_described(item) for item in motion.inputs],

@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 
-from solvers.verifier.claims.certificate import decimal
+from compiler.expressions.exact_numbers import decimal
 from srgc.exports.exported_motion import ExportedMotion
 
 AXES = "xyz"

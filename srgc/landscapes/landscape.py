@@ -19,18 +19,18 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.exact_numbers import decimal
 from compiler.maps.obstacle_pieces import expanded
 from solvers.design_follower import PathTask
 from solvers.execution.workers import Workers
 from solvers.motions.control_problem import ControlOutcome
 from solvers.motions.path_following import Follower
 from solvers.motions.trajectory import Trajectory
-from solvers.parameters.evaluation import Evaluator
-from solvers.parameters.sample import Sample
-from solvers.parameters.solve_request import SolveRequest
+from solvers.search.configuration_search import Sample
+from solvers.search.evaluation import Evaluator, SolveRequest
 from solvers.synthesis import task_on_samples
-from solvers.verifier.claims.certificate import decimal, exact
-from srgc.landscapes.landscape_request import Axis, Mark, parameter_name
+from solvers.verifier.claims.certificate import exact
+from srgc.landscapes.landscape_request import Axis, Mark
 from srgc.results.evaluations_file import last_samples
 from srgc.results.found_design import FoundDesign
 from srgc.results.found_record import FoundRecord
@@ -54,7 +54,7 @@ class Landscape:
 
     def at(self, sample: Sample) -> tuple[float, ...]:
         """Where a sample is on the axes."""
-        return tuple(sample.theta[axis.place] for axis in self.axes)
+        return tuple(float(sample.theta[axis.place]) for axis in self.axes)
 
     @property
     def best(self) -> Sample:
@@ -78,16 +78,15 @@ def landscape(
     Raises:
         UsageFault: the design has no path to follow, or its table of evaluations is none.
     """
-    names = [parameter_name(parameter) for parameter in found.model.parameters]
+    names = [parameter.label for parameter in found.model.parameters]
     try:
         searched = last_samples(folder / "evaluations.csv", record.structure, names)
     except (OSError, ValueError) as error:
         raise UsageFault(str(error)) from None
     follower = follower_of(found, record)
     motion = motion_of(found, follower)
-    theta = [float(value) for value in found.theta]
     points = [*product(*(axis.values for axis in axes)), *(mark.values for mark in marks)]
-    seeds = [_seeds(follower, motion, _moved(theta, axes, point)) for point in points]
+    seeds = [_seeds(follower, motion, _moved(found.theta, axes, point)) for point in points]
     outcomes = Evaluator(follower, workers).solutions(
         [SolveRequest(seed, released=True) for each in seeds for seed in each]
     )
@@ -96,7 +95,7 @@ def landscape(
         samples.append(_best(each, islice(outcomes, len(each))))
         told(len(samples), len(seeds))
     count = len(points) - len(marks)
-    design = Sample(tuple(theta), record.robustness, feasible=True)
+    design = Sample(found.theta, record.robustness, feasible=True)
     return Landscape(axes, tuple(samples[:count]), marks, tuple(samples[count:]), searched, design)
 
 
@@ -120,13 +119,12 @@ def follower_of(found: FoundDesign, record: FoundRecord) -> Follower:
 
 def motion_of(found: FoundDesign, follower: Follower) -> Trajectory:
     """The motion of a design on the samples, by simulation."""
-    theta = np.array([float(value) for value in found.theta])
     u = np.array([[float(exact(text)) for text in row] for row in found.claim.inputs])
     u = u.reshape(len(found.claim.inputs), follower.numeric.m)
     start = np.concatenate([[float(value) for value in found.start], follower.limits.own_start])
     step = float(found.task.step)
-    x = follower.numeric.simulate(start, u, theta, step, follower.substeps)
-    return Trajectory(x, u, theta)
+    x = follower.numeric.simulate(start, u, found.theta, step, follower.substeps)
+    return Trajectory(x, u, found.theta)
 
 
 def _seeds(follower: Follower, motion: Trajectory, theta: Array) -> list[Trajectory]:
@@ -136,12 +134,11 @@ def _seeds(follower: Follower, motion: Trajectory, theta: Array) -> list[Traject
 
 def _best(seeds: Sequence[Trajectory], outcomes: Iterable[ControlOutcome]) -> Sample:
     best = max(outcomes, key=lambda outcome: outcome.robustness)
-    theta = tuple(float(value) for value in seeds[0].theta)
-    return Sample(theta, best.robustness, best.feasible)
+    return Sample(seeds[0].theta, best.robustness, best.feasible)
 
 
-def _moved(theta: Sequence[float], axes: Sequence[Axis], point: Sequence[float]) -> Array:
-    moved = np.array(theta, dtype=np.float64)
+def _moved(theta: Array, axes: Sequence[Axis], point: Sequence[float]) -> Array:
+    moved = theta.copy()
     for axis, value in zip(axes, point, strict=True):
         moved[axis.place] = value
     return moved
@@ -151,7 +148,7 @@ def landscape_csv(found: FoundDesign, content: Landscape) -> str:
     """A row per point of the grid: all parameters in SI units, ``rho``, ``feasible`` (0 or 1)."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
-    names = [parameter_name(parameter) for parameter in found.model.parameters]
+    names = [parameter.label for parameter in found.model.parameters]
     writer.writerow([*names, "rho", "feasible"])
     for sample in content.grid:
         theta = [decimal(value) for value in sample.theta]

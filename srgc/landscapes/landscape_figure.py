@@ -9,7 +9,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from compiler.arrays import Array
-from solvers.parameters.sample import Sample
+from solvers.search.configuration_search import Sample
 from srgc.landscapes.landscape import Landscape
 from srgc.landscapes.landscape_request import Axis
 from srgc.pictures.svg_figure import COLOURS, INK, PATH, figure_settings, svg_text

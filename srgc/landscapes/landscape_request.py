@@ -52,18 +52,13 @@ class Mark:
     label: str
 
 
-def parameter_name(parameter: RobotParameter) -> str:
-    """As options and tables name it: the index of its symbol in the word, and its name."""
-    return f"{parameter.symbol}.{parameter.name}"
-
-
 def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
     """One or two axes.
 
     Raises:
         UsageFault: there is no such parameter, or it has one value only, or a range is none.
     """
-    named = {parameter_name(p): i for i, p in enumerate(model.parameters)}
+    named = {p.label: i for i, p in enumerate(model.parameters)}
     wide = [name for name, i in named.items() if _is_wide(model.parameters[i].domain)]
     if not wide:
         raise UsageFault("the robot has no parameter that may vary: there is no landscape")
@@ -130,7 +125,7 @@ def _axis(
     parameter: RobotParameter, place: int, asked: tuple[float, float] | None, points: int
 ) -> Axis:
     low, high = _ends(parameter.domain)
-    name = parameter_name(parameter)
+    name = parameter.label
     first, last = (low, high) if asked is None else asked
     if not first < last:
         raise UsageFault(f"--range {name}={first:g}:{last:g}: the lower end comes first")

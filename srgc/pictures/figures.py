@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,8 +62,8 @@ def workspace_figure(
 
 def _caption(design: Design) -> str:
     lengths = ", ".join(
-        f"{p.name} {float(Fraction(claim.value)):.3g} {p.unit}".strip()
-        for p, claim in zip(design.model.parameters, design.parameters, strict=True)
+        f"{value.parameter.name} {float(value):.3g} {value.parameter.unit}".strip()
+        for value in design.parameters
     )
     margin = f"robustness {design.configuration.outcome.robustness:.4g}"
     return f"{lengths}; {margin}" if lengths else margin

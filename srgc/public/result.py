@@ -114,7 +114,7 @@ class Result:
         grammar = found.program.grammars[found.task.grammar]
         word, labels = found.derivation.word, tuple(found.derivation.labels)
         chosen = ChosenRobot(found.program, word, labels, found.model, grammar, found.task)
-        return Robot(chosen, found.theta)
+        return Robot(chosen, found.stated)
 
     @cached_property
     def trajectory(self) -> Trajectory:

@@ -56,7 +56,7 @@ class Robot:
     @property
     def parameters(self) -> dict[str, float]:
         """Its parameters, named by the index of a symbol in the word and a name; SI units."""
-        names = (parameter_name(each) for each in self.chosen.model.parameters)
+        names = (each.label for each in self.chosen.model.parameters)
         return {name: float(value) for name, value in zip(names, self.theta, strict=True)}
 
     @property
@@ -141,7 +141,7 @@ class Robot:
         """A drawing at coordinates q (n,); by default in a pose with bent joints."""
         from srgc.displays.robot_drawing import drawing
 
-        return drawing(self.chosen.model, self.theta, None if q is None else self._pose(q))
+        return drawing(self.chosen.model, self._values, None if q is None else self._pose(q))
 
     def _pose(self, q: ArrayLike) -> Array:
         """A single pose (n,) that is somewhere."""
@@ -175,12 +175,7 @@ class Robot:
     def _repr_html_(self) -> str:
         from srgc.displays.robot_display import robot_html
 
-        return robot_html(self.chosen, self.theta)
-
-
-def parameter_name(parameter: RobotParameter) -> str:
-    """The index of its symbol in the word, and its name."""
-    return f"{parameter.symbol}.{parameter.name}"
+        return robot_html(self.chosen, self._values)
 
 
 @spoken
@@ -218,7 +213,7 @@ def robot(
 
 def _theta(known: Sequence[RobotParameter], given: Values | None) -> tuple[Fraction, ...]:
     """The exact value of every parameter."""
-    names = [parameter_name(each) for each in known]
+    names = [each.label for each in known]
     if given is None:
         given = {}
     if not isinstance(given, Mapping):
@@ -237,28 +232,30 @@ def _theta(known: Sequence[RobotParameter], given: Values | None) -> tuple[Fract
 
 def _value(parameter: RobotParameter, value: float) -> Fraction:
     from compiler.descriptions.domain_text import domain_text
+    from compiler.expressions.exact_numbers import shortest_decimal
     from compiler.robots.parameter_values import stated_value
 
-    name = parameter_name(parameter)
+    name = parameter.label
     try:
         finite = isfinite(value)
     except (TypeError, OverflowError):
         finite = False
     if not finite:
         raise UsageFault(f"{name} is {value!r}: a finite number is due")
-    exact = Fraction(repr(float(value)))
-    if stated_value(parameter.domain, exact) is None:
+    found = stated_value(parameter, shortest_decimal(value))
+    if found is None:
         domain = domain_text(parameter.domain, parameter.unit)
         raise UsageFault(f"{name} = {value:g} is not {domain}")
-    return exact
+    return found.stated
 
 
 def _usual(parameter: RobotParameter) -> Fraction:
     """The middle of a range, or the first of several values."""
+    from compiler.expressions.exact_numbers import shortest_decimal
     from grammar_lang import ir
     from grammar_lang.ir.constants import to_float
 
     if isinstance(parameter.domain, ir.Choices):
-        return Fraction(repr(to_float(parameter.domain.values[0])))
+        return shortest_decimal(to_float(parameter.domain.values[0]))
     low, high = to_float(parameter.domain.lower), to_float(parameter.domain.upper)
-    return Fraction(repr((low + high) / 2))
+    return shortest_decimal((low + high) / 2)

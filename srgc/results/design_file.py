@@ -12,12 +12,13 @@ from typing import Any
 from compiler.candidates.reconfiguration import Reconfiguration
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.exact_numbers import decimal, exact_decimal
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
 from solvers.design import Design
-from solvers.parameters.sample import BlockedPrefix
+from solvers.structure_search import BlockedPrefix
 from solvers.synthesis import Synthesis
 from solvers.verifier.claims.certificate import (
     FoundClaim,
@@ -25,8 +26,7 @@ from solvers.verifier.claims.certificate import (
     SeparationClaim,
     StructureClaim,
     cut_claim,
-    decimal,
-    exact_decimal,
+    parameter_claims,
     to_text,
 )
 from solvers.verifier.claims.effort_check import square_root
@@ -89,7 +89,7 @@ def certificate_text(
                 spec_sha256,
                 design.derivation.word,
                 design.derivation.labels,
-                design.parameters,
+                parameter_claims(design.parameters),
                 design.effector,
                 task.steps,
                 str(task.step),
@@ -195,16 +195,7 @@ def design_text(
                 {"symbols": list(dof.symbols), "kind": dof.kind, "axis": dof.axis}
                 for dof in design.model.dofs
             ],
-            "parameters": [
-                {
-                    "symbol": p.symbol,
-                    "module": p.module,
-                    "name": p.name,
-                    "value": float(Fraction(claim.value)),
-                    "unit": p.unit,
-                }
-                for p, claim in zip(design.model.parameters, design.parameters, strict=True)
-            ],
+            "parameters": [value.describe() for value in design.parameters],
             "robustness": float(Fraction(rho)),
             "effort_peak": float(Fraction(peak)),
             "path": [list(names) for names in design.path],

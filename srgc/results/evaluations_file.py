@@ -7,9 +7,11 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from solvers.parameters.sample import PathSamples, Sample
+import numpy as np
+
+from compiler.expressions.exact_numbers import decimal
+from solvers.search.configuration_search import PathSamples, Sample
 from solvers.verifier.claims.bounded_file import bounded_text
-from solvers.verifier.claims.certificate import decimal
 
 FIXED = ("structure", "path", "rho", "feasible")
 
@@ -62,7 +64,7 @@ def last_samples(path: Path, structure: int, names: Sequence[str]) -> tuple[Samp
         last = max((int(row["path"]) for row in own), default=0)
         return tuple(
             Sample(
-                tuple(float(row[name]) for name in names),
+                np.array([float(row[name]) for name in names]),
                 float(row["rho"]),
                 bool(int(row["feasible"])),
             )

@@ -9,15 +9,25 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
+
+from compiler.arrays import Array
 from compiler.candidates.kept_parameters import robot_in_task
 from compiler.grammars.derivation import BadDerivation, Derivation
+from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.semantics.attributes import SemanticsError
 from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.verifier.claims.bounded_file import bounded_text
-from solvers.verifier.claims.certificate import CertificateError, FoundClaim, exact, from_text
+from solvers.verifier.claims.certificate import (
+    CertificateError,
+    FoundClaim,
+    claimed_values,
+    exact,
+    from_text,
+)
 from solvers.verifier.claims.spec_copy import read_copy
 from srgc.near_places import no_folder
 from srgc.results.folder_layout import refuse_links
@@ -33,8 +43,18 @@ class FoundDesign:
     task: ir.Task
     derivation: Derivation
     model: RobotModel
-    theta: tuple[Fraction, ...]
+    parameters: tuple[ParameterValue, ...]
     start: tuple[Fraction, ...]
+
+    @property
+    def theta(self) -> Array:
+        """The parameters as doubles (p,), in SI units."""
+        return np.array([float(value) for value in self.parameters], dtype=np.float64)
+
+    @property
+    def stated(self) -> tuple[Fraction, ...]:
+        """The rationals that the certificate states the parameters by."""
+        return tuple(value.stated for value in self.parameters)
 
 
 def found_design(folder: Path) -> FoundDesign:
@@ -77,12 +97,9 @@ def _design(claim: FoundClaim, program: ir.Program) -> FoundDesign:
     if derivation.word != claim.word:
         raise CertificateError("the derivation does not derive the word")
     model = robot_in_task(family, task.origin, derivation)
-    claimed = [(item.symbol, item.name) for item in claim.parameters]
-    if claimed != [(item.symbol, item.name) for item in model.parameters]:
-        raise CertificateError("the parameters are not those of the robot")
+    parameters = claimed_values(claim, model)
     n, m = len(model.dofs), len(robot_inputs(model))
     if len(claim.start) < 2 * n or any(len(row) != m for row in claim.inputs):
         raise CertificateError("the start or the inputs are not those of the robot")
-    theta = tuple(exact(item.value) for item in claim.parameters)
     start = tuple(exact(text) for text in claim.start)
-    return FoundDesign(claim, program, task, derivation, model, theta, start)
+    return FoundDesign(claim, program, task, derivation, model, parameters, start)

@@ -71,7 +71,8 @@ def _row(proved: Proved, family: RobotFamily, task: ir.Task) -> ParetoRow:
         proved.number,
         word,
         tuple(
-            (claim.symbol, claim.name, float(Fraction(claim.value))) for claim in design.parameters
+            (value.parameter.symbol, value.parameter.name, float(value))
+            for value in design.parameters
         ),
         sum(family.program.is_module(symbol) for symbol in word),
         _length(design, family),
@@ -80,7 +81,7 @@ def _row(proved: Proved, family: RobotFamily, task: ir.Task) -> ParetoRow:
 
 
 def _length(design: Design, family: RobotFamily) -> float:
-    theta = np.array([float(Fraction(claim.value)) for claim in design.parameters])
+    theta = np.array([float(value) for value in design.parameters])
     return total_length(family.built(design.derivation), theta)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 
 from compiler.candidates.reconfiguration import Reconfiguration
 from grammar_lang import ir
@@ -42,9 +41,9 @@ def synthesis_text(
     design = result.design
     if design is not None:
         lines.append(f"robot:   {' '.join(design.derivation.word)}")
-        for p, claim in zip(design.model.parameters, design.parameters, strict=True):
-            value = amount(float(Fraction(claim.value)), p.unit, 5)
-            lines.append(f"         {p.module}.{p.name} = {value} (symbol {p.symbol})")
+        for value in design.parameters:
+            p, shown = value.parameter, amount(float(value), value.parameter.unit, 5)
+            lines.append(f"         {p.module}.{p.name} = {shown} (symbol {p.symbol})")
         if change is not None:
             lines += change_lines(change)
         lines += _inputs(design, task)

@@ -7,7 +7,7 @@ from math import log, pi, sqrt
 import numpy as np
 
 from benchmarks.search_methods import gp_ucb
-from solvers.parameters.searches.bayesian_search import gp_acb
+from solvers.parameters.bayesian_search import gp_acb
 
 
 def printed_eta(mean: np.ndarray) -> np.ndarray:

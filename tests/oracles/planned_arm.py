@@ -14,7 +14,7 @@ from compiler.geometry.abstraction import abstract
 from compiler.semantics.family import family_of
 from grammar_lang.load import load
 from solvers.motions.path_following import Follower
-from solvers.parameters.evaluation import evaluate
+from solvers.search.evaluation import evaluate
 from tests.conftest import ROOT
 
 THETAS = [np.array(theta) for theta in ((2.23, 3.35), (3.5, 1.75), (1.2, 3.9))]

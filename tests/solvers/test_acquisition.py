@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.search_methods import gp_ucb
-from solvers.parameters.searches.bayesian_search import exploration, gp_acb
+from solvers.parameters.bayesian_search import exploration, gp_acb
 
 MEANS = st.lists(st.floats(-5, 5), min_size=2, max_size=8)
 

@@ -16,7 +16,7 @@ from compiler.semantics.family import family_of
 from grammar_lang.load import load
 from solvers.motions.control_problem import FULL
 from solvers.motions.path_following import Follower
-from solvers.parameters.evaluation import evaluate
+from solvers.search.evaluation import evaluate
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter, read
 from tests.oracles.two_rods import FINE, simulated

@@ -16,10 +16,8 @@ from solvers.verifier.claims.certificate import (
     SeparationClaim,
     StructureClaim,
     cut_claim,
-    decimal,
     exact,
     exact_cuts,
-    exact_decimal,
     from_text,
     spec_digest,
     spec_files,
@@ -150,25 +148,6 @@ def test_any_other_json_is_refused(value):
 def test_any_text_is_refused(text):
     with pytest.raises(CertificateError):
         from_text(text)
-
-
-@given(st.floats(-1e299, 1e299))
-def test_a_double_as_a_decimal(value):
-    text = decimal(value)
-    assert float(text) == value
-    assert "e" not in text
-    assert exact(text) == Fraction(text)
-
-
-@given(st.integers(), st.integers(0, 40), st.integers(0, 40))
-def test_exact_decimals(numerator, twos, fives):
-    value = Fraction(numerator, 2**twos * 5**fives)
-    assert Fraction(exact_decimal(value)) == value
-
-
-def test_a_third_is_no_decimal():
-    with pytest.raises(ValueError, match="1/3"):
-        exact_decimal(Fraction(1, 3))
 
 
 @pytest.mark.parametrize(

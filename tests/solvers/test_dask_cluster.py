@@ -12,7 +12,7 @@ import pytest
 from solvers.execution import dask_cluster
 from solvers.execution.dask_cluster import ClusterFault, join_cluster
 from solvers.execution.workers import WorkersLostError
-from solvers.parameters.evaluation import Evaluator
+from solvers.search.evaluation import Evaluator
 from tests.oracles import worker_jobs
 from tests.oracles.cluster import ended, started
 from tests.oracles.planned_arm import THETAS, bits, evaluated, planned_arm

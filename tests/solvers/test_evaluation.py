@@ -11,12 +11,10 @@ import pytest
 from solvers.execution.in_process import InProcess
 from solvers.execution.process_pool import ProcessPool
 from solvers.motions.path_following import Follower
-from solvers.parameters import evaluation
-from solvers.parameters.evaluation import Evaluator
-from solvers.parameters.outcome_record import outcome_of, record_of
 from solvers.parameters.parameter_space import parameter_space
-from solvers.parameters.solve_request import SolveRequest
 from solvers.progress import Memory
+from solvers.search import evaluation
+from solvers.search.evaluation import Evaluator, SolveRequest, outcome_of, record_of
 from tests.oracles.planned_arm import THETAS, bits, evaluated, planned_arm
 
 

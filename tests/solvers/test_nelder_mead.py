@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from solvers.parameters.searches.cube import Cube
-from solvers.parameters.searches.nelder_mead import EDGE, NelderMead
-from solvers.parameters.searches.parameter_search import ParameterSearch
+from solvers.parameters.nelder_mead import EDGE, NelderMead
+from solvers.parameters.parameter_search import ParameterSearch
+from solvers.parameters.parameter_space import Cube
 
 
 def run(f, start, evaluations, small=1e-3):

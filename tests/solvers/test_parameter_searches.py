@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.search_methods import COMPARED
-from solvers.parameters.configuration_search import SEARCHES, parameter_search
-from solvers.parameters.searches.cube import Cube
+from solvers.parameters.parameter_space import Cube
+from solvers.search.configuration_search import SEARCHES, parameter_search
 
 NAMES = sorted(COMPARED)
 BRANIN = 310 - 0.397887

@@ -32,6 +32,12 @@ def test_the_cube_of_a_space() -> None:
     np.testing.assert_allclose(middles, [[0.3, 1 / 6, 0.5], [0.3, 0.5, 0.5], [0.3, 5 / 6, 0.5]])
 
 
+@given(coordinates)
+def test_parameters_are_found_in_the_cube_again(point) -> None:
+    nearest = SPACE.cube.nearest(np.array(point))
+    np.testing.assert_allclose(SPACE.to_cube(SPACE.from_cube(nearest)), nearest, atol=1e-12)
+
+
 @given(st.floats(-1e3, 1e3), st.floats(0, 1e3), st.floats(0, 1))
 def test_rounding_never_leaves_an_interval(low, width, at) -> None:
     space = ParameterSpace(np.array([low]), np.array([low + width]), (None,))
@@ -58,3 +64,13 @@ def test_the_space_of_a_robot() -> None:
     lower, upper = SPACE.free_box(np.array([0.5, 0.5, 3.0]))
     np.testing.assert_array_equal(lower, [-1.0, 0.5, 3.0])
     np.testing.assert_array_equal(upper, [2.0, 0.5, 3.0])
+    fixed = np.array([3.0])
+    assert ParameterSpace(fixed, fixed, (None,)).free_box(fixed) is None
+
+
+def test_draws_are_members_of_the_domains() -> None:
+    rng = np.random.default_rng(1)
+    drawn = np.array([SPACE.drawn(rng) for _ in range(40)])
+    assert {float(value) for value in drawn[:, 1]} == set(LENGTHS.tolist())
+    for theta in (*drawn, *SPACE.uniform(rng, 40)):
+        assert np.all((SPACE.lower <= theta) & (theta <= SPACE.upper))

@@ -12,7 +12,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.geometry.abstraction import abstract
 from compiler.robots.robot import WORLD
 from grammar_lang import ir
-from solvers.parameters.standing_robot import standing_configurations
+from solvers.search.sampled_cells import standing_configurations
 from tests.oracles.robots import Builder
 from tests.oracles.tasks import task
 

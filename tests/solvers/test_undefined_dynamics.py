@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from compiler.robots.parameter_values import stated_value
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load_text
@@ -117,20 +115,6 @@ def test_a_negative_mass_is_refuted(result: Callable[[str], Path]) -> None:
 
 def degrees(value: int) -> ir.Expr:
     return ir.Binary("*", ir.Num(Fraction(value, 180)), ir.Pi())
-
-
-def test_stated_values() -> None:
-    zero, right = ir.Num(Fraction(0)), degrees(90)
-    choices = ir.Choices((zero, right))
-    assert stated_value(choices, Fraction(0)) == 0
-    assert stated_value(choices, Fraction(1, 10**12)) is None
-    assert stated_value(choices, Fraction(repr(pi / 2))) == right
-    assert stated_value(choices, Fraction(repr(pi / 2)) + Fraction(1, 10**8)) is None
-    assert stated_value(ir.Interval(right, right), Fraction(repr(pi / 2))) == right
-    span = ir.Interval(zero, right)
-    assert stated_value(span, Fraction(3, 2)) == Fraction(3, 2)
-    assert stated_value(span, Fraction("1.57079632680")) == right
-    assert stated_value(span, Fraction("1.5708")) is None
 
 
 @pytest.mark.parametrize(

@@ -345,6 +345,11 @@ def test_a_claim_about_another_robot(
     refused(srgc("export", crane, "--to", "mjcf"), reason)
 
 
+def test_a_value_outside_its_range(srgc: Export, crane: Path) -> None:
+    result_files.alter(crane, lambda c: c["parameters"][0].update(value="1000"), sign=True)
+    refused(srgc("export", crane, "--to", "mjcf"), "is outside its range")
+
+
 def test_an_altered_spec(srgc: Export, crane: Path) -> None:
     result_files.alter_spec(crane, "const mass = 3 kg", "const mass = 4 kg", sign=False)
     refused(srgc("export", crane, "--to", "urdf"), "the spec has been altered")

@@ -28,7 +28,7 @@ def drawn(tmp_path_factory):
 
 def test_a_point_mass_hangs_on_a_line_from_the_base(drawn):
     _, task, result = drawn
-    (length,) = (float(p.value) for p in result.design.parameters)
+    (length,) = map(float, result.design.parameters)
     angles = result.design.configuration.outcome.trajectory.x[:, 0]
     tips = length * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for chain in _skeletons(result.design, task):
@@ -38,7 +38,7 @@ def test_a_point_mass_hangs_on_a_line_from_the_base(drawn):
 
 def test_the_trace_does_not_cut_corners(drawn):
     _, task, result = drawn
-    (length,) = (float(p.value) for p in result.design.parameters)
+    (length,) = map(float, result.design.parameters)
     model, trajectory = result.design.model, result.design.configuration.outcome.trajectory
     numeric = NumericRobot(robot_graph(model, task.gravity))
     line = _effector_line(result.design, numeric, float(task.step))

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from dataclasses import fields as dataclass_fields
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeAlias
 
+from compiler.expressions.exact_numbers import exact_number
+from compiler.robots.parameter_values import ParameterValue, stated_value
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.files.file_set import IMAGE_LIMIT
 from grammar_lang.files.source_file import LIMIT, TooLarge, read_file
@@ -24,9 +26,6 @@ from solvers.verdict import Claimed
 
 FORMAT = 3
 """2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes."""
-
-_NUMBER = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,1100}|/[0-9]{1,300})?")
-"""Decimals below 1e300, and quotients; no exponents, whose expansion has no bound."""
 
 
 class CertificateError(ValueError):
@@ -124,25 +123,32 @@ def verdict_of(claim: Claim) -> Claimed:
     return "found" if isinstance(claim, FoundClaim) else "impossible"
 
 
-def decimal(value: float) -> str:
-    """The shortest decimal that reads back as this double, without an exponent."""
-    return exact_decimal(Fraction(repr(float(value))))
+def parameter_claims(values: Iterable[ParameterValue]) -> tuple[ParameterClaim, ...]:
+    """What a certificate states of the parameters of a robot."""
+    return tuple(
+        ParameterClaim(value.parameter.symbol, value.parameter.name, value.text) for value in values
+    )
 
 
-def exact_decimal(value: Fraction) -> str:
-    """A rational whose denominator divides a power of ten, as a decimal.
+def claimed_values(claim: FoundClaim, model: RobotModel) -> tuple[ParameterValue, ...]:
+    """The values that a claim states for the parameters of a robot.
 
     Raises:
-        ValueError: the value is no finite decimal.
+        CertificateError: they are not the robot's parameters, or one is no number of its domain.
     """
-    digits, power = 0, 1
-    while power % value.denominator:
-        digits, power = digits + 1, power * 10
-        if digits > 1100:
-            raise ValueError(f"{value} is no finite decimal")
-    whole = str(abs(value.numerator) * (power // value.denominator)).rjust(digits + 1, "0")
-    sign = "-" if value < 0 else ""
-    return sign + (f"{whole[:-digits]}.{whole[-digits:]}" if digits else whole)
+    expected = [(parameter.symbol, parameter.name) for parameter in model.parameters]
+    if [(claimed.symbol, claimed.name) for claimed in claim.parameters] != expected:
+        raise CertificateError("the parameters are not those of the robot")
+    values = []
+    for claimed, parameter in zip(claim.parameters, model.parameters, strict=True):
+        value = stated_value(parameter, exact(claimed.value))
+        if value is None:
+            raise CertificateError(
+                f"`{parameter.module}.{parameter.name}` = {claimed.value} "
+                f"at symbol {parameter.symbol} is outside its range"
+            )
+        values.append(value)
+    return tuple(values)
 
 
 def exact(text: str) -> Fraction:
@@ -151,13 +157,10 @@ def exact(text: str) -> Fraction:
     Raises:
         CertificateError: the text is neither, or the quotient's denominator is zero.
     """
-    if not _NUMBER.fullmatch(text):
-        shown = text if len(text) <= 40 else f"{text[:40]}..."
-        raise CertificateError(f"the certificate is malformed: {shown!r} is no exact number")
     try:
-        return Fraction(text)
-    except ZeroDivisionError:
-        raise CertificateError(f"the certificate is malformed: {text!r} divides by zero") from None
+        return exact_number(text)
+    except ValueError as error:
+        raise CertificateError(f"the certificate is malformed: {error}") from None
 
 
 def cut_claim(cell: int, half_space: ir.HalfSpace) -> CutClaim:

@@ -13,7 +13,13 @@ from compiler.robots.robot import RobotModel
 from compiler.semantics.family import family_of
 from grammar_lang import ir
 from solvers.verifier.claims.bounded_file import bounded_bytes
-from solvers.verifier.claims.certificate import Claim, FoundClaim, ImpossibleClaim, exact
+from solvers.verifier.claims.certificate import (
+    Claim,
+    FoundClaim,
+    ImpossibleClaim,
+    claimed_values,
+    exact,
+)
 
 
 def disagreement(
@@ -95,7 +101,7 @@ def _expected(claim: Claim, model: RobotModel | None) -> dict[str, Any]:
         "dofs": [
             {"symbols": list(dof.symbols), "kind": dof.kind, "axis": dof.axis} for dof in model.dofs
         ],
-        "parameters": _parameters(claim, model),
+        "parameters": [value.describe() for value in claimed_values(claim, model)],
         "path": [list(names) for names in claim.path],
         "robustness": _float(claim.robustness),
         "effort_peak": _float(claim.effort_peak),
@@ -109,19 +115,6 @@ def _reconfiguration(claim: Claim, program: ir.Program, task: ir.Task) -> dict[s
         return None
     rules = family_of(program, task).language.srg
     return reconfiguration(rules, task.origin.word, claim.word).describe()
-
-
-def _parameters(claim: FoundClaim, model: RobotModel) -> list[dict[str, Any]]:
-    return [
-        {
-            "symbol": claimed.symbol,
-            "module": parameter.module,
-            "name": claimed.name,
-            "value": _float(claimed.value),
-            "unit": parameter.unit,
-        }
-        for claimed, parameter in zip(claim.parameters, model.parameters, strict=True)
-    ]
 
 
 def _float(text: str) -> float:

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
 
+from compiler.expressions.exact_numbers import exact_decimal
 from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kinds
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from solvers.verifier.claims.certificate import FoundClaim, exact, exact_decimal
+from solvers.verifier.claims.certificate import FoundClaim, exact
 from solvers.verifier.claims.outcome import Refused
 from solvers.verifier.proofs.finding import Finding
 from solvers.verifier.proofs.trajectory_proof import Motion

@@ -11,7 +11,7 @@ from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.geometry.abstraction import Abstraction
 from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.grammars.derivation import Derivation
-from compiler.robots.parameter_values import ExactValue
+from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
 from compiler.semantics.emission_order import body_symbols
 from grammar_lang import ir
@@ -24,7 +24,7 @@ class Motion:
     ``state`` holds coordinates and rates; the spec says where modules' own states begin.
     """
 
-    theta: tuple[ExactValue, ...]
+    theta: tuple[ParameterValue, ...]
     state: tuple[Fraction, ...]
     inputs: tuple[tuple[Fraction, ...], ...]
     effector: int

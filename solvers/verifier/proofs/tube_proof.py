@@ -10,7 +10,6 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
 from compiler.expressions.tape import tape
-from compiler.robots.parameter_values import value_ball
 from compiler.robots.state_and_input import robot_states
 from compiler.specifications.formula_text import formula_text
 from compiler.specifications.monitor import key
@@ -64,7 +63,7 @@ class DrivenRobot:
 def driven_robot(scene: Scene, motion: Motion) -> DrivenRobot:
     """A motion in the working precision."""
     graph = scene.graph
-    tail = tuple(value_ball(value) for value in motion.theta)
+    tail = tuple(value.ball for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
     own, n = robot_states(graph.model), len(graph.model.dofs)
     slopes = tape(graph.input_slopes) if scene.task.robust is not None else None

@@ -6,11 +6,8 @@ space every joint has one frame more, a metre along its axis, which shows where 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-
-import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
@@ -76,12 +73,11 @@ class DrawnRobot:
         return self.numeric.points(q, self.theta).value
 
 
-def drawn_robot(model: RobotModel, theta: Sequence[Fraction]) -> DrawnRobot:
-    """The parts of a robot whose parameters have these values (SI)."""
-    values = np.array([float(value) for value in theta])
+def drawn_robot(model: RobotModel, theta: Array) -> DrawnRobot:
+    """The parts of a robot whose parameters have the values theta (p,), SI."""
     marked, tips = _marked(model)
     numeric = NumericRobot(robot_graph(marked))
-    scalars = scalar_floats(marked.scalars, values)
+    scalars = scalar_floats(marked.scalars, theta)
     rods, masses = [], []
     for body, hull in zip(model.bodies, numeric.graph.hulls, strict=True):
         first = len(marked.effectors) + hull[0]
@@ -92,7 +88,7 @@ def drawn_robot(model: RobotModel, theta: Sequence[Fraction]) -> DrawnRobot:
             masses.append(DrawnMass(first, not isinstance(body, PointBody)))
     return DrawnRobot(
         numeric,
-        values,
+        theta,
         tuple(rods),
         tuple(masses),
         _bones(model),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from itertools import product
 from math import radians
 
@@ -79,13 +78,12 @@ def module_drawing(
     robot: MarkedRobot,
     word: Sequence[str],
     modules: dict[str, ir.Module],
-    theta: Sequence[Fraction],
+    theta: Array,
 ) -> ModuleDrawing:
-    """The drawing of a robot whose parameters have these values (SI)."""
+    """The drawing of a robot whose parameters have the values theta (p,), SI."""
     numeric = NumericRobot(robot_graph(robot.model))
-    values = np.array([float(value) for value in theta])
     poses = _poses(robot.model.dofs)
-    points = numeric.points(poses, values).value
+    points = numeric.points(poses, theta).value
     best = points[_clearest(points, robot)]
     hulls = [[len(robot.model.effectors) + i for i in hull] for hull in numeric.graph.hulls]
     return _drawing(robot, word, modules, best, hulls)

@@ -88,9 +88,10 @@ def _picture(found: FoundDesign, grammar: ir.Grammar, modules: Mapping[str, ir.M
 def _parameters(found: FoundDesign) -> dict[int, list[tuple[str, str]]]:
     """Per place in the word, the names of its parameters and their values with units."""
     shown: dict[int, list[tuple[str, str]]] = {}
-    for parameter, value in zip(found.model.parameters, found.theta, strict=True):
-        row = parameter.name, with_unit(float(value), parameter.unit)
-        shown.setdefault(parameter.symbol, []).append(row)
+    for value in found.parameters:
+        known = value.parameter
+        row = known.name, with_unit(float(value), known.unit)
+        shown.setdefault(known.symbol, []).append(row)
     return shown
 
 

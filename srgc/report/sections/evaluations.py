@@ -110,10 +110,7 @@ def _design(evidence: Evidence) -> dict[str, float]:
     found = evidence.found
     if found is None:
         return {}
-    return {
-        f"{each.symbol}.{each.name}": float(value)
-        for each, value in zip(found.model.parameters, found.theta, strict=True)
-    }
+    return {value.parameter.label: float(value) for value in found.parameters}
 
 
 def _named(evidence: Evidence, structure: int, name: str) -> tuple[str, str]:
@@ -124,7 +121,7 @@ def _named(evidence: Evidence, structure: int, name: str) -> tuple[str, str]:
     module = words[structure][int(place)] if known else "symbol"
     unit = ""
     if evidence.found is not None and structure == _found(evidence):
-        units = {f"{p.symbol}.{p.name}": p.unit for p in evidence.found.model.parameters}
+        units = {p.label: p.unit for p in evidence.found.model.parameters}
         unit = units.get(name, "")
     return f"{module}.{own}, symbol {place}", "" if unit == "1" else unit
 

@@ -186,9 +186,10 @@ def _facts(evidence: Evidence) -> str:
 
 def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]]:
     design = evidence.design
-    for parameter, value in zip(found.model.parameters, found.theta, strict=True):
-        name = f"{parameter.module}.{parameter.name}, symbol {parameter.symbol}"
-        yield name, with_unit(float(value), parameter.unit, 5)
+    for value in found.parameters:
+        known = value.parameter
+        name = f"{known.module}.{known.name}, symbol {known.symbol}"
+        yield name, with_unit(float(value), known.unit, 5)
     yield "motion", f"{number(float(found.task.step * found.task.steps), 6)} s"
     used = used_inputs(found.model, found.task, found.claim.inputs)
     peaks = [with_unit(each.peak, each.unit) for each in used if each.effort]

@@ -46,7 +46,10 @@ def drawn(spec: str, word: str, values: list[str]) -> ModuleDrawing:
     dimension = program.workspaces[task.workspace].dimension
     robot = marked_robot(grammar, program.modules, derivation, dimension)
     return module_drawing(
-        robot, derivation.word, dict(program.modules), [Fraction(value) for value in values]
+        robot,
+        derivation.word,
+        dict(program.modules),
+        np.array([float(Fraction(value)) for value in values]),
     )
 
 
@@ -184,7 +187,7 @@ def test_tools_are_joined_to_what_carries_them(tmp_path: Path) -> None:
     word = ("B", "eps", "P", "eps", "M", "eps", "EN")
     derivation = next(iter(derivations_of(language, word)))
     robot = marked_robot(program.grammars[task.grammar], program.modules, derivation, 2)
-    modules = by_place(module_drawing(robot, derivation.word, dict(program.modules), []))
+    modules = by_place(module_drawing(robot, derivation.word, dict(program.modules), np.zeros(0)))
     (line,) = modules[6].lines
     assert modules[6].at == pytest.approx(line[1])
     assert line[1] - line[0] == pytest.approx([0, 0.3])

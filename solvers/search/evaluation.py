@@ -1,14 +1,17 @@
 """Evaluating parameters: the best outcome over all seeds of a follower, by whichever workers.
 
 An evaluation is a pure function of the follower and the parameters, so results do not depend on who
-does it; what was evaluated before is looked up in a journal.
+does it; what was evaluated before is looked up in a journal, where outcomes are values of JSON with
+every bit of their numbers.
 """
 
 from __future__ import annotations
 
+from base64 import b64decode, b64encode
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from hashlib import sha256
 from itertools import islice
 from typing import TypeAlias
 
@@ -21,13 +24,51 @@ from compiler.robots.robot import RobotModel
 from solvers.execution.in_process import InProcess
 from solvers.execution.parcel import Parcel, keep, made_of, packed
 from solvers.execution.workers import Workers
-from solvers.motions.control_problem import SURVEY, ControlOutcome, Effort
+from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, ControlProblem, Effort
 from solvers.motions.path_following import Follower
-from solvers.motions.seed_choice import hopeful
+from solvers.motions.path_timing import Entries
 from solvers.motions.trajectory import Trajectory
-from solvers.parameters.outcome_record import outcome_of, record_of
-from solvers.parameters.solve_request import SolveRequest
-from solvers.progress import Journal, Memory
+from solvers.progress import Journal, Memory, Recorded
+
+RADIUS = 0.5
+NEAR = 0.1
+"""Metres by which a seed may leave the path in any case."""
+FARTHER = 2.0
+"""Or so many times what the best seed leaves it by."""
+ARRAY = "float64"
+TRAJECTORY = "trajectory"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SolveRequest:
+    """One control synthesis: arguments of :meth:`Follower.solve` or :meth:`Follower.released`.
+
+    Without ``entries`` the follower's own timing is meant; with ``box``, a pair of bounds (p,), the
+    parameters are unknowns too.
+    """
+
+    start: Trajectory
+    entries: Entries | None = None
+    box: tuple[Array, Array] | None = None
+    effort: Effort = FULL
+    radius: float = RADIUS
+    released: bool = False
+
+    def outcome(self, follower: Follower) -> ControlOutcome:
+        """What the follower makes of it; the same arguments have the same outcome."""
+        if self.released:
+            entries = follower.waypoints()[1] if self.entries is None else self.entries
+            return follower.released(self.start, entries, self.box, self.effort, self.radius)
+        return follower.solve(self.start, self.entries, self.box, self.effort, self.radius)
+
+    @property
+    def digest(self) -> str:
+        """A name for these arguments, the same in every run."""
+        plain = (self.entries, self.effort, self.radius, self.released, self.box is None)
+        text = sha256(repr(plain).encode())
+        for array in (self.start.x, self.start.u, self.start.theta, *(self.box or ())):
+            text.update(repr(array.shape).encode() + array.astype("<f8").tobytes())
+        return text.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +120,25 @@ def best_of(outcomes: Iterable[ControlOutcome]) -> ControlOutcome:
 def _hopeful(follower: Follower, theta: Array) -> list[Trajectory]:
     problem = follower.problem(follower.waypoints()[1], released=True)
     return hopeful(problem, follower.seeds(theta))
+
+
+def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajectory]:
+    """The seeds that are worth trying, in their order; one at least where there is one.
+
+    A tracked seed leaves the path where the inverse kinematics has no pose for it; one that does
+    so by far, while another hardly does, would only take time.
+    """
+    gaps = [_excess(problem, seed) for seed in seeds]
+    most = max(NEAR, FARTHER * min(gaps, default=0.0))
+    return [seed for seed, gap in zip(seeds, gaps, strict=True) if gap <= most]
+
+
+def _excess(problem: ControlProblem, seed: Trajectory) -> float:
+    """By how much a seed breaks the half-planes of a problem at most, metres."""
+    points = problem.numeric.points(seed.x[:, : problem.numeric.n], seed.theta)
+    if not np.isfinite(points.value).all():
+        return float("inf")
+    return float(np.max(problem.rows_of(points.value).excess(points), initial=0.0))
 
 
 def _requests(seeds: Iterable[Trajectory], effort: Effort) -> list[SolveRequest]:
@@ -217,3 +277,60 @@ def _number(value: object) -> str:
             return repr(value)
         case _:
             return ""
+
+
+# --- the journal ---------------------------------------------------------------------------------
+
+
+def record_of(outcome: ControlOutcome) -> dict[str, Recorded]:
+    """An outcome as a value of JSON."""
+    return {field.name: _recorded(getattr(outcome, field.name)) for field in fields(outcome)}
+
+
+def outcome_of(record: Recorded) -> ControlOutcome | None:
+    """The outcome of a record, or None where it is not one of this version."""
+    try:
+        if not isinstance(record, dict):
+            return None
+        outcome = ControlOutcome(**{name: _value(value) for name, value in record.items()})  # type: ignore[arg-type]
+    except (TypeError, ValueError, KeyError):
+        return None
+    found: object = outcome.trajectory  # by its type only where the record is a true one
+    if not isinstance(found, Trajectory):
+        return None
+    return outcome
+
+
+def _recorded(value: object) -> Recorded:
+    if isinstance(value, Trajectory):
+        arrays = (value.x, value.u, value.theta)
+        return {TRAJECTORY: [_recorded(array) for array in arrays]}
+    if isinstance(value, np.ndarray):
+        return {ARRAY: b64encode(value.astype("<f8").tobytes()).decode(), "shape": [*value.shape]}
+    if isinstance(value, np.generic):
+        return _recorded(value.item())
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise TypeError(f"{type(value).__name__} cannot be recorded")
+
+
+def _value(value: Recorded) -> object:
+    if isinstance(value, list):
+        raise TypeError("an outcome has no lists")
+    if not isinstance(value, dict):
+        return value
+    if TRAJECTORY in value:
+        parts = value[TRAJECTORY]
+        if not isinstance(parts, list):
+            raise TypeError("a trajectory has three arrays")
+        return Trajectory(*(_array(part) for part in parts))
+    return _array(value)
+
+
+def _array(value: Recorded) -> Array:
+    match value:
+        case {"float64": str(text), "shape": list(shape)}:
+            numbers = np.frombuffer(b64decode(text, validate=True), dtype="<f8")
+            return numbers.reshape([int(str(size)) for size in shape]).astype(np.float64)
+        case _:
+            raise TypeError("an array has numbers and a shape")

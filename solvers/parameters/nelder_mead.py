@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.parameters.searches.parameter_search import Record
+from solvers.parameters.parameter_search import Record
 
 EDGE = 0.25
 """The first edges of a simplex, in units of the cube, towards its inside."""

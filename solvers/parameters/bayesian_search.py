@@ -20,14 +20,14 @@ from typing import TypeAlias
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.parameters.searches.cube import Cube, Halton
-from solvers.parameters.searches.gaussian_process import (
+from solvers.parameters.gaussian_process import (
     GaussianProcess,
     conditioned,
     fitted,
     standardised,
 )
-from solvers.parameters.searches.parameter_search import Record
+from solvers.parameters.parameter_search import Record
+from solvers.parameters.parameter_space import Cube, Halton
 
 DESIGN = 8
 """Initial points, unless told otherwise."""

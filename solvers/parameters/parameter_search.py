@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.parameters.searches.cube import Cube, Halton
+from solvers.parameters.parameter_space import Cube, Halton
 
 TRIES = 200
 """So many proposals in a row may be points that are known before others are taken."""

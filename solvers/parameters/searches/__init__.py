@@ -1,1 +1,0 @@
-"""Searches for the largest value of a function over the unit cube, one method a file."""

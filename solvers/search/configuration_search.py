@@ -1,0 +1,334 @@
+"""P.Synthesis for one structure and one path: parameters, then polishing, then timing.
+
+A parameter search finds basins: it evaluates parameters by motions whose timing along the path is
+free.  The convex programs with the parameters as unknowns find the bottoms of the best ones.  Then
+the cells that such a motion visits, and when, become the path that binds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from compiler.arrays import Array
+from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, Effort
+from solvers.motions.path_following import Follower
+from solvers.motions.path_timing import Entries
+from solvers.motions.trajectory import Trajectory
+from solvers.parameters.bayesian_search import DESIGN, BayesianSearch
+from solvers.parameters.nelder_mead import NelderMead
+from solvers.parameters.parameter_search import ParameterSearch
+from solvers.parameters.parameter_space import Cube, ParameterSpace, parameter_space
+from solvers.progress import Conduct
+from solvers.search.evaluation import Evaluator, SolveRequest, best_of
+
+SEARCHES = ("gp-acb", "nelder-mead")
+"""The searches of parameters by name, the usual one first."""
+EVALUATIONS = 12
+"""Parameters that are evaluated for a path."""
+BATCH = 2
+BASINS = 4
+"""How many of the best evaluations are polished."""
+APART = 0.1
+"""Basins differ by this in some coordinate of the unit cube."""
+BENT = 0.35
+"""Or their motions, half way, in some coordinate: sin of half an angle, or metres."""
+POLISH = Effort(30, 1e-4, 1e-8, 2)
+NARROWINGS = 3
+BOUND_RADIUS = 0.1
+"""The trust region of a motion that is nearly there."""
+RELEASES = 3
+RELEASE_RADIUS = 0.3
+SHIFTS = (4, 1, -1)
+LONGEST_RUN = 6
+GAIN = 1e-4
+"""A gain of robustness that is worth moving an entry for, relative to the effort bound."""
+RETIMING = Effort(8, 1e-4, 1e-7, 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """One evaluation: ``theta`` (p,) in SI units, as the robot orders its parameters.
+
+    ``robustness`` is rho (Definition 7); where the motion is not ``feasible`` it is negative, by
+    how much the constraints are violated.
+    """
+
+    theta: Array
+    robustness: float
+    feasible: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PathSamples:
+    """All samples of one cell path: the ``path``-th (from 0) that was tried for a structure.
+
+    ``structure`` is the number of the structure in order, ``names`` are its parameters as
+    ``symbol.name``, the symbol being an index into its word.
+    """
+
+    structure: int
+    path: int
+    names: tuple[str, ...]
+    samples: tuple[Sample, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """The best outcome for a path: its entry steps, the evaluations made, and its cells.
+
+    ``samples`` are all parameters that were evaluated, in order.
+    """
+
+    outcome: ControlOutcome
+    entries: Entries
+    evaluations: int
+    cells: tuple[int, ...]
+    samples: tuple[Sample, ...] = ()
+
+
+def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Configuration:
+    """The best configuration found for a path; it may be infeasible.
+
+    ``label`` names the structure and path in the journal.
+    """
+    space = parameter_space(follower.model)
+    evaluator = Evaluator(follower, conduct.workers, conduct.journal, label)
+    search = _Survey(space, evaluator, conduct)
+    if space.is_point:
+        search.evaluate([space.lower], FULL)
+    else:
+        search.run()
+    entries = follower.waypoints()[1]
+    top = _best(search.polished(entries), follower, entries, conduct)
+    return Configuration(
+        top.outcome, top.entries, len(search.samples), top.follower.cells, tuple(search.samples)
+    )
+
+
+def _best(
+    outcomes: list[ControlOutcome], follower: Follower, entries: Entries, conduct: Conduct
+) -> Timed:
+    """The best of some outcomes that keeps to its cells; else the best of all."""
+    ranked = sorted(outcomes, key=lambda outcome: -outcome.robustness)
+    for outcome in ranked:
+        if outcome.feasible:
+            timed = bound_to_cells(follower, outcome, entries, conduct)
+            if timed is not None:
+                return timed
+    top = ranked[0]
+    return Timed(follower, replace(top, feasible=False), entries)
+
+
+def parameter_search(cube: Cube, seed: int, name: str | None = None) -> ParameterSearch:
+    """The search of a cube by its name; None: the usual one."""
+    if name == "nelder-mead":
+        return ParameterSearch(cube, seed, 1, NelderMead(seed))
+    return ParameterSearch(cube, seed, DESIGN, BayesianSearch(seed))
+
+
+class _Survey:
+    """The evaluations of a path's parameters, with the motions that were found."""
+
+    def __init__(self, space: ParameterSpace, evaluator: Evaluator, conduct: Conduct) -> None:
+        self.space = space
+        self.evaluator = evaluator
+        self.conduct = conduct
+        self.attempts: list[ControlOutcome] = []
+        """The outcome of every seed at all parameters."""
+        self.samples: list[Sample] = []
+
+    def run(self) -> None:
+        """Evaluate what the search asks for."""
+        search = parameter_search(self.space.cube, self.conduct.seed, self.conduct.search)
+        while len(self.samples) < EVALUATIONS:
+            points = search.ask(BATCH)
+            if not points:
+                break
+            thetas = [self.space.from_cube(point) for point in points]
+            for point, outcome in zip(points, self.evaluate(thetas, SURVEY), strict=True):
+                search.tell(point, outcome.robustness)
+
+    def evaluate(self, thetas: list[Array], effort: Effort) -> list[ControlOutcome]:
+        """The best outcome at each of the parameters."""
+        found = []
+        attempts = self.evaluator.attempts(thetas, effort)
+        for theta, outcomes in zip(thetas, attempts, strict=True):
+            self.conduct.check_time()
+            outcome = best_of(outcomes)
+            found.append(outcome)
+            self.attempts += outcomes
+            self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
+            self.conduct.reporter.robustness(max(o.robustness for o in self.attempts))
+        return found
+
+    def polished(self, entries: Entries) -> list[ControlOutcome]:
+        """The best outcomes with their parameters made unknowns of the convex programs."""
+        if self.space.is_point:
+            return self.attempts
+        chosen = self.basins()
+        requests = [
+            SolveRequest(
+                start.trajectory, entries, self.space.free_box(start.trajectory.theta), POLISH,
+                released=True,
+            )
+            for start in chosen
+        ]  # fmt: skip
+        found = []
+        for before, after in zip(chosen, self.evaluator.solutions(requests), strict=True):
+            self.conduct.check_time()
+            found.append(max(before, after, key=lambda item: item.robustness))
+            self.conduct.reporter.robustness(max(o.robustness for o in found))
+        return found
+
+    def basins(self) -> list[ControlOutcome]:
+        """The best outcomes that differ in parameters or in motion from each other."""
+        ranked = sorted(self.attempts, key=lambda attempt: -attempt.robustness)
+        chosen = ranked[:1]
+        for differs in (_moves_apart, self._lies_apart):
+            for attempt in ranked:
+                if len(chosen) >= BASINS:
+                    break
+                if all(differs(attempt, other) for other in chosen):
+                    chosen.append(attempt)
+        return chosen
+
+    def _lies_apart(self, one: ControlOutcome, other: ControlOutcome) -> bool:
+        """Whether two attempts differ in their parameters."""
+        first, second = (self.space.to_cube(each.trajectory.theta) for each in (one, other))
+        return bool(np.max(np.abs(first - second), initial=0.0) > APART)
+
+
+def _moves_apart(one: ControlOutcome, other: ControlOutcome) -> bool:
+    """Whether the robot is bent otherwise half way in two attempts, by a quarter of a turn."""
+    half = len(one.trajectory.x) // 2
+    n = len(one.trajectory.x[0]) // 2
+    first, second = (attempt.trajectory.x[half, :n] for attempt in (one, other))
+    return bool(np.max(np.abs(np.sin((first - second) / 2)), initial=0.0) > BENT)
+
+
+def within_limits(follower: Follower, found: Configuration) -> tuple[Follower, Configuration]:
+    """A configuration whose motion keeps the limits of joints and rates within its steps too.
+
+    The limits that it passes there are narrowed and the motion is found anew, a few times.
+    """
+    for _ in range(NARROWINGS):
+        narrowed = follower.narrowed(found.outcome.trajectory) if found.outcome.feasible else None
+        if narrowed is None:
+            break
+        follower = narrowed
+        found = resolved(follower, found)
+    return follower, found
+
+
+def resolved(follower: Follower, found: Configuration) -> Configuration:
+    """A configuration under other margins; the parameters may move along with the motion."""
+    trajectory = found.outcome.trajectory
+    box = free_parameters(follower, trajectory)
+    return replace(found, outcome=follower.solve(trajectory, found.entries, box))
+
+
+# --- the cells made to bind ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """A motion along the cells of a follower, entered at some steps."""
+
+    follower: Follower
+    outcome: ControlOutcome
+    entries: Entries
+
+    @property
+    def scale(self) -> float:
+        """The unit of effort."""
+        return self.follower.problem(self.entries).scale
+
+    def gains(self, before: Timed) -> bool:
+        """Whether it is more robust than another one, by more than is worth its time."""
+        return self.outcome.robustness > before.outcome.robustness + GAIN * self.scale
+
+
+def bound_to_cells(
+    follower: Follower, free: ControlOutcome, entries: Entries, conduct: Conduct
+) -> Timed | None:
+    """The motion that keeps to its cells next to one whose timing was free; None if none is found.
+
+    From the motion that they bind, timing is freed again as long as that gains; what the cells cost
+    in the end is won back by moving their entries.
+    """
+    best = _bound(follower, free, entries, conduct)
+    for _ in range(RELEASES):
+        if best is None:
+            break
+        freed = _freed(best, conduct)
+        again = _bound(best.follower, freed, best.entries, conduct) if freed.feasible else None
+        if again is None or not again.gains(best):
+            break
+        best, free = again, freed
+    if best is None or best.outcome.robustness >= free.robustness - GAIN * best.scale:
+        return best
+    return _moved_on(best, conduct)
+
+
+def _bound(
+    follower: Follower, free: ControlOutcome, entries: Entries, conduct: Conduct
+) -> Timed | None:
+    """The cells that a free motion visits made to bind.
+
+    The half-planes have kept it on its side of every obstacle, so it visits the path's cells or
+    others next to them.  Where that is no path of the task, the planned one binds.
+    """
+    visited = follower.visited(free.trajectory)
+    paths = [(follower, entries)]
+    if visited is not None:
+        paths.insert(0, (follower.along(*visited), visited[1]))
+    for along, steps in paths:
+        conduct.check_time()
+        outcome = _solved(along, free, steps, FULL)
+        if outcome is not None:
+            conduct.reporter.robustness(outcome.robustness)
+            return Timed(along, outcome, steps)
+    return None
+
+
+def _freed(timed: Timed, conduct: Conduct) -> ControlOutcome:
+    """The motion with its timing free again."""
+    conduct.check_time()
+    start = timed.outcome.trajectory
+    return timed.follower.released(
+        start, timed.entries, free_parameters(timed.follower, start), FULL, RELEASE_RADIUS
+    )
+
+
+def _moved_on(timed: Timed, conduct: Conduct) -> Timed:
+    """Move entry steps, one at a time and on in the same direction, while the robustness grows."""
+    shifts = [(cell, shift) for shift in SHIFTS for cell in range(1, len(timed.entries))]
+    for cell, shift in shifts:
+        for _ in range(LONGEST_RUN):
+            conduct.check_time()
+            entries, follower = timed.entries, timed.follower
+            moved = (*entries[:cell], entries[cell] + shift, *entries[cell + 1 :])
+            if not follower.allows(moved):
+                break
+            outcome = _solved(follower, timed.outcome, moved, RETIMING)
+            if outcome is None or not Timed(follower, outcome, moved).gains(timed):
+                break
+            timed = Timed(follower, outcome, moved)
+            conduct.reporter.robustness(outcome.robustness)
+    return timed
+
+
+def _solved(
+    follower: Follower, start: ControlOutcome, entries: Entries, effort: Effort
+) -> ControlOutcome | None:
+    """The outcome with these entries, where that is feasible."""
+    box = free_parameters(follower, start.trajectory)
+    trial = follower.solve(start.trajectory, entries, box, effort, BOUND_RADIUS)
+    return trial if trial.feasible else None
+
+
+def free_parameters(follower: Follower, about: Trajectory) -> tuple[Array, Array] | None:
+    """The box in which parameters are unknowns next to a motion; None where none may vary."""
+    return parameter_space(follower.model).free_box(about.theta)

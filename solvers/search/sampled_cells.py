@@ -1,0 +1,190 @@
+"""Where samples of a robot's parameters and poses put its effectors.
+
+So are found the cells to start in, the cells within reach, and those in which a robot that cannot
+move stands as its task asks.
+
+What samples do not show may exist all the same: this guides a search and proves nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.geometry.abstraction import Abstraction
+from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.specifications.monitor import AtomKey, key
+from compiler.specifications.subformulas import atoms
+from compiler.specifications.trace_robustness import Monitored, Piece
+from grammar_lang import ir
+from solvers.motions.control_problem import ControlOutcome, input_margin
+from solvers.motions.inverse_kinematics import sampled_box, solve_positions
+from solvers.motions.task_limits import input_groups, motion_limits, resting_inputs, state_limits
+from solvers.motions.trajectory import Trajectory
+from solvers.parameters.parameter_space import parameter_space
+from solvers.search.configuration_search import Configuration
+
+START_SAMPLES = 64
+"""Parameters that are drawn for the cells to start in."""
+REACH_LOG2 = 3
+POSES = 512
+"""For the cells within reach 2**3 parameters, and so many poses with each."""
+CHUNK = 1 << 22
+"""So many products of points and rows are held at a time."""
+STANDING_LOG2 = 9
+KEPT = 4
+"""Of 2**9 parameters of a robot that cannot move, the best that are kept."""
+
+
+def start_cells(
+    abstraction: Abstraction, task: ir.Task, numeric: NumericRobot
+) -> dict[int, tuple[int, ...]] | None:
+    """By effector the cells it may start in, where a start pose is given; else None.
+
+    They depend on the parameters, which are sampled.
+    """
+    if isinstance(task.start, ir.StartIn):
+        return None
+    values = motion_limits(numeric.graph.model, task).start_values
+    space, rng = parameter_space(numeric.graph.model), np.random.default_rng(0)
+    found: dict[int, set[int]] = {e: set() for e in range(len(numeric.graph.model.effectors))}
+    for theta in space.uniform(rng, START_SAMPLES):
+        if values is not None:
+            points = numeric.points(values[None, :], theta).value[0]
+            for effector, cells in found.items():
+                cell = abstraction.locate(points[effector])
+                if cell is not None:
+                    cells.add(cell)
+    return {effector: tuple(sorted(cells)) for effector, cells in found.items()}
+
+
+def reachable_cells(
+    numeric: NumericRobot, abstraction: Abstraction, effector: int, seed: int
+) -> NDArray[np.bool_]:
+    """Per cell whether a pose was found with the effector (from 0) in it, shape (cells,)."""
+    space, cells = parameter_space(numeric.graph.model), _Stacked(abstraction)
+    found = np.zeros(len(abstraction.cells), dtype=bool)
+    rng = np.random.default_rng(seed)
+    limits = state_limits(numeric.graph.model)[:, 0]
+    reach = np.max(np.abs(cells.centres), initial=1.0)
+    lower, upper = sampled_box(numeric, (limits[:, 0], limits[:, 1]), float(reach))
+    for theta in space.samples(REACH_LOG2, seed):
+        q = rng.uniform(lower, upper, size=(POSES, numeric.n))
+        points = numeric.points(q, theta).value[:, effector]
+        found |= cells.hit(points)
+        missing = np.flatnonzero(~found)
+        if not len(missing):
+            break
+        targets = cells.centres[missing]
+        nearest = [int(np.argmin(np.sum((points - target) ** 2, axis=1))) for target in targets]
+        limited = limits[:, 0], limits[:, 1]
+        ends, _ = solve_positions(numeric, q[nearest], theta, effector, targets, limited)
+        found |= cells.hit(numeric.points(ends, theta).value[:, effector])
+    return found
+
+
+class _Stacked:
+    """The rows of all cells, (M, d) and (M,), where each cell's rows begin, and the centres."""
+
+    def __init__(self, abstraction: Abstraction) -> None:
+        shapes = [cell.polytope for cell in abstraction.cells]
+        self.normals = np.concatenate([shape.A for shape in shapes])
+        self.offsets = np.concatenate([shape.b for shape in shapes])
+        self.starts = np.cumsum([0, *(len(shape.b) for shape in shapes[:-1])])
+        self.centres: Array = np.array([[float(x) for x in shape.centre] for shape in shapes])
+
+    def hit(self, points: Array) -> NDArray[np.bool_]:
+        """Per cell whether one of the points (K, d) lies inside."""
+        hit = np.zeros(len(self.starts), dtype=bool)
+        size = max(1, CHUNK // len(self.offsets))
+        for first in range(0, len(points), size):
+            excess = points[first : first + size] @ self.normals.T - self.offsets
+            worst = np.maximum.reduceat(excess, self.starts, axis=1)
+            hit |= np.any(worst < 0, axis=0)
+        return hit
+
+
+def standing_configurations(
+    numeric: NumericRobot,
+    workspace: ir.Workspace,
+    task: ir.Task,
+    abstraction: Abstraction,
+    effector: int,
+    seed: int,
+) -> list[tuple[int, Configuration]]:
+    """Cells and motionless configurations that meet the regions of a task most clearly, or none.
+
+    The parameters are samples: what is not found may still exist.
+    """
+    model = numeric.graph.model
+    if model.dofs:
+        raise ValueError("the robot has degrees of freedom")
+    bound: list[tuple[int, str]] = []
+    if task.reach is not None:
+        bound.append((effector, task.reach.region))
+    if isinstance(task.start, ir.StartIn):
+        named = task.start.effector
+        bound.append((effector if named is None else named - 1, task.start.region))
+    names = {name for _, name in bound} | {atom.region for atom in _atoms(task)}
+    shapes = {
+        region.name: polytope_of(region.shape, workspace.dimension)
+        for region in workspace.regions
+        if region.name in names
+    }
+    found = []
+    for theta in parameter_space(model).samples(STANDING_LOG2, seed):
+        points = numeric.points(np.zeros((1, 0)), theta).value[0]
+        depths = [_depth(shapes[name], points[point]) for point, name in bound]
+        gap = min([*depths, _worth(shapes, task, points)])
+        cell = abstraction.locate(points[effector])
+        if gap > 0 and cell is not None:
+            found.append((gap, cell, theta))
+    found.sort(key=lambda item: -item[0])
+    return [(cell, _motionless(numeric, task, theta)) for _, cell, theta in found[:KEPT]]
+
+
+def _depth(polytope: Polytope, point: Array) -> float:
+    """The distance in metres from a point to the nearest facet of a region; negative outside."""
+    return float(np.min(polytope.b - polytope.A @ point, initial=np.inf))
+
+
+def _atoms(task: ir.Task) -> tuple[ir.Atom, ...]:
+    return atoms(*(clause.formula for clause in task.satisfy))
+
+
+def _worth(shapes: Mapping[str, Polytope], task: ir.Task, points: Array) -> float:
+    """By how much effectors at rest at some points, shape (n, d), satisfy all formulas, in metres.
+
+    Not positive where they do not.
+    """
+    end = task.step * task.steps
+    trace: dict[AtomKey, list[Piece]] = {}
+    for atom in _atoms(task):
+        depth = _depth(shapes[atom.region], points[atom.effector - 1])
+        trace[key(atom)] = [Piece(Fraction(0), end, depth, -depth)]
+    formulas = (Monitored(clause.formula, end, task.step) for clause in task.satisfy)
+    return min((formula.robustness(trace) or 0.0 for formula in formulas), default=float("inf"))
+
+
+def _motionless(numeric: NumericRobot, task: ir.Task, theta: Array) -> Configuration:
+    k = task.steps
+    groups = input_groups(numeric.graph.model, task)
+    inputs = resting_inputs(groups, k, numeric.m)
+    still = Trajectory(np.zeros((k + 1, numeric.size)), inputs, theta)
+    margin = input_margin(groups, still.u)
+    outcome = ControlOutcome(
+        still,
+        feasible=True,
+        robustness=margin,
+        effort_peak=0.0,
+        fictitious=np.zeros(k),
+        excess=0.0,
+        iterations=0,
+        status="motionless",
+    )
+    return Configuration(outcome, (0,), 1, ())
