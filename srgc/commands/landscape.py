@@ -95,7 +95,7 @@ def landscape(
     marked = marks_of(axes, request)
     from srgc.landscapes.landscape import landscape as evaluated
     from srgc.landscapes.landscape import landscape_csv
-    from srgc.landscapes.landscape_figure import landscape_svg
+    from srgc.landscapes.landscape_picture import landscape_svg
     from srgc.landscapes.landscape_text import landscape_text, title
     from srgc.results.progress_display import progress
     from srgc.workers import workers_for

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from srgc.report.html_text import text
+from srgc.render.html_text import text
 
 _ESCAPE = re.compile("\033\\[([0-9;]*)m")
 _CLASSES = {"1;31": "bad", "1;33": "open", "1;36": "faint", "36": "faint", "1": "strong"}

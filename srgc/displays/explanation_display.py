@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from solvers.explanation.explanation import Explanation
-from srgc.displays.block import block
 from srgc.displays.coloured_text import coloured
+from srgc.render.html_block import block
 from srgc.text_reports.why_report import why_text
 
 

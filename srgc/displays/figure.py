@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from base64 import b64encode
 
-from srgc.displays.block import block
-from srgc.report.html_text import text
+from srgc.render.html_block import block
+from srgc.render.html_text import text
 
 
 def image(svg: str, says: str) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from grammar_lang.findings.render import to_text
-from srgc.displays.block import block, head
 from srgc.displays.coloured_text import coloured
 from srgc.faults import MOST_FINDINGS, Checked
+from srgc.render.html_block import block, head
 from srgc.text_reports.check_summary import summary
 
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 
 from compiler.views.dot import to_dot
 from compiler.views.picture import Picture
-from srgc.displays.block import block, head, lines, table
 from srgc.displays.figure import image
 from srgc.faults import UsageFault
 from srgc.graphs.graph_file import drawn_by_graphviz
-from srgc.report.html_text import text
+from srgc.render.html_block import block, head, lines, table
+from srgc.render.html_text import text
 
 MOST_DRAWN = 400
 """Graphs with more nodes are shown as tables: a picture of them helps nobody."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from srgc.displays.block import block, head
 from srgc.displays.coloured_text import coloured
 from srgc.displays.figure import image
+from srgc.render.html_block import block, head
 from srgc.text_reports.plan_report import PlanReport
 
 _MARKS = {"found": ("found", "good"), "impossible": ("impossible", "bad")}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grammar_lang import ir
-from srgc.displays.block import block, code, details, head, table
-from srgc.report.html_text import text
+from srgc.render.html_block import block, code, details, head, table
+from srgc.render.html_text import text
 
 
 def program_text(program: ir.Program) -> str:

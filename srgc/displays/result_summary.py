@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from solvers.verifier.report import Report
-from srgc.displays.block import block, code, head, lines, table
 from srgc.displays.figure import image
 from srgc.displays.verification_table import conditions_table
-from srgc.report.html_text import text, with_unit
+from srgc.render.html_block import block, code, head, lines, table
+from srgc.render.html_text import text, with_unit
 from srgc.text_reports.used_inputs import UsedInputs, amount
 
 _COLOURS = {"found": "good", "impossible": "bad"}

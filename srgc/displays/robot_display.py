@@ -8,10 +8,10 @@ from fractions import Fraction
 from compiler.descriptions.document import Entry
 from compiler.descriptions.robot_sections import robot_sections
 from srgc.chosen_robot import ChosenRobot
-from srgc.displays.block import block, code, lines, table
 from srgc.displays.figure import image
-from srgc.displays.robot_drawing import drawing
-from srgc.report.html_text import number, text
+from srgc.render.html_block import block, code, lines, table
+from srgc.render.html_text import number, text
+from srgc.render.robot_picture import drawing
 
 
 def robot_html(chosen: ChosenRobot, theta: Sequence[Fraction]) -> str:

@@ -7,8 +7,8 @@ from math import isfinite
 from solvers.verifier.proofs.finding import Finding
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Report
-from srgc.displays.block import block, head, table
-from srgc.report.html_text import number, text, with_unit
+from srgc.render.html_block import block, head, table
+from srgc.render.html_text import number, text, with_unit
 from srgc.text_reports.verification_report import by_map, in_order
 
 _COLOURS = {Status.HOLDS: "good", Status.FAILS: "bad", Status.UNDECIDED: "open"}

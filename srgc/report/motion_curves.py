@@ -12,8 +12,8 @@ from compiler.robots.input_bounds import InputBound, input_bounds
 from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
 from grammar_lang import ir
 from grammar_lang.constants import to_float
+from srgc.render.line_chart import Curve, thinned
 from srgc.report.evidence import Evidence
-from srgc.report.line_chart import Curve, thinned
 from srgc.report.trajectory import Array, Trajectory
 from srgc.results.found_design import FoundDesign
 

@@ -8,17 +8,18 @@ from importlib.resources import files
 from pathlib import Path
 
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
+from srgc.render.html_text import text
+from srgc.report.animation import motion_section
+from srgc.report.change import change_section
+from srgc.report.charts import charts_section
+from srgc.report.check_yourself import check_section
 from srgc.report.evidence import Evidence
 from srgc.report.evidence_reader import read_evidence
-from srgc.report.html_text import text
-from srgc.report.motion import motion_section, robot_section
-from srgc.report.sections.change import change_section
-from srgc.report.sections.charts import charts_section
-from srgc.report.sections.check_yourself import check_section
-from srgc.report.sections.history import history_section
-from srgc.report.sections.margins import margins_section
-from srgc.report.sections.verdict import verdict_section
-from srgc.report.sections.why_not import why_not_section
+from srgc.report.history import history_section
+from srgc.report.margins import margins_section
+from srgc.report.robot_and_word import robot_section
+from srgc.report.verdict import verdict_section
+from srgc.report.why_not import why_not_section
 
 SECTIONS = (
     robot_section,
@@ -31,7 +32,7 @@ SECTIONS = (
     check_section,
 )
 """After the verdict; the first one only where there is a robot."""
-ASSETS = ("srgc.report", "srgc.report.motion")
+ASSETS = "srgc.report"
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
     "img-src data:; base-uri 'none'; form-action 'none'"

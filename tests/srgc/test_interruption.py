@@ -13,7 +13,7 @@ import pytest
 from grammar_lang.load import load
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.pictures import figures
+from srgc.render import result_pictures as figures
 from srgc.results import folder_writer, synthesis_run
 from srgc.results.folder_layout import JOURNAL
 from srgc.results.result_folder import Identity, open_folder

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import srgc
-from srgc.public.spoken_faults import in_python
+from srgc.api.spoken_faults import in_python
 from tests.oracles.small_specs import TURNER, replaced
 
 ROOT = Path(__file__).parents[2]

@@ -1,0 +1,123 @@
+"""Robustness over the parameters of a robot that was found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from srgc.faults import UsageFault
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from srgc.landscapes.landscape import Landscape as Evaluated
+    from srgc.results.found_design import FoundDesign
+
+    Array: TypeAlias = NDArray[np.float64]
+
+
+LEAST_POINTS, MOST_POINTS = 2, 1000
+"""Per parameter, as the command has it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Landscape:
+    """Rho on a grid over one or two parameters (the paper's Figure 4); it draws itself.
+
+    Attributes:
+        found: the robot that it is about; not a stable interface.
+        content: what was evaluated; not a stable interface.
+    """
+
+    found: FoundDesign
+    content: Evaluated
+
+    @property
+    def axes(self) -> dict[str, Array]:
+        """By the names of the parameters the values that were looked at, in SI units."""
+        return {axis.name: axis.values for axis in self.content.axes}
+
+    @property
+    def robustness(self) -> Array:
+        """Rho on the grid, one axis for each parameter; negative where no motion was found."""
+        import numpy as np
+
+        values = [sample.robustness for sample in self.content.grid]
+        return np.array(values).reshape([len(axis.values) for axis in self.content.axes])
+
+    @property
+    def feasible(self) -> NDArray[np.bool_]:
+        """Where on the grid a motion was found."""
+        import numpy as np
+
+        values = [sample.feasible for sample in self.content.grid]
+        return np.array(values).reshape([len(axis.values) for axis in self.content.axes])
+
+    @property
+    def svg(self) -> str:
+        """The picture."""
+        from srgc.landscapes.landscape_picture import landscape_svg
+        from srgc.landscapes.landscape_text import title
+
+        return landscape_svg(self.content, title(self.found, self.content))
+
+    def __repr__(self) -> str:
+        return f"<Landscape over {', '.join(self.axes)}: {self.robustness.size} points>"
+
+    def __str__(self) -> str:
+        from srgc.landscapes.landscape_text import landscape_text
+
+        return landscape_text(self.found, self.content)
+
+    def _repr_html_(self) -> str:
+        from srgc.displays.figure import figure_html
+
+        return figure_html(self.svg, f"robustness over {' and '.join(self.axes)}")
+
+
+def landscape_of(
+    folder: Path,
+    over: str | Sequence[str] | None,
+    ranges: Mapping[str, tuple[float, float]],
+    points: int | None,
+    marks: Mapping[str, Sequence[float]],
+    jobs: int,
+) -> Landscape:
+    """Evaluate; arguments as of ``Result.landscape``.
+
+    Raises:
+        UsageFault: they do not fit the robot.
+    """
+    from srgc.landscapes.landscape import landscape
+    from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
+    from srgc.results.found_design import found_design
+    from srgc.results.found_record import found_record
+    from srgc.workers import workers_for
+
+    found = found_design(folder)
+    record = found_record(folder, found)
+    if points is not None and not LEAST_POINTS <= points <= MOST_POINTS:
+        raise UsageFault(f"`points` is a number from {LEAST_POINTS} to {MOST_POINTS}")
+    if jobs < 1:
+        raise UsageFault("`jobs` counts from 1")
+    names = None if over is None else over if isinstance(over, str) else ",".join(over)
+    try:
+        request = LandscapeRequest(
+            names,
+            tuple(f"{name}={float(low)!r}:{float(high)!r}" for name, (low, high) in ranges.items()),
+            points,
+            tuple(",".join(repr(float(x)) for x in mark) for mark in marks.values()),
+            tuple(marks),
+        )
+    except (TypeError, ValueError):
+        said = "`ranges` has two numbers for a name, `marks` a number for each parameter"
+        raise UsageFault(said) from None
+    axes = axes_of(found.model, request)
+    marked = marks_of(axes, request)
+    with workers_for(jobs) as workers:
+        return Landscape(
+            found, landscape(found, record, folder, axes, marked, workers, lambda *_: None)
+        )
