@@ -140,9 +140,10 @@ class Robot:
     @spoken
     def svg(self, q: ArrayLike | None = None) -> str:
         """A drawing at coordinates q (n,); by default in a pose with bent joints."""
-        from srgc.render.robot_picture import drawing
+        from srgc.render.robot_drawing import pose_picture
 
-        return drawing(self.chosen.model, self.theta, None if q is None else self._pose(q))
+        pose = None if q is None else self._pose(q)
+        return pose_picture(self.chosen.model, self.theta, pose)
 
     def _pose(self, q: ArrayLike) -> Array:
         """A single pose (n,) that is somewhere."""

@@ -11,13 +11,13 @@ from srgc.chosen_robot import ChosenRobot
 from srgc.displays.figure import image
 from srgc.render.html_block import block, code, lines, table
 from srgc.render.html_text import number, text
-from srgc.render.robot_picture import drawing
+from srgc.render.robot_drawing import pose_picture
 
 
 def robot_html(chosen: ChosenRobot, theta: Sequence[Fraction]) -> str:
     """A display of a robot."""
     word = " ".join(chosen.word)
-    picture = image(drawing(chosen.model, theta), f"the robot {word}")
+    picture = image(pose_picture(chosen.model, theta), f"the robot {word}")
     rows = table(("", "", "", "value"), _rows(chosen, theta), (3,))
     title = f'<div class="strong">{code(word)}</div>'
     return block(

@@ -2,55 +2,56 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure
 
-from compiler.discretisation.float_reading import Array
 from solvers.parameters.sample import Sample
 from srgc.landscapes.landscape import Landscape
 from srgc.landscapes.landscape_request import Axis
-from srgc.render.svg import COLOURS, INK, PATH, figure_settings, svg_text
+from srgc.render.axes import Plot, Scale, axes, labelled, padded, titles
+from srgc.render.heat_map import contours, edges, heat_marks, heat_plot
+from srgc.render.html_text import number
+from srgc.render.svg import SAMPLE, Array, document, label, line_path, symbol
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-INFEASIBLE = "#d9dce3"
 LINES = 8
 """Lines of equal robustness."""
 NOTHING = "no point of the grid is feasible"
+LEFT, RIGHT, TOP, BELOW = 70.0, 60.0, 6.0, 40.0
+WIDTH, SQUARE, LOW = 640.0, 440.0, 320.0
+"""Of the plot: its width, and its height over two parameters and over one."""
+SHAPES = ("diamond", "square", "plus", "wedge", "triangle")
+"""Of the marks that are asked for, in their order."""
 
 
 def landscape_svg(content: Landscape, title: str) -> str:
     """The picture; ``title`` is above it."""
-    with figure_settings():
-        wide = len(content.axes) == 2
-        figure = Figure(figsize=(6.8, 5.6) if wide else (6.8, 4.2), layout="constrained")
-        FigureCanvasSVG(figure)
-        axes = figure.add_subplot()
-        (_draw_plane if wide else _draw_curve)(figure, axes, content)
-        axes.set_title(title, fontsize=9, loc="left")
-        axes.set_xlabel(_label(content.axes[0]))
-        low, high = _edges(content.axes[0])[[0, -1]]
-        axes.set_xlim(low, high)
-        axes.legend(loc="upper left", bbox_to_anchor=(0, -0.14), fontsize=8, frameon=False, ncols=3)
-        return svg_text(figure)
+    wide = len(content.axes) == 2
+    plot = _plane(content) if wide else _line(content)
+    marks = _fields(content, plot) if wide else _curve(content, plot)
+    floor = None if wide else _floor(content)
+    drawn = list(_points(content, plot, floor))
+    points = "".join(
+        symbol(kind, shape, plot.across(x), plot.up(y)) for kind, shape, _, x, y in drawn
+    )
+    legend = dict.fromkeys(
+        (symbol(kind, shape, SAMPLE / 2, 6), says) for kind, shape, says, _, _ in drawn
+    )
+    entries = [*_grid_legend(content), *legend]
+    names = [_named(axis) for axis in content.axes]
+    beside = names[1] if wide else "robustness ρ"
+    frame = axes(
+        plot, labelled(plot.across, 8), labelled(plot.up, 8), grid=False,
+        more=titles(plot, names[0], beside),
+    )  # fmt: skip
+    size = plot.right + RIGHT, plot.base + BELOW
+    return document(f"{marks}{frame}{points}", size, "chart", title, entries)
 
 
-def _label(axis: Axis) -> str:
+def _named(axis: Axis) -> str:
     unit = "" if axis.unit == "1" else f" ({axis.unit.replace('*', ' ')})"
-    symbol, _, name = axis.name.partition(".")
-    return f"{axis.module}.{name}, symbol {symbol}{unit}"
-
-
-def _edges(axis: Axis) -> Array:
-    """The borders between the values, and as far beyond the first and the last: (k + 1,)."""
-    middle = (axis.values[1:] + axis.values[:-1]) / 2
-    first = 2 * axis.values[0] - middle[0]
-    last = 2 * axis.values[-1] - middle[-1]
-    return np.asarray(np.concatenate([[first], middle, [last]]))
+    symbol_, _, name = axis.name.partition(".")
+    return f"{axis.module}.{name}, symbol {symbol_}{unit}"
 
 
 def _rho(content: Landscape) -> Array:
@@ -59,76 +60,103 @@ def _rho(content: Landscape) -> Array:
     return np.array(values).reshape([len(axis.values) for axis in content.axes])
 
 
+def _points(
+    content: Landscape, plot: Plot, floor: float | None
+) -> Iterator[tuple[str, str, str, float, float]]:
+    """Class, shape, words of the legend and place of samples, marks and design, in this order.
+
+    Samples of the search that are outside of the plot are left out.
+    """
+    for sample in content.samples:
+        x, y = _at(content, sample, floor)
+        inside = plot.across.low <= x <= plot.across.high and plot.up.low <= y <= plot.up.high
+        if inside and sample.feasible:
+            yield "over", "dot", "search, feasible", x, y
+        elif inside:
+            yield "over bad", "cross", "search, infeasible", x, y
+    for place, (mark, sample) in enumerate(zip(content.marks, content.marked, strict=True)):
+        value = f"ρ {number(sample.robustness)}" if sample.feasible else "infeasible"
+        x, y = _at(content, sample, floor)
+        yield "asked", SHAPES[place % len(SHAPES)], f"{mark.label}, {value}", x, y
+    says = f"design, ρ {number(content.design.robustness)}"
+    yield "over", "star", says, *_at(content, content.design, floor)
+
+
+def _at(content: Landscape, sample: Sample, floor: float | None) -> tuple[float, float]:
+    """Where a sample is on the axes; over one parameter what is infeasible is at the bottom."""
+    place = content.at(sample)
+    if floor is None:
+        return place[0], place[1]
+    return place[0], sample.robustness if sample.feasible else floor
+
+
+def _grid_legend(content: Landscape) -> list[tuple[str, str]]:
+    found = []
+    if any(not item.feasible for item in content.grid):
+        found.append(
+            ('<rect class="infeasible" x="2" y="1" width="20" height="10"/>', "infeasible")
+        )
+    if len(content.axes) == 1:
+        found.append((f'<path class="line series-1" d="M0 6h{SAMPLE:g}"/>', "grid"))
+    return found
+
+
 # --- two parameters ------------------------------------------------------------------------------
 
 
-def _draw_plane(figure: Figure, axes: Axes, content: Landscape) -> None:
+def _plane(content: Landscape) -> Plot:
     first, second = content.axes
-    rho = _rho(content).T
-    axes.set_facecolor(INFEASIBLE)
-    axes.set_ylabel(_label(second))
-    low, high = _edges(second)[[0, -1]]
-    axes.set_ylim(low, high)
-    if np.all(np.isnan(rho)):
-        axes.text(0.5, 0.5, NOTHING, transform=axes.transAxes, ha="center", color=INK)
-    else:
-        shown = np.ma.masked_invalid(rho)
-        colours = axes.pcolormesh(_edges(first), _edges(second), shown, cmap="viridis", zorder=1)
-        figure.colorbar(colours, ax=axes, label="robustness ρ", pad=0.02)
-        if not (first.discrete or second.discrete) and np.ptp(shown.compressed()) > 0:
-            axes.contour(first.values, second.values, shown, levels=LINES, colors="white",
-                         linewidths=0.6, alpha=0.7, zorder=2)  # fmt: skip
-    axes.fill([], [], color=INFEASIBLE, label="infeasible")
-    _draw_samples(axes, content, [content.at(sample) for sample in content.samples])
-    axes.plot(*content.at(content.design), "*", color="white", mec=INK, ms=14, mew=1.0,
-              ls="none", label=f"design, ρ {content.design.robustness:.4g}", zorder=6)  # fmt: skip
-    _draw_marks(axes, content, [mark.values for mark in content.marks])
+    box = (LEFT, TOP, LEFT + WIDTH, TOP + SQUARE)
+    return heat_plot(first.values.tolist(), second.values.tolist(), box)
 
 
-def _draw_samples(axes: Axes, content: Landscape, places: list[tuple[float, ...]]) -> None:
-    """The samples of the search: dots where feasible, crosses elsewhere."""
-    for feasible, marker, text in ((True, "o", "feasible"), (False, "x", "infeasible")):
-        chosen = [
-            place
-            for place, sample in zip(places, content.samples, strict=True)
-            if sample.feasible is feasible
-        ]
-        if chosen:
-            face = "white" if feasible else INK
-            axes.plot(*np.array(chosen).T, marker, color=face, mec=INK, mew=0.9, ms=4.5,
-                      ls="none", label=f"search, {text}", zorder=4, clip_on=True)  # fmt: skip
-
-
-def _draw_marks(axes: Axes, content: Landscape, places: list[tuple[float, ...]]) -> None:
-    for number, (mark, sample, place) in enumerate(
-        zip(content.marks, content.marked, places, strict=True)
-    ):
-        colour = COLOURS["obstacle"]
-        value = f"ρ {sample.robustness:.4g}" if sample.feasible else "infeasible"
-        axes.plot(*place, "DsPv^"[number % 5], color=colour, mec="white", mew=0.9, ms=8, ls="none",
-                  label=f"{mark.label}, {value}", zorder=5)  # fmt: skip
+def _fields(content: Landscape, plot: Plot) -> str:
+    first, second = content.axes
+    rho, xs, ys = _rho(content), first.values.tolist(), second.values.tolist()
+    marks = heat_marks(xs, ys, rho, plot)
+    if not np.isfinite(rho).any():
+        x, y = (plot.left + plot.right) / 2, (plot.top + plot.base) / 2
+        return marks + label(x, y, "middle", NOTHING, ' class="says"')
+    return (
+        marks if first.discrete or second.discrete else marks + contours(xs, ys, rho, plot, LINES)
+    )
 
 
 # --- one parameter -------------------------------------------------------------------------------
 
 
-def _draw_curve(_figure: Figure, axes: Axes, content: Landscape) -> None:
-    (axis,) = content.axes
-    rho, edges = _rho(content), _edges(axis)
-    for number in np.flatnonzero(np.isnan(rho)):
-        axes.axvspan(edges[number], edges[number + 1], color=INFEASIBLE, lw=0, zorder=0)
-    if np.isnan(rho).any():
-        axes.fill([], [], color=INFEASIBLE, label="infeasible")
-    axes.plot(axis.values, rho, "o" if axis.discrete else ".-", color=PATH, lw=1.6, label="grid")
-    axes.set_ylabel("robustness ρ")
+def _floor(content: Landscape) -> float:
+    """The least robustness that is known."""
     known = [item for item in (*content.grid, content.design) if item.feasible]
-    floor = min(item.robustness for item in known)
-    _draw_samples(axes, content, [_on_curve(content, item, floor) for item in content.samples])
-    axes.plot(*_on_curve(content, content.design, floor), "*", color="white", mec=INK, ms=14,
-              mew=1.0, ls="none", label="design", zorder=6)  # fmt: skip
-    _draw_marks(axes, content, [_on_curve(content, item, floor) for item in content.marked])
+    return min(item.robustness for item in known)
 
 
-def _on_curve(content: Landscape, sample: Sample, floor: float) -> tuple[float, float]:
-    """Where a sample is drawn: what is infeasible at the bottom."""
-    return content.at(sample)[0], sample.robustness if sample.feasible else floor
+def _line(content: Landscape) -> Plot:
+    borders = edges(content.axes[0].values.tolist())
+    shown = [*content.grid, content.design, *content.samples, *content.marked]
+    rho = [item.robustness for item in shown if item.feasible]
+    low, high = padded(min(rho), max(rho))
+    across = Scale(borders[0], borders[-1], LEFT, LEFT + WIDTH)
+    return Plot(across, Scale(low, high, TOP + LOW, TOP))
+
+
+def _curve(content: Landscape, plot: Plot) -> str:
+    """Bands where no motion was found, and the values elsewhere, joined unless they are all."""
+    (axis,) = content.axes
+    rho, borders = _rho(content), edges(axis.values.tolist())
+    bands, lines, run = [], [], list[tuple[float, float]]()
+    for place, value in enumerate(rho.tolist()):
+        x0, x1 = plot.across(borders[place]), plot.across(borders[place + 1])
+        if np.isfinite(value):
+            run.append((plot.across(float(axis.values[place])), plot.up(value)))
+            continue
+        bands.append(
+            f'<rect class="infeasible" x="{x0:.1f}" y="{plot.top:g}" width="{x1 - x0:.1f}" '
+            f'height="{plot.base - plot.top:g}"/>'
+        )
+        lines.append(run)
+        run = []
+    lines.append(run)
+    curve = "" if axis.discrete else "".join(line_path(np.array(line)) for line in lines if line)
+    dots = "".join(symbol("good", "dot", x, y) for line in lines for x, y in line)
+    return f'{"".join(bands)}<path class="line series-1" d="{curve}"/>{dots}'

@@ -13,7 +13,6 @@ from itertools import product
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compiler.discretisation.float_reading import FloatReading
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -21,9 +20,8 @@ from compiler.robots.robot import RobotDof, RodBody
 from grammar_lang import ir
 from grammar_lang.constants import to_float
 from srgc.render.module_marks import MarkedRobot
+from srgc.render.svg import Array
 from srgc.render.view import NAMED, sight
-
-Array = NDArray[np.float64]
 
 BENDS = tuple(radians(angle) for angle in (20, 35, 50, 70, -35, -50))
 SLIDES = (0.35, 0.7, 1.0)

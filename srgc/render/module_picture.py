@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srgc.render.html_text import name_in_picture, text
 from srgc.render.module_drawing import DrawnModule, ModuleDrawing
-from srgc.render.scene_marks import axis_ends, line_path, place
+from srgc.render.robot_drawing import axis_ends
+from srgc.render.svg import Array, line_path, place
 from srgc.render.view import View, fitted
-
-Array = NDArray[np.float64]
 
 HALF_LINE = 8.0
 LETTER = 8.0

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from srgc.render.svg import Array
 
 SHARPEST = 0.12
 """Radians that a joint turns at most from one drawn instant to the next; a rod that is drawn by
@@ -27,7 +27,7 @@ class MotionSamples:
 
 
 def motion_samples(
-    times: Array, q: Array, qd: Array, *, turning: NDArray[np.bool_], most: int
+    times: Array, q: Array, qd: Array, *, turning: NDArray[np.bool_], most: int, least: int = 0
 ) -> MotionSamples:
     """Instants at which a motion is to be drawn, the first and the last among them.
 
@@ -37,12 +37,14 @@ def motion_samples(
         qd: rates, (k + 1, n).
         turning: which coordinates are angles, (n,).
         most: how many instants at most, two or more; samples are left out where there are more.
+        least: about how many at least, though no joint turns far.
     """
     kept = np.arange(len(times))
     if len(times) > most:
         kept = np.unique(np.linspace(0, len(times) - 1, most).round().astype(int))
     turned = np.abs(np.diff(q[kept][:, turning], axis=0)).max(axis=1, initial=0.0)
-    parts = np.maximum(1, np.ceil(turned / SHARPEST)).astype(int)
+    parts = np.maximum(-(-least // len(turned)), np.ceil(turned / SHARPEST)).astype(int)
+    parts = np.maximum(1, parts)
     if parts.sum() + 1 > most:
         parts = np.maximum(1, parts * (most - len(kept)) // max(int(parts.sum()), 1))
     instants, values = [times[:1]], [q[:1]]

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from srgc.render.svg import Array
 
 WIDTH, TALLEST, FLATTEST = 720.0, 620.0, 260.0
 """Size of a picture in its own units, which are about pixels."""
@@ -73,6 +72,11 @@ def fitted(corners: Sequence[Array], *, turning: bool = True) -> View:
     reach = max(float(np.linalg.norm(points - centre, axis=1).max()), 1e-9)
     scale = (HEIGHT_IN_SPACE / 2 - PADDING / 2) / reach
     return View(axes, centre, scale, WIDTH, HEIGHT_IN_SPACE)
+
+
+def from_above(points: Array) -> View:
+    """The view along z in which points (m, d) of the plane or of space fit."""
+    return _flat(points, np.eye(2, points.shape[-1]))
 
 
 def _flat(points: Array, axes: Array) -> View:

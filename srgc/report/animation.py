@@ -5,26 +5,24 @@ from __future__ import annotations
 from math import degrees, floor, log10
 
 import numpy as np
-from numpy.typing import NDArray
 
-from srgc.render.drawn_robot import DrawnRobot
 from srgc.render.html_text import json_script, number, text, with_unit
-from srgc.render.scene_marks import (
+from srgc.render.robot_drawing import DrawnRobot, pose_marks
+from srgc.render.svg import Array, line_path
+from srgc.render.view import NAMED, View
+from srgc.render.workspace_drawing import (
     boxes_path,
-    line_path,
-    pose_marks,
+    scale_bar,
     shape_marks,
     shape_names,
     shape_path,
+    triad,
 )
-from srgc.render.view import NAMED, View
 from srgc.report.evidence import Evidence
 from srgc.report.motion_scene import MotionScene, RobotMotion, motion_scene
 from srgc.report.scene_data import scene_data
 from srgc.report.tube_boxes import TubeBoxes
 from srgc.results.found_design import FoundDesign
-
-Array = NDArray[np.float64]
 
 POSES = 6
 WIDEST_BOX = 15.0
@@ -116,34 +114,11 @@ def _factor(tube: TubeBoxes | None, view: View) -> float:
 
 def _measure(scene: MotionScene) -> str:
     """How long and which way: a bar in the plane, the directions of the axes in space."""
-    return _scale_bar(scene.view) if scene.dimension == 2 else _triad(scene.view)
+    return scale_bar(scene.view) if scene.dimension == 2 else triad(scene.view)
 
 
 def _beyond(scene: MotionScene) -> str:
     return " The bounds reach beyond the picture." if scene.beyond else ""
-
-
-def _scale_bar(view: View) -> str:
-    """A bar of 1, 2 or 5 times a power of ten metres."""
-    most = 0.25 * view.width / view.scale
-    power = 10.0 ** floor(log10(most))
-    length = max(power * step for step in (1, 2, 5) if power * step <= most)
-    x, y = 12.0, view.height - 10
-    return (
-        f'<g class="ruler"><path d="M{x} {y - 4}v4h{length * view.scale:.1f}v-4"/>'
-        f'<text x="{x + 5}" y="{y - 4}">{number(length)} m</text></g>'
-    )
-
-
-def _triad(view: View) -> str:
-    """Which way the axes of space go, in the lower left corner."""
-    marks = []
-    for name, (x, y) in zip("xyz", view.axes.T, strict=True):
-        marks.append(
-            f'<path d="M0 0L{34 * x:.1f} {-34 * y:.1f}"/>'
-            f'<text x="{44 * x:.1f}" y="{-44 * y:.1f}">{name}</text>'
-        )
-    return f'<g class="triad" transform="translate(52 {view.height - 52:.0f})">{"".join(marks)}</g>'
 
 
 def _views(scene: MotionScene) -> str:

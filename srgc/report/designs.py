@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from srgc.render.html_text import number, text
-from srgc.render.scatter_chart import Point, scatter_chart
+from srgc.render.point_chart import Point, scatter_chart
 from srgc.report.evidence import Evidence
 
 

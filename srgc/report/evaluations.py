@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from srgc.render.heat_map import plane_chart
 from srgc.render.html_text import many, number, text
-from srgc.render.scatter_chart import Point, plane_chart, scatter_chart
+from srgc.render.point_chart import Point, scatter_chart
 from srgc.report.evaluation_table import Evaluation, varied
 from srgc.report.evidence import Evidence
 

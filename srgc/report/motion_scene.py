@@ -7,18 +7,16 @@ from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
-from srgc.render.drawn_robot import DrawnRobot, drawn_robot
 from srgc.render.motion_samples import motion_samples
+from srgc.render.robot_drawing import DrawnRobot, drawn_robot
+from srgc.render.svg import Array
 from srgc.render.view import View, fitted
-from srgc.render.workspace_shapes import WorkspaceShape, workspace_shapes
+from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
 from srgc.report.evidence import Evidence
 from srgc.report.trajectory import Trajectory
 from srgc.report.tube_boxes import TubeBoxes, tube_boxes
 from srgc.results.found_design import FoundDesign
-
-Array = NDArray[np.float64]
 
 MOST_NUMBERS = 40_000
 """Coordinates of points that a page holds at most; the instants are as many as that allows."""
@@ -96,7 +94,7 @@ def motion_scene(evidence: Evidence) -> MotionScene:
 
 def _shapes(evidence: Evidence, motion: RobotMotion | None) -> tuple[WorkspaceShape, ...]:
     """Bounds, cells and regions; of many cells those that are visited."""
-    shapes = workspace_shapes(evidence.workspace, evidence.cells)
+    shapes = workspace_shapes(evidence.workspace, evidence.cells.cells)
     if len(evidence.cells.cells) <= MOST_CELLS:
         return shapes
     visits = () if motion is None else motion.visits
@@ -156,7 +154,5 @@ def seen_corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -
 
 def _moved(motion: RobotMotion) -> Array:
     """The extent of the whole motion; the tips of axes are no part of the robot."""
-    axes = {joint.tip for joint in motion.robot.joints}
-    parts = [point for point in range(motion.points.shape[1]) if point not in axes]
-    found: Array = motion.points[:, parts].reshape(-1, motion.points.shape[2])
+    found = motion.robot.own(motion.points).reshape(-1, motion.points.shape[2])
     return np.stack([found.min(axis=0), found.max(axis=0)])

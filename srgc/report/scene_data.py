@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from srgc.render.scene_marks import THINNEST_CAPSULE
+from srgc.render.robot_drawing import THINNEST_CAPSULE
+from srgc.render.svg import Array
 from srgc.render.view import NAMED, View, sight
 from srgc.report.motion_scene import MotionScene, RobotMotion
 from srgc.report.tube_boxes import TubeBoxes
-
-Array = NDArray[np.float64]
 
 GRID = 0.04
 """Width of the grid in units of the picture."""

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from srgc.render.scene_marks import shape_marks
+from srgc.render.workspace_drawing import shape_marks
 from srgc.report.animation import show_speeds
 from srgc.report.evidence import Evidence
 from srgc.report.motion_scene import (
