@@ -7,7 +7,6 @@ needs: until ``main`` has seen to it, an interrupt is a traceback of Python's.
 
 from __future__ import annotations
 
-import os
 import sys
 
 
@@ -28,8 +27,6 @@ def main() -> None:
         from srgc.terminal import escape_unencodable
 
         escape_unencodable()
-        # No command opens a window; matplotlib is not to look for the backend of another program.
-        os.environ["MPLBACKEND"] = "svg"
         status = run()
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")

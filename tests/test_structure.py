@@ -13,7 +13,7 @@ from tests.oracles.loaded_modules import loaded_after
 ROOT = Path(__file__).parents[1]
 PACKAGES = ["grammar_lang", "compiler", "solvers", "srgc"]
 SOLVERS = {"pysat", "z3", "cvxpy", "clarabel", "piqp", "sklearn", "pysmt", "scipy", "mosek", "cvc5"}
-HEAVY = SOLVERS | {"casadi", "dask", "distributed", "matplotlib"}
+HEAVY = SOLVERS | {"casadi", "dask", "distributed"}
 
 
 @pytest.mark.types
@@ -103,7 +103,7 @@ def test_the_verify_command_loads_no_searcher(made):
     loaded = loaded_after(
         f"from srgc.cli import run\nassert run(['verify', {str(made('slider') / 'out')!r}]) == 0"
     )
-    assert not {name.partition(".")[0] for name in loaded} & (SOLVERS | {"matplotlib"})
+    assert not {name.partition(".")[0] for name in loaded} & SOLVERS
     assert not searchers_of(loaded)
 
 

@@ -101,7 +101,7 @@ def _effector_line(design: Design, robot: DrawnRobot, step: float) -> Array:
     x, n = design.configuration.outcome.trajectory.x, len(design.model.dofs)
     turning = np.array([dof.kind == "revolute" for dof in design.model.dofs], dtype=bool)
     found = motion_samples(
-        np.arange(len(x)) * step, x[:, :n], x[:, n : 2 * n], turning=turning,
+        np.arange(len(x), dtype=np.float64) * step, x[:, :n], x[:, n : 2 * n], turning=turning,
         most=MOST_INSTANTS, least=LEAST_INSTANTS,
     )  # fmt: skip
     line: Array = robot.points(found.coordinates)[:, robot.effectors[design.leader]]

@@ -71,7 +71,9 @@ def workspace_svg(
         marks += _path_marks(view.project(line), number, len(paths))
     left, below = AXES_ROOM if plane else (0.0, 0.0)
     present = {cell.kind for cell in cells}
-    legend = [(sample, kind) for kind, sample in KIND_SAMPLES.items() if kind in present]
+    legend: list[tuple[str, str]] = [
+        (sample, kind) for kind, sample in KIND_SAMPLES.items() if kind in present
+    ]
     legend += [
         (
             f'<path class="path {_series(number)}" stroke-width="3" d="M0 6h{SAMPLE:g}"/>',

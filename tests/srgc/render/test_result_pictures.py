@@ -1,16 +1,17 @@
-"""The thin lines of the workspace picture, against the geometry of a turning pole."""
+"""The pictures of a result, against the geometry of a turning pole."""
 
 from __future__ import annotations
+
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from compiler.discretisation.float_reading import FloatReading
-from compiler.dynamics.equations_of_motion import robot_graph
 from grammar_lang.load import load
 from solvers.progress import Conduct
 from solvers.synthesis import synthesise
-from srgc.render.result_pictures import _effector_line, _skeletons, input_figure, workspace_figure
+from srgc.render.result_pictures import _effector_line, input_figure, workspace_figure
+from srgc.render.robot_drawing import drawn_robot
 from tests.oracles.small_specs import TURNER
 
 POINT = "point(frame: N.frame * move(x, L.length), mass: 1 kg);"
@@ -26,28 +27,35 @@ def drawn(tmp_path_factory):
     return program, task, synthesise(program, task, Conduct())
 
 
+def robot_of(result):
+    return drawn_robot(result.design.model, [Fraction(p.value) for p in result.design.parameters])
+
+
 def test_a_point_mass_hangs_on_a_line_from_the_base(drawn):
-    _, task, result = drawn
+    _, _, result = drawn
     (length,) = (float(p.value) for p in result.design.parameters)
-    angles = result.design.configuration.outcome.trajectory.x[:, 0]
-    tips = length * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    for chain in _skeletons(result.design, task):
-        np.testing.assert_allclose(chain[:, 0], 0, atol=1e-12)
-        np.testing.assert_allclose(chain[:, -1], tips, atol=1e-9)
+    angles = result.design.configuration.outcome.trajectory.x[:, :1]
+    tips = length * np.concatenate([np.cos(angles), np.sin(angles)], axis=1)
+    robot = robot_of(result)
+    points = robot.points(angles)
+    last = robot.bones[-1][1]
+    np.testing.assert_allclose(points[:, robot.bones[0][0]], 0, atol=1e-12)
+    np.testing.assert_allclose(points[:, last], tips, atol=1e-9)
+    np.testing.assert_allclose(points[:, robot.masses[0].point], tips, atol=1e-9)
 
 
 def test_the_trace_does_not_cut_corners(drawn):
     _, task, result = drawn
     (length,) = (float(p.value) for p in result.design.parameters)
-    model, trajectory = result.design.model, result.design.configuration.outcome.trajectory
-    reading = FloatReading(robot_graph(model, task.gravity))
-    line = _effector_line(result.design, reading, float(task.step))
+    trajectory = result.design.configuration.outcome.trajectory
+    line = _effector_line(result.design, robot_of(result), float(task.step))
     angles = np.unwrap(np.arctan2(line[:, 1], line[:, 0]))
     assert np.abs(np.diff(angles)).max() < np.abs(np.diff(trajectory.x[:, 0])).max() / 5
     middles = np.hypot(*((line[1:] + line[:-1]) / 2).T)
     np.testing.assert_allclose(middles, length, rtol=1e-3)
     # The torque is held and nothing else acts: the pole turns with a constant acceleration.
     h, count = float(task.step), (len(line) - 1) // (len(trajectory.x) - 1)
+    assert count % 2 == 0
     turns, rates = trajectory.x[:-1].T
     half = turns + rates * h / 2 + (trajectory.x[1:, 1] - rates) * h / 8
     np.testing.assert_allclose(angles[count // 2 :: count] - angles[0], half - turns[0], atol=1e-6)
