@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from srgc.landscapes.landscape import Landscape as Evaluated
+    from srgc.landscapes.landscape_request import Mark
     from srgc.results.found_design import FoundDesign
 
     Array: TypeAlias = NDArray[np.float64]
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 
 LEAST_POINTS, MOST_POINTS = 2, 1000
 """Per parameter, as the command has it."""
+MISFIT = "`ranges` has two numbers for a name, `marks` a number for each parameter"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,7 +95,7 @@ def landscape_of(
         UsageFault: they do not fit the robot.
     """
     from srgc.landscapes.landscape import landscape
-    from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
+    from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
     from srgc.results.found_design import found_design
     from srgc.results.found_record import found_record
     from srgc.workers import workers_for
@@ -103,21 +106,35 @@ def landscape_of(
         raise UsageFault(f"`points` is a number from {LEAST_POINTS} to {MOST_POINTS}")
     if jobs < 1:
         raise UsageFault("`jobs` counts from 1")
-    names = None if over is None else over if isinstance(over, str) else ",".join(over)
-    try:
-        request = LandscapeRequest(
-            names,
-            tuple(f"{name}={float(low)!r}:{float(high)!r}" for name, (low, high) in ranges.items()),
-            points,
-            tuple(",".join(repr(float(x)) for x in mark) for mark in marks.values()),
-            tuple(marks),
-        )
-    except (TypeError, ValueError):
-        said = "`ranges` has two numbers for a name, `marks` a number for each parameter"
-        raise UsageFault(said) from None
+    names = None if over is None else (over,) if isinstance(over, str) else tuple(over)
+    request = LandscapeRequest(names, _ranges(ranges), points, _marks(marks))
     axes = axes_of(found.model, request)
-    marked = marks_of(axes, request)
+    refuse_marks(axes, request.marks)
     with workers_for(jobs) as workers:
         return Landscape(
-            found, landscape(found, record, folder, axes, marked, workers, lambda *_: None)
+            found,
+            landscape(found, record, folder, axes, request.marks, workers, lambda *_: None),
         )
+
+
+def _ranges(given: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    try:
+        return {name: (_number(low), _number(high)) for name, (low, high) in given.items()}
+    except (TypeError, ValueError):
+        raise UsageFault(MISFIT) from None
+
+
+def _marks(given: Mapping[str, Sequence[float]]) -> tuple[Mark, ...]:
+    from srgc.landscapes.landscape_request import Mark
+
+    try:
+        return tuple(Mark(tuple(map(_number, mark)), label) for label, mark in given.items())
+    except (TypeError, ValueError):
+        raise UsageFault(MISFIT) from None
+
+
+def _number(value: float) -> float:
+    number = float(value)
+    if not isfinite(number):
+        raise UsageFault(f"`{number}` is no number")
+    return number

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import isfinite
 from os.path import realpath
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from srgc.commands.arguments import FOLDER, QUIET, PathOf
 from srgc.faults import UsageFault
 from srgc.taught_command import TaughtCommand
+
+if TYPE_CHECKING:
+    from srgc.landscapes.landscape_request import Mark
 
 PICTURE, GRID = "figures/landscape.svg", "landscape.csv"
 
@@ -77,7 +83,7 @@ def landscape(
     FOLDER is one that `srgc synth` has written with the verdict found.  The path of cells, when
     they are entered and all other parameters are those of the design.
     """
-    from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
+    from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
     from srgc.results.folder_output import folder_output
     from srgc.results.found_design import found_design
     from srgc.results.found_record import found_record
@@ -90,9 +96,10 @@ def landscape(
     files = [folder_output(folder, path, {PICTURE, GRID}) for path in (picture, grid)]
     found = found_design(folder)
     record = found_record(folder, found)
-    request = LandscapeRequest(over, ranges, points, marks, labels)
+    names = None if over is None else tuple(over.split(","))
+    request = LandscapeRequest(names, parsed_ranges(ranges), points, parsed_marks(marks, labels))
     axes = axes_of(found.model, request)
-    marked = marks_of(axes, request)
+    refuse_marks(axes, request.marks)
     from srgc.landscapes.landscape import landscape as evaluated
     from srgc.landscapes.landscape import landscape_csv
     from srgc.landscapes.landscape_picture import landscape_svg
@@ -101,7 +108,7 @@ def landscape(
     from srgc.workers import workers_for
 
     with workers_for(jobs) as workers, progress("landscape", quiet=quiet, unit="points") as display:
-        content = evaluated(found, record, folder, axes, marked, workers, display.part)
+        content = evaluated(found, record, folder, axes, request.marks, workers, display.part)
     drawn = landscape_svg(content, title(found, content))
     for file, written in zip(files, (drawn, landscape_csv(found, content)), strict=True):
         if file.name is None:
@@ -110,6 +117,52 @@ def landscape(
     click.echo(landscape_text(found, content))
     click.echo(f"picture: {picture}\ntable:   {grid}")
     return 0
+
+
+def parsed_ranges(texts: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Ranges by the names of parameters, each written as ``NAME=LOW:HIGH``.
+
+    Raises:
+        UsageFault: one is written otherwise, or a name comes twice.
+    """
+    found: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        name, _, ends = text.partition("=")
+        low, separator, high = ends.partition(":")
+        if not separator:
+            raise UsageFault(f"--range {text}: write it as in 4.length=1:2.5")
+        if name in found:
+            raise UsageFault("--range is given twice for one parameter")
+        found[name] = _number(low), _number(high)
+    return found
+
+
+def parsed_marks(texts: Sequence[str], labels: Sequence[str]) -> tuple[Mark, ...]:
+    """Marks, each written as ``X`` or ``X,Y``, with their labels; the place where there is none.
+
+    Raises:
+        UsageFault: a value is no number, or there are more labels than marks.
+    """
+    from srgc.landscapes.landscape_request import Mark
+
+    if len(labels) > len(texts):
+        raise UsageFault("there are more --label than --mark")
+    names = [*labels, *(f"({text})" for text in texts[len(labels) :])]
+    return tuple(
+        Mark(tuple(map(_number, text.split(","))), name)
+        for text, name in zip(texts, names, strict=True)
+    )
+
+
+def _number(text: str) -> float:
+    """A finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise UsageFault(f"`{text}` is no number") from None
+    if not isfinite(value):
+        raise UsageFault(f"`{text}` is no number")
+    return value
 
 
 def _make_room(path: Path) -> None:
