@@ -8,20 +8,20 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from srgc.api.explanation import why as why
     from srgc.api.export import export as export
-    from srgc.api.findings import check as check
     from srgc.api.graph import graph as graph
     from srgc.api.plan import plan as plan
+    from srgc.api.program import check as check
     from srgc.api.program import load as load
+    from srgc.api.program import words as words
     from srgc.api.result import open_result as open_result
     from srgc.api.robot import robot as robot
     from srgc.api.synthesis import synthesize as synthesize
     from srgc.api.verification import verify as verify
-    from srgc.api.words import words as words
     from srgc.faults import SrgcError as SrgcError
 
 _HOMES = {
     "SrgcError": "srgc.faults",
-    "check": "srgc.api.findings",
+    "check": "srgc.api.program",
     "export": "srgc.api.export",
     "graph": "srgc.api.graph",
     "load": "srgc.api.program",
@@ -31,7 +31,7 @@ _HOMES = {
     "synthesize": "srgc.api.synthesis",
     "verify": "srgc.api.verification",
     "why": "srgc.api.explanation",
-    "words": "srgc.api.words",
+    "words": "srgc.api.program",
 }
 
 __all__ = [

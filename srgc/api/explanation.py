@@ -45,7 +45,7 @@ class Explanation:
         return why_text(self.found).rstrip()
 
     def _repr_html_(self) -> str:
-        from srgc.displays.explanation_display import explanation_html
+        from srgc.api.displays import explanation_html
 
         return explanation_html(self.found)
 

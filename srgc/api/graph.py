@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from compiler.views.picture import Picture
-from srgc.api.program import Program
+from srgc.api.program import Program, symbols
 from srgc.api.spoken_faults import spoken
-from srgc.api.words import symbols
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
@@ -52,12 +51,12 @@ class Graph:
         return f"<Graph {self.picture.name}: {nodes} nodes, {edges} edges>"
 
     def __str__(self) -> str:
-        from srgc.displays.graph_display import graph_text
+        from srgc.api.displays import graph_text
 
         return graph_text(self.picture)
 
     def _repr_html_(self) -> str:
-        from srgc.displays.graph_display import graph_html
+        from srgc.api.displays import graph_html
 
         return graph_html(self.picture, self.remarks)
 

@@ -62,8 +62,8 @@ class Landscape:
     @property
     def svg(self) -> str:
         """The picture."""
+        from srgc.landscapes.landscape import title
         from srgc.landscapes.landscape_picture import landscape_svg
-        from srgc.landscapes.landscape_text import title
 
         return landscape_svg(self.content, title(self.found, self.content))
 
@@ -71,12 +71,12 @@ class Landscape:
         return f"<Landscape over {', '.join(self.axes)}: {self.robustness.size} points>"
 
     def __str__(self) -> str:
-        from srgc.landscapes.landscape_text import landscape_text
+        from srgc.landscapes.landscape import landscape_text
 
         return landscape_text(self.found, self.content)
 
     def _repr_html_(self) -> str:
-        from srgc.displays.figure import figure_html
+        from srgc.render.html_block import figure_html
 
         return figure_html(self.svg, f"robustness over {' and '.join(self.axes)}")
 

@@ -56,7 +56,7 @@ class Plan:
         return self.report.text
 
     def _repr_html_(self) -> str:
-        from srgc.displays.plan_display import plan_html
+        from srgc.api.displays import plan_html
 
         return plan_html(self.report, self.title)
 

@@ -1,7 +1,10 @@
-"""The outcome of a synthesis."""
+"""The outcome of a synthesis, which is a folder, and its report."""
 
 from __future__ import annotations
 
+import shutil
+import tempfile
+import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,10 +13,8 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from srgc.api.landscape import Landscape, landscape_of
-from srgc.api.page import Page, page_of
 from srgc.api.robot import Robot
 from srgc.api.spoken_faults import spoken
-from srgc.api.temporary_folder import TemporaryFolder
 from srgc.api.verification import Verification, verify
 from srgc.chosen_robot import ChosenRobot
 from srgc.faults import UsageFault
@@ -127,7 +128,7 @@ class Result:
 
     @spoken
     def _trajectory(self) -> Trajectory:
-        from srgc.report.planned_trajectory import planned_trajectory
+        from srgc.report.trajectory import planned_trajectory
 
         return planned_trajectory(self._found)
 
@@ -209,12 +210,12 @@ class Result:
         return f"<Result {self.task}: {self.verdict}{', ' if said else ''}{said or ''}>"
 
     def __str__(self) -> str:
-        from srgc.displays.result_summary import result_text
+        from srgc.api.displays import result_text
 
         return result_text(self.design, self._used())
 
     def _repr_html_(self) -> str:
-        from srgc.displays.result_summary import result_html
+        from srgc.api.displays import result_html
 
         said = self.answers[-1].report if self.answers else None
         return result_html(self.folder, self.design, self._used(), said)
@@ -257,3 +258,73 @@ def _design(folder: Path) -> dict[str, Any]:
     from srgc.results.json_object import json_object
 
     return json_object(folder / "design.json")
+
+
+# --- its report, and where it may live ------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page of its own, which shows itself in a frame of a notebook.
+
+    Attributes:
+        html: the whole page; it loads nothing from elsewhere.
+    """
+
+    html: str
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write the page to a file.
+
+        Raises:
+            SrgcError: it cannot be written.
+        """
+        from srgc.output_file import write_output
+
+        write_output(Path(path), self.html)
+        return Path(path)
+
+    def __repr__(self) -> str:
+        return f"<Page: {len(self.html.encode()) / 1000:.0f} kB of HTML>"
+
+    def _repr_html_(self) -> str:
+        from srgc.api.displays import page_frame
+
+        return page_frame(self.html)
+
+
+def page_of(folder: Path, *, verify: bool) -> Page:
+    """The report of a result folder.
+
+    Raises:
+        UsageFault: there are no results, or they have been altered.
+    """
+    from srgc.report.page import report_page
+
+    return Page(report_page(folder, verify=verify))
+
+
+@dataclass(frozen=True, slots=True, weakref_slot=True)
+class TemporaryFolder:
+    """A new folder, which is removed when nothing refers to this any more."""
+
+    path: Path
+
+    @classmethod
+    def made(cls, files: Mapping[str, bytes] | None = None) -> TemporaryFolder:
+        """A new one, with these files in it."""
+        folder = cls(Path(tempfile.mkdtemp(prefix="srgc-")))
+        weakref.finalize(folder, shutil.rmtree, folder.path, ignore_errors=True)
+        for name, content in (files or {}).items():
+            place = folder.path / name
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_bytes(content)
+        return folder
+
+    def files(self) -> dict[str, bytes]:
+        """All that is in it."""
+        return {
+            path.relative_to(self.path).as_posix(): path.read_bytes()
+            for path in sorted(self.path.rglob("*"))
+            if path.is_file()
+        }

@@ -9,9 +9,8 @@ from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from srgc.api.program import Program
+from srgc.api.program import Program, symbols
 from srgc.api.spoken_faults import spoken
-from srgc.api.words import symbols
 from srgc.chosen_robot import ChosenRobot, RobotRequest, chosen_robot
 from srgc.faults import UsageFault
 
@@ -175,7 +174,7 @@ class Robot:
         return self.equations()
 
     def _repr_html_(self) -> str:
-        from srgc.displays.robot_display import robot_html
+        from srgc.api.displays import robot_html
 
         return robot_html(self.chosen, self.theta)
 

@@ -6,9 +6,8 @@ from os import PathLike
 from pathlib import Path
 
 from srgc.api.program import Program
-from srgc.api.result import Result, opened
+from srgc.api.result import Result, TemporaryFolder, opened
 from srgc.api.spoken_faults import spoken
-from srgc.api.temporary_folder import TemporaryFolder
 from srgc.faults import UsageFault
 from srgc.session import chosen, refuse_cycles, refuse_unsupported
 from srgc.time_limit import TimeLimit

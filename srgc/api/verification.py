@@ -81,7 +81,7 @@ class Verification:
         return verification_text(self.report)
 
     def _repr_html_(self) -> str:
-        from srgc.displays.verification_table import verification_html
+        from srgc.api.displays import verification_html
 
         return verification_html(self.report)
 

@@ -101,9 +101,8 @@ def landscape(
     axes = axes_of(found.model, request)
     refuse_marks(axes, request.marks)
     from srgc.landscapes.landscape import landscape as evaluated
-    from srgc.landscapes.landscape import landscape_csv
+    from srgc.landscapes.landscape import landscape_csv, landscape_text, title
     from srgc.landscapes.landscape_picture import landscape_svg
-    from srgc.landscapes.landscape_text import landscape_text, title
     from srgc.results.progress_display import progress
     from srgc.workers import workers_for
 

@@ -1,10 +1,12 @@
-"""The frame of a display: its style, and tables and captions in it.
+"""What displays consist of: a frame with its style, tables, pictures, and text in colours.
 
 Colours are those of the notebook, light or dark, but for marks of their own.
 """
 
 from __future__ import annotations
 
+import re
+from base64 import b64encode
 from collections.abc import Iterable, Sequence
 
 from srgc.render.html_text import text
@@ -70,3 +72,31 @@ def code(content: object) -> str:
 def details(summary: str, content: str) -> str:
     """What is opened by a click."""
     return f"<details><summary>{text(summary)}</summary>{content}</details>"
+
+
+_ESCAPE = re.compile("\033\\[([0-9;]*)m")
+_CLASSES = {"1;31": "bad", "1;33": "open", "1;36": "faint", "36": "faint", "1": "strong"}
+
+
+def coloured(content: str) -> str:
+    """A block of text, its escape sequences of colours turned into elements.
+
+    A sequence without a colour of ours ends the colour before it.
+    """
+    pieces = _ESCAPE.split(content)
+    found = [text(pieces[0])]
+    for paint, piece in zip(pieces[1::2], pieces[2::2], strict=True):
+        name = _CLASSES.get(paint)
+        found.append(text(piece) if name is None else f'<span class="{name}">{text(piece)}</span>')
+    return f"<pre>{''.join(found)}</pre>"
+
+
+def image(svg: str, says: str) -> str:
+    """An SVG picture, with what it says for those who do not see it."""
+    data = b64encode(svg.encode()).decode("ascii")
+    return f'<img alt="{text(says)}" src="data:image/svg+xml;base64,{data}">'
+
+
+def figure_html(svg: str, says: str) -> str:
+    """A display of a picture alone."""
+    return block(image(svg, says))

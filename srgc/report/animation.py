@@ -19,9 +19,8 @@ from srgc.render.workspace_drawing import (
     triad,
 )
 from srgc.report.evidence import Evidence
-from srgc.report.motion_scene import MotionScene, RobotMotion, motion_scene
+from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes, motion_scene
 from srgc.report.scene_data import scene_data
-from srgc.report.tube_boxes import TubeBoxes
 from srgc.results.found_design import FoundDesign
 
 POSES = 6

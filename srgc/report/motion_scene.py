@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,9 +16,14 @@ from srgc.render.view import View, fitted
 from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
 from srgc.report.evidence import Evidence
 from srgc.report.trajectory import Trajectory
-from srgc.report.tube_boxes import TubeBoxes, tube_boxes
 from srgc.results.found_design import FoundDesign
 
+if TYPE_CHECKING:
+    from solvers.verifier.certified_tube import CertifiedTube
+
+
+MOST_BOXES, MOST_WIDTHS = 240, 90
+"""Of a tube: boxes of intervals, and instants at which it is told how wide it is."""
 MOST_NUMBERS = 40_000
 """Coordinates of points that a page holds at most; the instants are as many as that allows."""
 MOST_INSTANTS = 900
@@ -27,6 +33,23 @@ ROOM_IN_SPACE = 0.12
 """Part of the extent of regions and motion that is seen around them; all in the plane."""
 VAST = 4.0
 """Bounds of the plane so many times as wide as what is in them are not shown whole."""
+
+
+@dataclass(frozen=True, slots=True)
+class TubeBoxes:
+    """Boxes that hold the effectors.
+
+    Shapes: ``times`` (m + 1,) the ends of m intervals of time; ``boxes`` (m, e, d, 2) what holds
+    the effectors throughout each; ``instants`` (i,); ``half_widths`` (i, e, d) half the sides of
+    the boxes that hold them then, in metres.  ``segments`` is how many intervals the proof has.
+    """
+
+    times: Array
+    boxes: Array
+    instants: Array
+    half_widths: Array
+    segments: int
+    disturbed: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,3 +179,27 @@ def _moved(motion: RobotMotion) -> Array:
     """The extent of the whole motion; the tips of axes are no part of the robot."""
     found = motion.robot.own(motion.points).reshape(-1, motion.points.shape[2])
     return np.stack([found.min(axis=0), found.max(axis=0)])
+
+
+def tube_boxes(tube: CertifiedTube, effectors: int) -> TubeBoxes:
+    """The boxes of a tube; intervals are put together where there are many."""
+    points = tube.points[:, :effectors]
+    count = len(points)
+    groups = np.array_split(np.arange(count), min(count, MOST_BOXES))
+    boxes = np.stack(
+        [
+            np.stack([points[group, ..., 0].min(axis=0), points[group, ..., 1].max(axis=0)], -1)
+            for group in groups
+        ]
+    )
+    ends = [0, *(int(group[-1]) + 1 for group in groups)]
+    picked = np.unique(np.linspace(0, count, MOST_WIDTHS).round().astype(int))
+    instants = tube.times[picked]
+    widths = np.stack([_half_widths(tube, float(time), effectors) for time in instants])
+    return TubeBoxes(tube.times[ends], boxes, instants, widths, count, tube.disturbed)
+
+
+def _half_widths(tube: CertifiedTube, time: float, effectors: int) -> Array:
+    bounds = tube.points_at(time)[:effectors]
+    found: Array = (bounds[..., 1] - bounds[..., 0]) / 2
+    return found

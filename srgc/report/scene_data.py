@@ -9,8 +9,7 @@ import numpy as np
 from srgc.render.robot_drawing import THINNEST_CAPSULE
 from srgc.render.svg import Array
 from srgc.render.view import NAMED, View, sight
-from srgc.report.motion_scene import MotionScene, RobotMotion
-from srgc.report.tube_boxes import TubeBoxes
+from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes
 
 GRID = 0.04
 """Width of the grid in units of the picture."""

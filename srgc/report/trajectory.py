@@ -1,4 +1,8 @@
-"""A sampled motion of a robot."""
+"""The motion of a design at its samples, integrated anew from its certificate.
+
+``trajectory.csv`` has the same numbers, but no digest: what is in a report is the motion of the
+certificate, whatever became of that file.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from compiler.discretisation.float_reading import FloatReading
+from compiler.dynamics.equations_of_motion import robot_graph
+from solvers.motions.fine_motion import fine_motion
+from srgc.exports.planned_inputs import planned_inputs
+from srgc.faults import UsageFault
+from srgc.results.found_design import FoundDesign
 
 Array = NDArray[np.float64]
 
@@ -24,3 +35,20 @@ class Trajectory:
     s: Array
     u: Array
     effectors: Array
+
+
+def planned_trajectory(found: FoundDesign) -> Trajectory:
+    """The sampled motion that the inputs of a certificate cause, as ``srgc synth`` writes it.
+
+    Raises:
+        UsageFault: the inputs are not those of the task, or the motion has no values in doubles.
+    """
+    planned, step, n = planned_inputs(found), found.task.step, len(found.model.dofs)
+    reading = FloatReading(robot_graph(found.model, found.task.gravity))
+    with np.errstate(all="ignore"):
+        x = fine_motion(reading, planned, float(step)).x
+        tips = reading.points(x[:, :n], planned.theta).value[:, : len(found.model.effectors)]
+    if not (np.isfinite(x).all() and np.isfinite(tips).all()):
+        raise UsageFault("the motion of the certificate cannot be simulated in doubles")
+    times = np.array([float(i * step) for i in range(len(x))])
+    return Trajectory(times, x[:, :n], x[:, n : 2 * n], x[:, 2 * n :], planned.u, tips)

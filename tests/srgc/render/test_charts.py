@@ -17,7 +17,7 @@ from srgc.render.heat_map import plane_chart
 from srgc.render.html_text import json_script, number, text, with_unit
 from srgc.render.line_chart import LEFT, MOST_POINTS, Curve, line_chart, thinned
 from srgc.render.point_chart import Point, scatter_chart
-from srgc.report.covering_size import covering_size
+from srgc.report.evidence_reader import covering_size
 from tests.oracles.html_page import Page
 
 WIDTHS = {"-": 3.8, ".": 3.4, "e": 6.5}
