@@ -16,7 +16,7 @@ import yaml
 
 import srgc.cli
 from grammar_lang.load import load_text
-from srgc.command_table import command_named
+from srgc.cli.command_table import command_named
 from tests.oracles import pages
 from tests.oracles.page_session import NUMBER, Session
 

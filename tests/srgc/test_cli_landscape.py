@@ -17,7 +17,7 @@ from compiler.languages.structures import derivations_of
 from compiler.robots.robot import RobotModel
 from compiler.semantics.family import RobotFamily
 from grammar_lang.load import load_text
-from srgc.commands.landscape import parsed_marks, parsed_ranges
+from srgc.cli.landscape import parsed_marks, parsed_ranges
 from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
 from srgc.session import UsageFault
 from tests.oracles import result_files

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from srgc.command_table import TABLE
+from srgc.cli.command_table import TABLE
 from tests.conftest import COMMAND, ROOT
 from tests.oracles.small_specs import BEYOND_REACH, TURNER
 

@@ -7,9 +7,9 @@ from typing import Literal
 
 import click
 
-from srgc.commands.arguments import FILE, GRAMMAR, OUTPUT
-from srgc.commands.completions import complete_name, complete_word
-from srgc.taught_command import TaughtCommand
+from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT
+from srgc.cli.completions import complete_name, complete_word
+from srgc.cli.taught_command import TaughtCommand
 
 
 @click.command(

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import PathOf
+from srgc.cli.arguments import PathOf
+from srgc.cli.taught_command import TaughtCommand
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 
 def _kinds(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:

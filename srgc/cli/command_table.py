@@ -64,7 +64,7 @@ GROUPS = {
 }
 
 TABLE: Mapping[str, Entry] = {
-    name: Entry(f"srgc.commands.{module}", group, brief)
+    name: Entry(f"srgc.cli.{module}", group, brief)
     for group, commands in GROUPS.items()
     for name, (module, brief) in commands.items()
 }

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FOLDER, QUIET, limit_of_time
-from srgc.taught_command import TaughtCommand
+from srgc.cli.arguments import FOLDER, QUIET, limit_of_time
+from srgc.cli.taught_command import TaughtCommand
 from srgc.time_limit import TimeLimit
 
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from srgc.commands.arguments import FOLDER, QUIET, PathOf
+from srgc.cli.arguments import FOLDER, QUIET, PathOf
+from srgc.cli.taught_command import TaughtCommand
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 if TYPE_CHECKING:
     from srgc.landscapes.landscape_request import Mark

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILES
-from srgc.taught_command import TaughtCommand
+from srgc.cli.arguments import FILES
+from srgc.cli.taught_command import TaughtCommand
 
 
 @click.command(
@@ -26,7 +26,7 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
     Syntax, names, units, grammars, semantics, workspaces and tasks are looked at.  Every finding
     has its place, a code, and mostly a hint.
     """
-    from srgc.fault_report import show
+    from srgc.cli.fault_report import show
     from srgc.session import check_file
 
     results = [check_file(path) for path in files]

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FOLDER
+from srgc.cli.arguments import FOLDER
+from srgc.cli.taught_command import TaughtCommand
 from srgc.exit_status import UNKNOWN
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 
 @click.command(

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, QUIET, TASK, PathOf
+from srgc.cli.arguments import FILE, QUIET, TASK, PathOf
+from srgc.cli.taught_command import TaughtCommand
 from srgc.exit_status import FOUND, VERDICT_STATUS
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 
 @click.command(

@@ -6,8 +6,8 @@ import sys
 
 import click
 
+from srgc.cli.taught_command import TaughtCommand
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 
 @click.command(

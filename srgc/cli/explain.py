@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from srgc.commands.completions import complete_code
-from srgc.taught_command import TaughtCommand
+from srgc.cli.completions import complete_code
+from srgc.cli.taught_command import TaughtCommand
 
 
 @click.command(

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE
-from srgc.commands.completions import complete_word
-from srgc.taught_command import TaughtCommand
+from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE
+from srgc.cli.completions import complete_word
+from srgc.cli.taught_command import TaughtCommand
 
 
 @click.command(

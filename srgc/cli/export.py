@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FOLDER, PathOf
+from srgc.cli.arguments import FOLDER, PathOf
+from srgc.cli.taught_command import TaughtCommand
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
 FOLDERS = ("mujoco", "all")

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, GRAMMAR, QUIET
-from srgc.commands.completions import complete_name, complete_symbol
+from srgc.cli.arguments import FILE, GRAMMAR, QUIET
+from srgc.cli.completions import complete_name, complete_symbol
+from srgc.cli.taught_command import TaughtCommand
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 
 @click.command(

@@ -7,11 +7,11 @@ from typing import Literal
 
 import click
 
-from srgc.commands.arguments import FOLDER, QUIET, PathOf
-from srgc.commands.completions import complete_file
+from srgc.cli.arguments import FOLDER, QUIET, PathOf
+from srgc.cli.completions import complete_file
+from srgc.cli.taught_command import TaughtCommand
 from srgc.exit_status import REFUSED, UNEXPECTED, UNKNOWN
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 
 
 @click.command(

@@ -12,8 +12,8 @@ import sys
 
 def run(arguments: list[str] | None = None) -> int:
     """Run a command line and give its exit status; no exception leaves this function."""
-    from srgc.command_table import run_command
-    from srgc.fault_report import guarded
+    from srgc.cli.command_table import run_command
+    from srgc.cli.fault_report import guarded
 
     return guarded(lambda: run_command(arguments))
 

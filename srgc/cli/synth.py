@@ -7,10 +7,10 @@ from pathlib import Path
 
 import click
 
-from srgc.commands.arguments import FILE, QUIET, TASK, PathOf, limit_of_time
+from srgc.cli.arguments import FILE, QUIET, TASK, PathOf, limit_of_time
+from srgc.cli.taught_command import TaughtCommand
 from srgc.exit_status import VERDICT_STATUS
 from srgc.faults import UsageFault
-from srgc.taught_command import TaughtCommand
 from srgc.time_limit import TimeLimit
 
 
