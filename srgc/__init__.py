@@ -6,32 +6,32 @@ this file: a name is loaded when it is first used, and heavy libraries by the ca
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from srgc.api.explanation import why as why
+    from srgc.api.export import export as export
+    from srgc.api.graph import graph as graph
+    from srgc.api.plan import plan as plan
+    from srgc.api.program import check as check
+    from srgc.api.program import load as load
+    from srgc.api.program import words as words
+    from srgc.api.result import open_result as open_result
+    from srgc.api.robot import robot as robot
+    from srgc.api.synthesis import synthesize as synthesize
+    from srgc.api.verification import verify as verify
     from srgc.faults import SrgcError as SrgcError
-    from srgc.public.explanation import why as why
-    from srgc.public.export import export as export
-    from srgc.public.findings import check as check
-    from srgc.public.graph import graph as graph
-    from srgc.public.plan import plan as plan
-    from srgc.public.program import load as load
-    from srgc.public.result import open_result as open_result
-    from srgc.public.robot import robot as robot
-    from srgc.public.synthesis import synthesize as synthesize
-    from srgc.public.verification import verify as verify
-    from srgc.public.words import words as words
 
 _HOMES = {
     "SrgcError": "srgc.faults",
-    "check": "srgc.public.findings",
-    "export": "srgc.public.export",
-    "graph": "srgc.public.graph",
-    "load": "srgc.public.program",
-    "open_result": "srgc.public.result",
-    "plan": "srgc.public.plan",
-    "robot": "srgc.public.robot",
-    "synthesize": "srgc.public.synthesis",
-    "verify": "srgc.public.verification",
-    "why": "srgc.public.explanation",
-    "words": "srgc.public.words",
+    "check": "srgc.api.program",
+    "export": "srgc.api.export",
+    "graph": "srgc.api.graph",
+    "load": "srgc.api.program",
+    "open_result": "srgc.api.result",
+    "plan": "srgc.api.plan",
+    "robot": "srgc.api.robot",
+    "synthesize": "srgc.api.synthesis",
+    "verify": "srgc.api.verification",
+    "why": "srgc.api.explanation",
+    "words": "srgc.api.program",
 }
 
 __all__ = [

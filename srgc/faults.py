@@ -18,8 +18,38 @@ class SrgcError(Exception):
     """What srgc says where it has no result: a fault of its input, or no answer in time."""
 
 
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument as a message names it on the command line and in Python."""
+
+    option: str
+    name: str
+
+
+def argument(name: str, option: str | None = None) -> Argument:
+    """An argument of a function, whose option is called alike unless it is given."""
+    return Argument(option or f"--{name.replace('_', '-')}", f"`{name}`")
+
+
+WITH_O = Argument(" with -o", "")
+"""Behind the advice to write elsewhere; functions have different arguments for that."""
+
+
 class UsageFault(SrgcError):
-    """Arguments that cannot be used; exit status 2."""
+    """Arguments that cannot be used; exit status 2.
+
+    Its arguments are the parts of the message; as a text it is that of the command line.
+    """
+
+    def __init__(self, *parts: str | Argument) -> None:
+        super().__init__(*parts)
+
+    def __str__(self) -> str:
+        return "".join(part.option if isinstance(part, Argument) else part for part in self.args)
+
+    def in_python(self) -> str:
+        """The message with arguments as functions have them."""
+        return "".join(part.name if isinstance(part, Argument) else part for part in self.args)
 
 
 class NoAnswer(SrgcError):

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from srgc.faults import UsageFault
+from srgc.faults import WITH_O, Argument, UsageFault
 
 RESULTS = ("design.json", "journal.jsonl")
 """What a result folder has, finished or not."""
@@ -36,16 +36,16 @@ def no_folder(path: Path) -> UsageFault:
 
 def unwritable(path: Path, error: OSError) -> UsageFault:
     """What is said of a file or folder that cannot be written."""
-    advice = ""
+    advice: tuple[str | Argument, ...] = ()
     if error.errno == errno.ENOENT and not os.path.isdir(path.parent):  # noqa: PTH112
-        advice = f"; is there a folder {path.parent}?"
+        advice = (f"; is there a folder {path.parent}?",)
     elif error.errno in REFUSED:
-        advice = "; choose another place with -o"
+        advice = ("; choose another place", WITH_O)
     elif error.errno in (errno.EEXIST, errno.ELOOP) and path.is_symlink():
-        advice = "; it is a link that leads to no folder"
+        advice = ("; it is a link that leads to no folder",)
     elif error.errno in (errno.EEXIST, errno.ENOTDIR):
-        advice = "; it is a file, and a folder is due"
-    return UsageFault(f"{path}: {error.strerror}{advice}")
+        advice = ("; it is a file, and a folder is due",)
+    return UsageFault(f"{path}: {error.strerror}", *advice)
 
 
 def _near(path: Path, candidates: list[Path]) -> Path | None:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from srgc.command_table import TABLE
+from srgc.cli.command_table import TABLE
 
 ROOT = Path(__file__).parents[1]
 

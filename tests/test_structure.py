@@ -14,7 +14,7 @@ from tests.oracles.loaded_modules import loaded_after
 ROOT = Path(__file__).parents[1]
 PACKAGES = ["grammar_lang", "compiler", "solvers", "srgc"]
 SOLVERS = {"pysat", "z3", "cvxpy", "clarabel", "piqp", "sklearn", "pysmt", "scipy", "mosek", "cvc5"}
-HEAVY = SOLVERS | {"casadi", "dask", "distributed", "matplotlib"}
+HEAVY = SOLVERS | {"casadi", "dask", "distributed"}
 
 
 @pytest.mark.types

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from srgc.command_table import all_commands, cli
-from srgc.taught_command import TaughtCommand
+from srgc.cli.command_table import all_commands, cli
+from srgc.cli.taught_command import TaughtCommand
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

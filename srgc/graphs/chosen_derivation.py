@@ -13,7 +13,7 @@ from compiler.languages.language import Language
 from compiler.languages.structures import derivations_of
 from compiler.views.highlighted_run import HighlightError, not_accepted, refuse_unknown, run_of
 from grammar_lang import ir
-from srgc.session import UsageFault
+from srgc.faults import UsageFault, argument
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,9 @@ def chosen_derivation(
     first = list(islice(derivations, number))
     if len(first) < number:
         noun = "derivation" if len(first) == 1 else "derivations"
-        raise UsageFault(f"the word has {len(first)} {noun}: there is no --derivation {number}")
+        raise UsageFault(
+            f"the word has {len(first)} {noun}: there is no ", argument("derivation"), f" {number}"
+        )
     remarks: tuple[str, ...] = ()
     if cyclic(trimmed(words.srg.cfg)):
         remarks = ("a nonterminal of the grammar derives itself: one derivation is shown",)

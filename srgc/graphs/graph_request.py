@@ -22,11 +22,14 @@ from compiler.views.sra_view import sra_view
 from compiler.views.word_transitions import all_words
 from compiler.views.words_view import longest_drawn, words_view
 from grammar_lang import ir
+from srgc.faults import Argument, UsageFault, argument
 from srgc.graphs.chosen_derivation import chosen_derivation
-from srgc.session import UsageFault, chosen
+from srgc.session import chosen
 
 VIEWS = ("sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace")
 WITH_RUNS = ("sra", "fra", "dfa", "dpda", "words", "grammar")
+OF = argument("of")
+NEAR = Argument("--near and --whole go", "`near` goes")
 DEPTH = 3
 MOST_TRANSITIONS = 20_000
 MOST_WORDS = 5_000
@@ -105,19 +108,23 @@ def _refuse_misfits(request: GraphRequest) -> None:
     if request.of not in VIEWS:
         raise UsageFault(f"there is no view `{request.of}`, but {' '.join(VIEWS)}")
     if request.highlight is not None and request.of not in WITH_RUNS:
-        raise UsageFault(f"--highlight shows a run: it goes with --of {' '.join(WITH_RUNS)}")
+        raise UsageFault(
+            argument("highlight"), " shows a run: it goes with ", OF, f" {' '.join(WITH_RUNS)}"
+        )
     if request.near is not None and request.highlight is None:
-        raise UsageFault("--near and --whole go with --highlight")
+        raise UsageFault(NEAR, " with ", argument("highlight"))
     if request.cells is not None and request.of != "workspace":
-        raise UsageFault("--cells goes with --of workspace")
+        raise UsageFault(argument("cells"), " goes with ", OF, " workspace")
     if request.depth is not None and request.of != "words":
-        raise UsageFault("--depth goes with --of words")
+        raise UsageFault(argument("depth"), " goes with ", OF, " words")
     if any(number is not None and number < 1 for number in (request.depth, request.derivation)):
-        raise UsageFault("--depth and --derivation count from 1")
+        raise UsageFault(argument("depth"), " and ", argument("derivation"), " count from 1")
     if request.of == "robot" and request.word is None:
-        raise UsageFault('--of robot needs the word: --word "SYM SYM ..."')
+        raise UsageFault(OF, " robot needs the word: ", argument("word"), ' "SYM SYM ..."')
     if request.of != "robot" and (request.word is not None or request.derivation is not None):
-        raise UsageFault("--word and --derivation go with --of robot")
+        raise UsageFault(
+            argument("word"), " and ", argument("derivation"), " go with ", OF, " robot"
+        )
 
 
 def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
@@ -145,7 +152,9 @@ def _deterministic(words: Language, highlight: tuple[str, ...] | None) -> Pictur
     """The deterministic pushdown automaton, whose input ends with a marker."""
     found = words.lr_automaton
     if not isinstance(found, LrAutomaton):
-        raise UsageFault("the grammar is not LR(1): `srgc language` says where; there is --of sra")
+        raise UsageFault(
+            "the grammar is not LR(1): `srgc language` says where; there is ", OF, " sra"
+        )
     pda = deterministic_pushdown(words.srg, found, words.accept, MOST_TRANSITIONS)
     if isinstance(pda, LrTooLarge):
         raise UsageFault("the deterministic pushdown automaton is too large to draw")
@@ -185,8 +194,9 @@ def _refuse_too_many(words: Language, depth: int, *, near: bool) -> None:
         longest = longest_drawn(every, modules)
         if sum(every.count_words(longest, max_modules=modules)) > most:
             raise UsageFault(
-                f"more than {most} words to "
-                f"{'look through' if near else 'draw'}: choose a --depth below {modules}"
+                f"more than {most} words to {'look through' if near else 'draw'}: choose a ",
+                argument("depth"),
+                f" below {modules}",
             )
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,21 +11,36 @@ from compiler.arrays import Array
 from compiler.robots.robot import RobotModel, RobotParameter
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
-from srgc.session import UsageFault
+from srgc.faults import Argument, UsageFault, argument
 
 POINTS = {1: 41, 2: 11}
 """By the number of axes, per axis: so many evaluations of two links take half a minute."""
 
 
+OVER, RANGE, MARK = argument("over"), Argument("--range", "`ranges`"), Argument("--mark", "`marks`")
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A point to be marked, by its values on the axes."""
+
+    values: tuple[float, ...]
+    label: str
+
+
 @dataclass(frozen=True, slots=True)
 class LandscapeRequest:
-    """The options as they were given; None: the default."""
+    """What is asked for.
 
-    over: str | None
-    ranges: tuple[str, ...]
+    ``over`` names one parameter or two, None: the first two that may vary; ``ranges`` has by name
+    the lowest and the highest value to look at; ``points`` is the number of values per axis, None:
+    that of ``POINTS``.
+    """
+
+    over: tuple[str, ...] | None
+    ranges: Mapping[str, tuple[float, float]]
     points: int | None
-    marks: tuple[str, ...]
-    labels: tuple[str, ...]
+    marks: tuple[Mark, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +58,9 @@ class Axis:
     discrete: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Mark:
-    """A point to be marked, by its values on the axes."""
-
-    values: tuple[float, ...]
-    label: str
+def parameter_name(parameter: RobotParameter) -> str:
+    """As options and tables name it: the index of its symbol in the word, and its name."""
+    return f"{parameter.symbol}.{parameter.name}"
 
 
 def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
@@ -62,12 +73,10 @@ def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
     wide = [name for name, i in named.items() if _is_wide(model.parameters[i].domain)]
     if not wide:
         raise UsageFault("the robot has no parameter that may vary: there is no landscape")
-    chosen = wide[:2] if request.over is None else request.over.split(",")
-    if len(chosen) > 2 or len(set(chosen)) < len(chosen):
-        raise UsageFault("--over names one parameter, or two different ones")
-    ranges = dict(_range(text) for text in request.ranges)
-    if len(ranges) < len(request.ranges):
-        raise UsageFault("--range is given twice for one parameter")
+    chosen = tuple(wide[:2]) if request.over is None else request.over
+    if not 1 <= len(set(chosen)) == len(chosen) <= 2:
+        raise UsageFault(OVER, " names one parameter, or two different ones")
+    ranges = request.ranges
     for name in (*chosen, *ranges):
         if name not in named:
             raise UsageFault(f"the robot has no parameter `{name}`: it has {', '.join(named)}")
@@ -75,7 +84,7 @@ def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
             raise UsageFault(f"the parameter `{name}` has one value only: choose another")
     unused = [name for name in ranges if name not in chosen]
     if unused:
-        raise UsageFault(f"--range is about `{unused[0]}`, which --over does not name")
+        raise UsageFault(RANGE, f" is about `{unused[0]}`, which ", OVER, " does not name")
     points = POINTS[len(chosen)] if request.points is None else request.points
     return tuple(
         _axis(model.parameters[named[name]], named[name], ranges.get(name), points)
@@ -83,30 +92,25 @@ def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
     )
 
 
-def marks_of(axes: Sequence[Axis], request: LandscapeRequest) -> tuple[Mark, ...]:
-    """The points to be marked.
+def refuse_marks(axes: Sequence[Axis], marks: Sequence[Mark]) -> None:
+    """Refuse marks that are not on the axes.
 
     Raises:
-        UsageFault: a mark has not one value per axis within the values looked at, or there are
-            more labels than marks.
+        UsageFault: one has not one value per axis, within the values looked at.
     """
-    if len(request.labels) > len(request.marks):
-        raise UsageFault("there are more --label than --mark")
-    found = []
-    for number, text in enumerate(request.marks):
-        values = tuple(_number(part) for part in text.split(","))
-        if len(values) != len(axes):
-            raise UsageFault(f"--mark {text}: {len(axes)} numbers are due, separated by a comma")
-        for axis, value in zip(axes, values, strict=True):
+    for mark in marks:
+        said = ",".join(f"{value:g}" for value in mark.values)
+        if len(mark.values) != len(axes):
+            due = f" {said}: {len(axes)} numbers are due, separated by a comma"
+            raise UsageFault(MARK, due)
+        for axis, value in zip(axes, mark.values, strict=True):
             low, high = float(axis.values[0]), float(axis.values[-1])
             if not low <= value <= high:
                 raise UsageFault(
-                    f"--mark {text}: {value:g} is not within [{low:g}, {high:g}], which is looked "
-                    f"at of `{axis.name}`"
+                    MARK,
+                    f" {said}: {value:g} is not within [{low:g}, {high:g}], which is looked at of "
+                    f"`{axis.name}`",
                 )
-        label = request.labels[number] if number < len(request.labels) else f"({text})"
-        found.append(Mark(values, label))
-    return tuple(found)
 
 
 def _is_wide(domain: ir.Interval | ir.Choices) -> bool:
@@ -127,35 +131,17 @@ def _axis(
     low, high = _ends(parameter.domain)
     name = parameter.label
     first, last = (low, high) if asked is None else asked
+    said = f" {name}={first:g}:{last:g}"
     if not first < last:
-        raise UsageFault(f"--range {name}={first:g}:{last:g}: the lower end comes first")
+        raise UsageFault(RANGE, f"{said}: the lower end comes first")
     if not low <= first < last <= high:
-        raise UsageFault(f"--range {name}={first:g}:{last:g} is not within [{low:g}, {high:g}]")
+        raise UsageFault(RANGE, f"{said} is not within [{low:g}, {high:g}]")
     if isinstance(parameter.domain, ir.Choices):
         choices = sorted({to_float(value) for value in parameter.domain.values})
         values = np.array([value for value in choices if first <= value <= last])
         if len(values) < 2:
-            raise UsageFault(f"--range {name}={first:g}:{last:g} leaves fewer than two values")
+            raise UsageFault(RANGE, f"{said} leaves fewer than two values")
     else:
         values = np.linspace(first, last, points)
     discrete = isinstance(parameter.domain, ir.Choices)
     return Axis(place, name, parameter.module, parameter.unit, values, discrete)
-
-
-def _range(text: str) -> tuple[str, tuple[float, float]]:
-    """``NAME=LOW:HIGH``."""
-    name, _, ends = text.partition("=")
-    low, separator, high = ends.partition(":")
-    if not separator:
-        raise UsageFault(f"--range {text}: write it as in 4.length=1:2.5")
-    return name, (_number(low), _number(high))
-
-
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise UsageFault(f"`{text}` is no number") from None
-    if not math.isfinite(value):
-        raise UsageFault(f"`{text}` is no number")
-    return value

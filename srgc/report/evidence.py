@@ -12,7 +12,6 @@ from grammar_lang import ir
 from solvers.explanation.conflict import Conflict
 from solvers.verifier.claims.certificate import Claim
 from solvers.verifier.report import Report
-from srgc.report.covering_size import CoveringSize
 from srgc.report.evaluation_table import Evaluation
 from srgc.report.trajectory import Trajectory
 from srgc.results.found_design import FoundDesign
@@ -20,6 +19,18 @@ from srgc.results.found_record import FoundRecord
 
 if TYPE_CHECKING:
     from solvers.verifier.certified_tube import CertifiedTube
+
+
+@dataclass(frozen=True, slots=True)
+class CoveringSize:
+    """``parameters`` boxes of parameters, with ``coordinates`` boxes of coordinates in all.
+
+    ``by_drives`` of the former are refuted by what the drives can do, the others by poses alone.
+    """
+
+    parameters: int
+    coordinates: int
+    by_drives: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,17 +8,19 @@ from importlib.resources import files
 from pathlib import Path
 
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
+from srgc.render.html_text import text
+from srgc.render.svg import marks_style
+from srgc.report.animation import motion_section
+from srgc.report.change import change_section
+from srgc.report.charts import charts_section
+from srgc.report.check_yourself import check_section
 from srgc.report.evidence import Evidence
 from srgc.report.evidence_reader import read_evidence
-from srgc.report.html_text import text
-from srgc.report.motion import motion_section, robot_section
-from srgc.report.sections.change import change_section
-from srgc.report.sections.charts import charts_section
-from srgc.report.sections.check_yourself import check_section
-from srgc.report.sections.history import history_section
-from srgc.report.sections.margins import margins_section
-from srgc.report.sections.verdict import verdict_section
-from srgc.report.sections.why_not import why_not_section
+from srgc.report.history import history_section
+from srgc.report.margins import margins_section
+from srgc.report.robot_and_word import robot_section
+from srgc.report.verdict import verdict_section
+from srgc.report.why_not import why_not_section
 
 SECTIONS = (
     robot_section,
@@ -31,7 +33,6 @@ SECTIONS = (
     check_section,
 )
 """After the verdict; the first one only where there is a robot."""
-ASSETS = ("srgc.report", "srgc.report.motion")
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
     "img-src data:; base-uri 'none'; form-action 'none'"
@@ -82,10 +83,8 @@ def _with_contents(head: str, rest: Sequence[str]) -> str:
 
 
 def _assets(ending: str) -> str:
-    """All files of that kind that the parts of the page bring, in order."""
-    parts = []
-    for package in ASSETS:
-        folder = files(package) / "assets"
-        found = (each for each in folder.iterdir() if each.name.endswith(ending))
-        parts += [each.read_text("utf-8") for each in sorted(found, key=lambda each: each.name)]
-    return "".join(parts)
+    """All styles or all scripts, in order; the styles of marks come first."""
+    folder = files("srgc.report") / "assets"
+    found = (each for each in folder.iterdir() if each.name.endswith(ending))
+    parts = [each.read_text("utf-8") for each in sorted(found, key=lambda each: each.name)]
+    return "".join([marks_style() if ending == ".css" else "", *parts])

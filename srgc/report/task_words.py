@@ -10,7 +10,7 @@ from compiler.descriptions.domain_text import closed_text
 from compiler.robots.input_bounds import EFFORT_UNITS
 from compiler.specifications.formula_text import formula_text
 from grammar_lang import ir
-from srgc.report.html_text import many, number, with_unit
+from srgc.render.html_text import many, number, with_unit
 
 RATE_UNITS: dict[ir.DofKind, str] = {"revolute": "rad/s", "prismatic": "m/s"}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from os.path import normpath, realpath
 from pathlib import Path
 
-from srgc.faults import UsageFault
+from srgc.faults import WITH_O, UsageFault
 from srgc.output_file import write_output
 from srgc.results.folder_layout import OWN_FILES, OWN_FOLDERS, UNFINISHED
 from srgc.results.folder_lock import only_writer
@@ -58,7 +58,7 @@ def folder_output(folder: Path, path: Path, own: Collection[str] = ()) -> Folder
     placed = named or _below(top, Path(realpath(path.parent)) / path.name)
     for name in (named, placed, _below(top, Path(realpath(path)))):
         if name is not None and name not in own and name.split("/")[0].casefold() in _OWN:
-            raise UsageFault(f"{path} is one of the results; name another place with -o")
+            raise UsageFault(f"{path} is one of the results; name another place", WITH_O)
     return FolderOutput(path, folder, placed)
 
 

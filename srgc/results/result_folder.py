@@ -11,7 +11,7 @@ from pathlib import Path
 
 from solvers.progress import Recorded
 from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text
-from srgc.faults import UsageFault
+from srgc.faults import WITH_O, UsageFault, argument
 from srgc.near_places import unwritable
 from srgc.results.folder_layout import JOURNAL, OWN_FILES, OWN_FOLDERS, UNFINISHED, refuse_links
 from srgc.results.folder_lock import only_writer
@@ -79,7 +79,7 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> Iterator[Resu
     except OSError as error:
         raise unwritable(path, error) from None
     if not os.access(path, os.W_OK):
-        raise UsageFault(f"{path} cannot be written; choose another folder with -o")
+        raise UsageFault(f"{path} cannot be written; choose another folder", WITH_O)
     with only_writer(path):
         refuse_links(path)
         yield _opened(path, identity, force=force)
@@ -89,7 +89,11 @@ def _opened(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     folder = ResultFolder(path, identity)
     owner = _owner(path)
     if owner is None and not force and any(item.name not in UNFINISHED for item in path.iterdir()):
-        raise UsageFault(f"{path} is not empty and holds no results; --force uses it all the same")
+        raise UsageFault(
+            f"{path} is not empty and holds no results; ",
+            argument("force"),
+            " uses it all the same",
+        )
     ours = [name for name in OWN_FOLDERS if (path / name).exists()]
     if owner is None and ours and force:
         # They are somebody else's: a result must not be mixed with them, nor may they be deleted.
@@ -97,7 +101,9 @@ def _opened(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     if owner is not None and owner != identity and not force:
         raise UsageFault(
             f"{path} holds the results of another {_difference(owner, identity)}; "
-            "choose another folder, or --force to replace them"
+            "choose another folder, or ",
+            argument("force"),
+            " to replace them",
         )
     if owner is None or owner == identity:
         folder.values.update(_journal_values(path / JOURNAL))

@@ -254,7 +254,7 @@ def _write(
 def _draw(
     files: FolderWriter, result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task
 ) -> None:
-    from srgc.pictures.figures import input_figure, workspace_figure
+    from srgc.render.result_pictures import input_figure, workspace_figure
 
     files.write(PICTURES[0], workspace_figure(result, design, workspace, task))
     files.write(PICTURES[1], input_figure(design, task))

@@ -34,7 +34,7 @@ class PlanReport:
 
     def picture(self, title: str) -> str:
         """The cells, their labels and adjacency, and the plan if there is one, as SVG."""
-        from srgc.pictures.workspace_picture import workspace_svg
+        from srgc.render.workspace_picture import workspace_svg
 
         paths = () if self.plan is None else tuple(path.cells for path in self.plan.paths)
         return workspace_svg(self.cells, self.workspace, paths, title)

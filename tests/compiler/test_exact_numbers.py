@@ -5,15 +5,16 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from compiler.arithmetic.exact_numbers import (
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compiler.expressions.exact_numbers import (
     decimal,
     exact_decimal,
     exact_number,
     exact_text,
     shortest_decimal,
 )
-from hypothesis import given
-from hypothesis import strategies as st
 
 
 @given(st.floats(-1e299, 1e299))

@@ -6,12 +6,12 @@ from fractions import Fraction
 from math import pi
 
 import pytest
-from compiler.arithmetic.exact_numbers import exact_number
 from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
 from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.expressions.exact_numbers import exact_number
 from compiler.robots.parameter_values import (
     ParameterValue,
     nearest_value,

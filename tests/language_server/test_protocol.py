@@ -151,7 +151,7 @@ def test_nothing_heavy_is_loaded_before_it_is_needed() -> None:
 import sys
 from srgc.language_server.server import Server
 Server()
-heavy = {"casadi", "z3", "numpy", "scipy", "clarabel", "pysat", "flint", "matplotlib", "networkx"}
+heavy = {"casadi", "z3", "numpy", "scipy", "clarabel", "pysat", "flint", "networkx"}
 print(sorted(heavy & set(sys.modules)))
 from pathlib import Path
 from srgc.language_server.documents.analysis import analyse

@@ -13,7 +13,7 @@ from grammar_lang.diagnostics.codes import Code
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {
-    "casadi", "clarabel", "cvxpy", "flint", "matplotlib", "networkx", "pysat", "pysmt", "scipy",
+    "casadi", "clarabel", "cvxpy", "flint", "networkx", "pysat", "pysmt", "scipy",
     "sklearn", "z3",
 }  # fmt: skip
 

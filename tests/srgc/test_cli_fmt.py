@@ -18,7 +18,7 @@ UGLY = "module  A{role base;}\nedge eps; // e\n"
 CANONICAL = "module A { role base; }\nedge eps;  // e\n"
 BROKEN = "module {"
 HEAVY = {
-    "casadi", "clarabel", "cvxpy", "flint", "matplotlib", "networkx", "numpy", "pysat", "pysmt",
+    "casadi", "clarabel", "cvxpy", "flint", "networkx", "numpy", "pysat", "pysmt",
     "scipy", "sklearn", "z3",
 }  # fmt: skip
 

@@ -8,6 +8,7 @@ import shutil
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ from compiler.languages.structures import derivations_of
 from compiler.robots.robot import RobotModel
 from compiler.semantics.family import RobotFamily
 from grammar_lang.load import load_text
-from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, marks_of
+from srgc.cli.landscape import parsed_marks, parsed_ranges
+from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
 from srgc.session import UsageFault
 from tests.oracles import result_files
 from tests.oracles.extended_arm import FAR, NEAR, best_robustness
@@ -54,7 +56,7 @@ def test_a_curve_over_one_length(srgc: Srgc, designs: Path) -> None:
     assert all(fits(length, row) for length, row in zip(lengths, found, strict=True))
     assert {row["feasible"] for row in found} == {"0", "1"}
     text = (designs / "figures" / "landscape.svg").read_text(encoding="utf-8")
-    assert "<!-- halfway, " in text
+    assert ">halfway, " in text
     (mark,) = (line for line in ran.out.splitlines() if line.startswith("mark:"))
     rho = float(mark.rpartition("rho ")[2])
     assert best_robustness(1.5, 1.5) - 0.02 < rho <= best_robustness(1.5, 1.5)
@@ -98,7 +100,7 @@ def test_a_plane_over_two_lengths_the_same_for_any_jobs(
 def test_samples_of_the_search_are_shown(srgc: Srgc, designs: Path) -> None:
     count = sum(row["structure"] == "0" for row in rows(designs / "evaluations.csv"))
     assert f"samples: {count} of the search" in srgc("landscape", designs, "--points", 2).out
-    assert "<!-- search, feasible -->" in (designs / "figures" / "landscape.svg").read_text()
+    assert ">search, feasible<" in (designs / "figures" / "landscape.svg").read_text()
     (designs / "evaluations.csv").unlink()
     assert "samples: 0 of the search" in srgc("landscape", designs, "--points", 2).out
     (designs / "evaluations.csv").write_text("a,b\n1,2\n", encoding="utf-8")
@@ -121,9 +123,15 @@ def model(lengths: str, angles: str) -> RobotModel:
     return family.robot(next(iter(derivations_of(family.language, word))))
 
 
-def request(**changes: object) -> LandscapeRequest:
-    values = {"over": None, "ranges": (), "points": 4, "marks": (), "labels": ()} | changes
-    return LandscapeRequest(**values)  # type: ignore[arg-type]
+def request(
+    over: str | None = None,
+    ranges: tuple[str, ...] = (),
+    marks: tuple[str, ...] = (),
+    labels: tuple[str, ...] = (),
+) -> LandscapeRequest:
+    """As the command makes it of its options."""
+    names = None if over is None else tuple(over.split(","))
+    return LandscapeRequest(names, parsed_ranges(ranges), 4, parsed_marks(marks, labels))
 
 
 def test_a_finite_set_is_taken_whole() -> None:
@@ -165,16 +173,22 @@ def test_what_cannot_vary_is_no_axis() -> None:
         ({"marks": ("1.5,0",), "labels": ("a", "b")}, "more --label than --mark"),
     ],
 )
-def test_requests_that_are_refused(changes: dict[str, object], reason: str) -> None:
-    robot, asked = model("[1, 2]", "[-1, 1]"), request(**changes)
+def test_requests_that_are_refused(changes: dict[str, Any], reason: str) -> None:
+    robot = model("[1, 2]", "[-1, 1]")
+
+    def ask() -> None:
+        asked = request(**changes)
+        refuse_marks(axes_of(robot, asked), asked.marks)
+
     with pytest.raises(UsageFault) as caught:
-        marks_of(axes_of(robot, asked), asked)
+        ask()
     assert reason in str(caught.value)
 
 
 def test_a_mark_without_a_label_is_named_by_its_place() -> None:
     asked = request(marks=("1.5,0.25", "1,-1"), labels=("paper",))
-    first, second = marks_of(axes_of(model("[1, 2]", "[-1, 1]"), asked), asked)
+    refuse_marks(axes_of(model("[1, 2]", "[-1, 1]"), asked), asked.marks)
+    first, second = asked.marks
     assert (first.label, first.values) == ("paper", (1.5, 0.25))
     assert second.label == "(1,-1)"
 

@@ -12,8 +12,8 @@ import pytest
 
 from grammar_lang.diagnostics.codes import Code
 from srgc.cli import run
-from srgc.command_table import TABLE
-from srgc.completion_scripts import SCRIPTS
+from srgc.cli.command_table import TABLE
+from srgc.cli.completion import SCRIPTS
 from tests.conftest import ROOT
 
 SPEC = """\

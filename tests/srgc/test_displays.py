@@ -15,6 +15,8 @@ import pytest
 import srgc
 from tests.oracles.small_specs import TURNER
 
+SVG = "http://www.w3.org/2000/svg"
+
 ROOT = Path(__file__).parents[2]
 VOID = {"br", "img", "meta", "hr"}
 ODD = TURNER.replace("edge eps;", 'edge "<b>&";').replace(" eps ", ' "<b>&" ')
@@ -136,16 +138,17 @@ def test_a_large_graph_is_not_drawn_whole(odd):
     assert f"and {len(graph.picture.edges) - 200} more" in shown.text
 
 
-def circles(picture):
-    scale = "{http://www.w3.org/2000/svg}circle"
-    return np.array([[float(c.get("cx")), float(c.get("cy"))] for c in picture.iter(scale)])
+def joints_and_tool(picture):
+    """Where the joints and effectors of a drawing are, in its units; y goes down."""
+    marks = [g for g in picture.iter(f"{{{SVG}}}g") if g.get("class") in ("joint", "effector")]
+    return np.array([[float(x) for x in g.get("transform")[10:-1].split()] for g in marks])
 
 
 def test_a_robot_is_drawn_to_scale():
     """Joints and tool of a two-link arm: sides of the drawing are as those of the arm."""
     program = srgc.load(ROOT / "specs" / "planar_arm.srg")
     arm = srgc.robot(program, "B eps JO eps L eps JO eps L eps EN", [2, 1])
-    first, second, tool = circles(ET.fromstring(arm.svg([0.3, 1.2])))
+    first, second, tool = joints_and_tool(ET.fromstring(arm.svg([0.3, 1.2])))
     upper, lower = np.linalg.norm(second - first), np.linalg.norm(tool - second)
     assert upper / lower == pytest.approx(2, rel=0.01)
     turn = [np.arctan2(-(b - a)[1], (b - a)[0]) for a, b in ((first, second), (second, tool))]
@@ -156,7 +159,7 @@ def test_a_robot_is_drawn_to_scale():
 
 @pytest.mark.parametrize(
     ("spec", "marks"),
-    [("two_arm", "circle"), ("l_shaped", "circle"), ("prismatic", "rect"), ("motor_arm", "circle")],
+    [("two_arm", "circle"), ("l_shaped", "circle"), ("prismatic", "path"), ("motor_arm", "circle")],
 )
 def test_all_kinds_of_robots_show_themselves(spec, marks):
     program = srgc.load(ROOT / "specs" / f"{spec}.srg")
@@ -165,7 +168,8 @@ def test_all_kinds_of_robots_show_themselves(spec, marks):
         one for one in robots if "prismatic" in one.dofs or (marks == "circle" and one.dofs)
     )
     [picture] = pictures(read(robot))
-    assert list(picture.iter(f"{{http://www.w3.org/2000/svg}}{marks}"))
+    drawn = [g for g in picture.iter(f"{{{SVG}}}g") if g.get("class") == "joint"]
+    assert f"{{{SVG}}}{marks}" in {g[0].tag for g in drawn}
     shown = read(robot).text
     for number in range(len(robot.dofs)):
         assert f"q{number + 1}" in shown

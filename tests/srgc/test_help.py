@@ -10,8 +10,8 @@ import click
 import pytest
 
 from srgc.cli import run
-from srgc.command_table import GROUPS, TABLE, all_commands, command_named
-from srgc.taught_command import TaughtCommand
+from srgc.cli.command_table import GROUPS, TABLE, all_commands, command_named
+from srgc.cli.taught_command import TaughtCommand
 from tests.conftest import ROOT
 from tests.oracles.some_cases import some
 

@@ -13,7 +13,7 @@ import pytest
 from grammar_lang.load import load
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.pictures import figures
+from srgc.render import result_pictures
 from srgc.results import folder_writer, synthesis_run
 from srgc.results.folder_layout import JOURNAL
 from srgc.results.result_folder import Identity, open_folder
@@ -87,7 +87,7 @@ def test_a_kill_at_every_write(made, tmp_path, monkeypatch):
 
     monkeypatch.setattr(synthesis_run, "synthesise", remembered)
     for name in ("workspace_figure", "input_figure"):
-        monkeypatch.setattr(figures, name, lambda *_: "<svg/>", raising=False)
+        monkeypatch.setattr(result_pictures, name, lambda *_: "<svg/>", raising=False)
 
     def options(folder):
         return SynthesisOptions(folder, 0, 1, None, force=False, quiet=True)

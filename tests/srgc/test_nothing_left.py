@@ -1,4 +1,4 @@
-"""After a command there is nothing outside of what it was told to write, and matplotlib's cache."""
+"""After a command there is nothing outside of what it was told to write."""
 
 from __future__ import annotations
 
@@ -7,12 +7,10 @@ import sys
 
 import pytest
 
-from srgc.command_table import TABLE
+from srgc.cli.command_table import TABLE
 from tests.conftest import COMMAND, ROOT
 from tests.oracles.small_specs import BEYOND_REACH, TURNER
 
-CACHE = (".cache", ".config", ".matplotlib")
-"""Under one of these, as the system has it, matplotlib keeps its list of fonts."""
 WORD = "B eps JO eps L eps EN"
 RUNS = [
     "new planar -o written/planar.srg",
@@ -87,12 +85,9 @@ def ran(place, command, text=""):
 
 
 def left(place):
-    """What is in the home folder and among the temporary files, matplotlib's cache aside."""
-    home = place / "home"
-    names = [path.relative_to(home).as_posix() for path in sorted(home.rglob("*"))]
-    other = [n for n in names if "matplotlib" not in n and n not in CACHE]
-    fonts = [n for n in names if (home / n).is_file() and "/fontlist-" not in n]
-    return other + fonts + sorted(path.name for path in (place / "temporary").iterdir())
+    """What is in the home folder and among the temporary files."""
+    folders = (place / "home", place / "temporary")
+    return sorted(path.name for folder in folders for path in folder.rglob("*"))
 
 
 def test_after_every_command(place):

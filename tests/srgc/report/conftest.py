@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from srgc.cli import run
+from srgc.report.evidence import Evidence
+from srgc.report.evidence_reader import read_evidence
 from tests.oracles import result_files
 from tests.oracles.html_page import Page
 from tests.oracles.small_specs import TURNER, replaced
@@ -63,3 +65,16 @@ def unknown(weak: tuple[Path, Page], tmp_path_factory: pytest.TempPathFactory) -
             one.update(verdict="unresolved", evidence=HOSTILE, reason=HOSTILE, boxes=None)
     result_files.write(folder, design | {"verdict": "unknown", "reason": HOSTILE}, "design.json")
     return folder, page_of(folder)
+
+
+@pytest.fixture(scope="session")
+def evidence_on(made: Callable[[str], Path]) -> Callable[[str], Evidence]:
+    """The evidence on the result of a spec, with the tube."""
+    known: dict[str, Evidence] = {}
+
+    def get(spec: str) -> Evidence:
+        if spec not in known:
+            known[spec] = read_evidence(made(spec) / "out", verify=True)
+        return known[spec]
+
+    return get

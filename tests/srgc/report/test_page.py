@@ -6,7 +6,6 @@ import csv
 import math
 import os
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -254,13 +253,3 @@ def test_the_same_folder_gives_the_same_bytes(pages: Pages, tmp_path: Path) -> N
         capture_output=True,
     )
     assert other.read_text(encoding="utf-8") == page.source
-
-
-def test_a_report_loads_no_matplotlib(pages: Pages, tmp_path: Path) -> None:
-    folder, _ = pages("turner")
-    code = (
-        "import sys; from srgc.cli import run; "
-        f"assert run(['report', {str(folder)!r}, '-o', {str(tmp_path / 'r.html')!r}]) == 0; "
-        "sys.exit('matplotlib' in sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT, capture_output=True)

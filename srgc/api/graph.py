@@ -1,0 +1,105 @@
+"""Automata, words, grammars, robots and workspaces as graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from compiler.views.picture import Picture
+from srgc.api.program import Program, symbols
+from srgc.api.spoken_faults import spoken
+from srgc.faults import UsageFault
+
+if TYPE_CHECKING:
+    from networkx import MultiDiGraph
+
+View: TypeAlias = Literal["sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace"]
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """A graph of labelled nodes and edges, which draws itself.
+
+    Attributes:
+        picture: its nodes and edges, in a fixed order.
+        remarks: what a reader has to know beside it.
+    """
+
+    picture: Picture
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def dot(self) -> str:
+        """The graph in the DOT language, for Graphviz."""
+        from compiler.views.dot import to_dot
+
+        return to_dot(self.picture)
+
+    def networkx(self) -> MultiDiGraph:
+        """The graph as one of networkx.
+
+        Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data`` (what they
+        stand for), edges ``label``, ``highlighted`` and ``data``.
+        """
+        from compiler.views.networkx_graph import to_networkx
+
+        return to_networkx(self.picture)
+
+    def __repr__(self) -> str:
+        nodes, edges = len(self.picture.nodes), len(self.picture.edges)
+        return f"<Graph {self.picture.name}: {nodes} nodes, {edges} edges>"
+
+    def __str__(self) -> str:
+        from srgc.api.displays import graph_text
+
+        return graph_text(self.picture)
+
+    def _repr_html_(self) -> str:
+        from srgc.api.displays import graph_html
+
+        return graph_html(self.picture, self.remarks)
+
+
+@spoken
+def graph(
+    program: Program,
+    of: View,
+    *,
+    grammar: str | None = None,
+    workspace: str | None = None,
+    depth: int | None = None,
+    highlight: str | Sequence[str] | None = None,
+    near: bool | None = None,
+    word: str | Sequence[str] | None = None,
+    derivation: int | None = None,
+    cells: int | None = None,
+) -> Graph:
+    """What ``srgc graph --of ...`` draws.
+
+    Args:
+        program: the specification.
+        of: the pushdown automaton of a family (``sra``) with the updates of robots (``fra``), its
+            accept condition (``dfa``), its deterministic pushdown automaton (``dpda``), its
+            ``words``, its ``grammar``; one ``robot``; the cells of a ``workspace``.
+        grammar: the family; may be left out where there is one.
+        workspace: which one; may be left out where there is one.
+        depth: of words: the most modules, 3 by default.
+        highlight: a word whose run is coloured.
+        near: only that run and what is beside it; of words by default.
+        word: of a robot: its word.
+        derivation: of a robot: which derivation of the word, from 1.
+        cells: of a workspace: split it into so many cells at least.
+
+    Raises:
+        SrgcError: there is no such thing, or the choices do not fit each other.
+    """
+    from srgc.graphs.graph_request import GraphRequest, drawing_of
+
+    if cells is not None and cells < 1:
+        raise UsageFault("`cells` counts from 1")
+    run = None if highlight is None else symbols(highlight)
+    robot = None if word is None else symbols(word)
+    request = GraphRequest(of, grammar, workspace, depth, run, near, robot, derivation, cells)
+    drawing = drawing_of(program.ir, request)
+    return Graph(drawing.picture, drawing.remarks)

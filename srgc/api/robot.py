@@ -1,0 +1,261 @@
+"""One robot of a family, with its equations of motion as functions of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import isfinite
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from srgc.api.program import Program, symbols
+from srgc.api.spoken_faults import spoken
+from srgc.chosen_robot import ChosenRobot, RobotRequest, chosen_robot
+from srgc.faults import UsageFault
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from compiler.arrays import Array
+    from compiler.discretisation.numeric_robot import NumericRobot
+    from compiler.robots.robot import RobotParameter
+
+
+Values: TypeAlias = "Mapping[str, float] | Sequence[float]"
+"""Parameters by their names, as in ``{"4.length": 2.23}``, or all of them in order; in SI units."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot M(q) q'' + c(q, q') + g(q) = tau, with values for its parameters; it draws itself.
+
+    With n degrees of freedom, ``q`` and ``qd`` have the shape (n,), or (K, n) for K poses at once;
+    angles are in rad, all else in SI units.  Values are computed in floating point: for looking at
+    and for simulation, not for proofs.
+
+    Attributes:
+        chosen: the robot as its family defines it; not a stable interface.
+        theta: the exact values of its parameters, in SI units.
+    """
+
+    chosen: ChosenRobot
+    theta: tuple[Fraction, ...]
+
+    @property
+    def word(self) -> str:
+        """The symbols of its modules and edges, with blanks between them."""
+        return " ".join(self.chosen.word)
+
+    @property
+    def derivation(self) -> tuple[str, ...]:
+        """The labels of the productions that derive the word, leftmost first."""
+        return self.chosen.labels
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Its parameters, named by the index of a symbol in the word and a name; SI units."""
+        names = (each.label for each in self.chosen.model.parameters)
+        return {name: float(value) for name, value in zip(names, self.theta, strict=True)}
+
+    @property
+    def dofs(self) -> tuple[Literal["revolute", "prismatic"], ...]:
+        """The kinds of its degrees of freedom, in the order of q."""
+        return tuple(dof.kind for dof in self.chosen.model.dofs)
+
+    @cached_property
+    def _numeric(self) -> NumericRobot:
+        from compiler.discretisation.numeric_robot import NumericRobot
+        from compiler.dynamics.equations_of_motion import robot_graph
+
+        return NumericRobot(robot_graph(self.chosen.model, self.chosen.gravity))
+
+    @cached_property
+    def _values(self) -> Array:
+        import numpy as np
+
+        return np.array([float(value) for value in self.theta], dtype=np.float64)
+
+    @spoken
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M, shape (n, n) or (K, n, n); in kg m^2, and kg for sliding joints."""
+        poses, single = self._poses(q, "q")
+        found = self._numeric.mass_matrix(poses, self._values)
+        return found[0] if single else found
+
+    @spoken
+    def coriolis(self, q: ArrayLike, qd: ArrayLike) -> Array:
+        """The centrifugal and Coriolis forces c, shape (n,) or (K, n); in N m, or N."""
+        import numpy as np
+
+        poses, single = self._poses(q, "q")
+        rates, _ = self._poses(qd, "qd")
+        if len(poses) != len(rates) and 1 not in (len(poses), len(rates)):
+            raise UsageFault(f"`q` has {len(poses)} poses, and `qd` {len(rates)}")
+        poses, rates = np.broadcast_arrays(poses, rates)
+        function = self._numeric.graph.centrifugal
+        rows = [
+            function(pose, rate, self._values, self._numeric.constants).full()[:, 0]
+            for pose, rate in zip(poses, rates, strict=True)
+        ]
+        found = np.array(rows, dtype=np.float64).reshape(len(rows), len(self.dofs))
+        return found[0] if single and len(found) == 1 else found
+
+    @spoken
+    def gravity(self, q: ArrayLike) -> Array:
+        """The forces g of gravity, shape (n,) or (K, n); in N m, or N; zero without a task."""
+        import numpy as np
+
+        poses, single = self._poses(q, "q")
+        function = self._numeric.graph.gravitational
+        rows = [
+            function(pose, self._values, self._numeric.constants).full()[:, 0] for pose in poses
+        ]
+        found = np.array(rows, dtype=np.float64).reshape(len(rows), len(self.dofs))
+        return found[0] if single else found
+
+    @spoken
+    def effectors(self, q: ArrayLike) -> Array:
+        """The positions of its e effectors in m, shape (e, d) or (K, e, d); d is 2 or 3."""
+        poses, single = self._poses(q, "q")
+        count = len(self.chosen.model.effectors)
+        found = self._numeric.points(poses, self._values).value[:, :count]
+        return found[0] if single else found
+
+    @spoken
+    def equations(self, form: Literal["text", "latex", "smt2"] = "text") -> str:
+        """The equations of motion with symbols for its parameters, as ``srgc model`` prints them.
+
+        Args:
+            form: plain text, LaTeX, or terms for solvers.
+        """
+        from srgc.text_reports.model_report import model_text
+
+        if form not in ("text", "latex", "smt2"):
+            raise UsageFault("`form` is text, latex or smt2")
+        return model_text(self.chosen, form)
+
+    @spoken
+    def svg(self, q: ArrayLike | None = None) -> str:
+        """A drawing at coordinates q (n,); by default in a pose with bent joints."""
+        from srgc.render.robot_drawing import pose_picture
+
+        pose = None if q is None else self._pose(q)
+        return pose_picture(self.chosen.model, self._values, pose)
+
+    def _pose(self, q: ArrayLike) -> Array:
+        """A single pose (n,) that is somewhere."""
+        import numpy as np
+
+        poses, single = self._poses(q, "q")
+        if not single or not np.isfinite(poses).all():
+            raise UsageFault(f"`q` is one pose to be drawn: {len(self.dofs)} finite numbers")
+        pose: Array = poses[0]
+        return pose
+
+    def _poses(self, q: ArrayLike, name: str) -> tuple[Array, bool]:
+        """Coordinates as (K, n), and whether a single pose was given."""
+        import numpy as np
+
+        try:
+            found, n = np.asarray(q, dtype=np.float64), len(self.dofs)
+        except (TypeError, ValueError, OverflowError):
+            raise UsageFault(f"`{name}` is no array of numbers") from None
+        if found.ndim not in (1, 2) or found.shape[-1] != n:
+            raise UsageFault(f"`{name}` has the shape {found.shape}: ({n},) or (K, {n}) is due")
+        return np.atleast_2d(found), found.ndim == 1
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value:.6g}" for name, value in self.parameters.items())
+        return f"<Robot {self.word}{': ' if values else ''}{values}>"
+
+    def __str__(self) -> str:
+        return self.equations()
+
+    def _repr_html_(self) -> str:
+        from srgc.api.displays import robot_html
+
+        return robot_html(self.chosen, self._values)
+
+
+@spoken
+def robot(
+    program: Program,
+    word: str | Sequence[str],
+    parameters: Values | None = None,
+    *,
+    grammar: str | None = None,
+    task: str | None = None,
+    workspace: str | None = None,
+    derivation: int | None = None,
+) -> Robot:
+    """The robot of a word of a family.
+
+    Args:
+        program: the specification.
+        word: the symbols of its modules and edges; a text has blanks between them.
+        parameters: values for its parameters; those that are left out have the middle of their
+            range, or the first of their values.
+        grammar: the family; may be left out where there is one.
+        task: gravity is that of this task; none by default.
+        workspace: in the plane or in space as this one; may be left out where all are alike.
+        derivation: which derivation of the word, from 1.
+
+    Raises:
+        SrgcError: the word is not in the family, it is no robot, or a parameter has another range.
+    """
+    if derivation is not None and derivation < 1:
+        raise UsageFault("`derivation` counts from 1")
+    request = RobotRequest(symbols(word), grammar, task, workspace, derivation)
+    chosen = chosen_robot(program.ir, request)
+    return Robot(chosen, _theta(chosen.model.parameters, parameters))
+
+
+def _theta(known: Sequence[RobotParameter], given: Values | None) -> tuple[Fraction, ...]:
+    """The exact value of every parameter."""
+    names = [each.label for each in known]
+    if given is None:
+        given = {}
+    if not isinstance(given, Mapping):
+        if len(given) != len(names):
+            raise UsageFault(f"{len(given)} parameters: the robot has {', '.join(names) or 'none'}")
+        given = dict(zip(names, given, strict=True))
+    for name in given:
+        if name not in names:
+            has = ", ".join(names) or "none"
+            raise UsageFault(f"the robot has no parameter `{name}`: it has {has}")
+    return tuple(
+        _value(each, given[name]) if name in given else _usual(each)
+        for name, each in zip(names, known, strict=True)
+    )
+
+
+def _value(parameter: RobotParameter, value: float) -> Fraction:
+    from compiler.descriptions.domain_text import domain_text
+    from compiler.expressions.exact_numbers import shortest_decimal
+    from compiler.robots.parameter_values import stated_value
+
+    name = parameter.label
+    try:
+        finite = isfinite(value)
+    except (TypeError, OverflowError):
+        finite = False
+    if not finite:
+        raise UsageFault(f"{name} is {value!r}: a finite number is due")
+    found = stated_value(parameter, shortest_decimal(value))
+    if found is None:
+        domain = domain_text(parameter.domain, parameter.unit)
+        raise UsageFault(f"{name} = {value:g} is not {domain}")
+    return found.stated
+
+
+def _usual(parameter: RobotParameter) -> Fraction:
+    """The middle of a range, or the first of several values."""
+    from compiler.expressions.exact_numbers import shortest_decimal
+    from grammar_lang import ir
+    from grammar_lang.ir.constants import to_float
+
+    if isinstance(parameter.domain, ir.Choices):
+        return shortest_decimal(to_float(parameter.domain.values[0]))
+    low, high = to_float(parameter.domain.lower), to_float(parameter.domain.upper)
+    return shortest_decimal((low + high) / 2)

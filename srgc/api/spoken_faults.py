@@ -1,0 +1,114 @@
+"""Faults of public functions: one exception of srgc with one message, without its inner frames.
+
+An argument that is not what its annotation says is one, too: most of those who make that mistake
+have no type checker, and call ``srgc.words("arm.srg")``.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
+from dataclasses import dataclass
+from functools import wraps
+from inspect import Signature, signature
+from numbers import Integral, Real
+from os import PathLike
+from typing import ParamSpec, TypeVar
+
+from compiler.languages.budget import BudgetExceededError
+from srgc.faults import NoAnswer, SrgcError, UsageFault
+from srgc.possible_path import refuse_impossible
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def spoken(function: Callable[P, T]) -> Callable[P, T]:
+    """The function with faults that end a traceback at the line that called it.
+
+    An argument of another kind than the annotation says is such a fault.  With
+    ``SRGC_TRACEBACK`` in the environment all frames are kept.
+    """
+    parameters = signature(function)
+
+    @wraps(function)
+    def calling(*arguments: P.args, **named: P.kwargs) -> T:
+        __tracebackhide__ = True
+        if "SRGC_TRACEBACK" in os.environ:
+            return function(*arguments, **named)
+        try:
+            refuse_others(parameters, arguments, named)
+            return function(*arguments, **named)
+        except UsageFault as error:
+            fault: SrgcError = UsageFault(error.in_python())
+        except BudgetExceededError as error:
+            fault = NoAnswer(str(error))
+        except SrgcError as error:
+            fault = error
+        raise fault.with_traceback(None) from None
+
+    return calling
+
+
+# --- arguments ------------------------------------------------------------------------------------
+
+LONGEST = 60
+"""Of what is shown of a value, in characters."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """What a value has to be, in words and as a test."""
+
+    due: str
+    holds: Callable[[object], bool]
+
+
+def _of(*types: type) -> Callable[[object], bool]:
+    return lambda value: isinstance(value, types) and not isinstance(value, bytes)
+
+
+def _holds_values(value: object) -> bool:
+    return isinstance(value, Sized) and not isinstance(value, str | bytes)
+
+
+_PATH = _Kind("a path", _of(str, PathLike))
+_MAPPING = _Kind("a mapping, as a dict", _of(Mapping))
+_KINDS = {
+    "Program": _Kind("what `srgc.load` gives", lambda value: hasattr(value, "ir")),
+    "int": _Kind("a whole number", _of(Integral)),
+    "float": _Kind("a number", _of(Real)),
+    "str": _Kind("a text", _of(str)),
+    "str | PathLike[str]": _PATH,
+    "Values": _Kind("numbers by their names, or all of them", _holds_values),
+    "str | Sequence[str]": _Kind("a text, or several", _of(str, Iterable)),
+    "Mapping[str, tuple[float, float]]": _MAPPING,
+    "Mapping[str, Sequence[float]]": _MAPPING,
+}
+
+
+def refuse_others(
+    signature: Signature, arguments: Sequence[object], named: Mapping[str, object]
+) -> None:
+    """Refuse arguments that are not what their annotations say; some annotations only.
+
+    Raises:
+        UsageFault: one is something else, or a path that there cannot be.
+    """
+    try:
+        given = signature.bind(*arguments, **named).arguments
+    except TypeError:
+        return  # The call says so, as that of any function does.
+    for name, value in given.items():
+        annotation = str(signature.parameters[name].annotation)
+        kind = _KINDS.get(annotation.removesuffix(" | None"))
+        optional = annotation.endswith(" | None") and value is None
+        if kind is not None and not optional and not kind.holds(value):
+            raise UsageFault(f"`{name}` is {kind.due}, not {_shown(value)}")
+        if kind is _PATH and isinstance(value, str | PathLike):
+            refuse_impossible(value)
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

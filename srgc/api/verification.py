@@ -1,0 +1,122 @@
+"""The independent check of a result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from srgc.api.spoken_faults import spoken
+from srgc.faults import UsageFault
+
+if TYPE_CHECKING:
+    from solvers.verifier.claims.outcome import Outcome
+    from solvers.verifier.proofs.finding import Finding
+    from solvers.verifier.report import Report
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """The verifier's answer, with the margin of every condition.
+
+    Attributes:
+        report: the answer itself; not a stable interface.
+    """
+
+    report: Report
+
+    @property
+    def valid(self) -> bool:
+        """Whether the claim is proved, with nothing taken on trust."""
+        return self.report.outcome.value == "valid"
+
+    @property
+    def outcome(self) -> Outcome:
+        """Its ``value``: "valid", "refuted", "undecided", "not checked" or "not as expected"."""
+        return self.report.outcome
+
+    @property
+    def verdict(self) -> str | None:
+        """What the certificate claims: "found" or "impossible"; None where that is not known."""
+        return self.report.verdict
+
+    @property
+    def task(self) -> str | None:
+        """The name of the task that the certificate is about; None where that is not known."""
+        return self.report.task
+
+    @property
+    def spec_sha256(self) -> str | None:
+        """The digest of the specification that it is about; None where that is not known."""
+        return self.report.spec_sha256
+
+    @property
+    def level(self) -> str | None:
+        """That of the weakest evidence, as "validated"."""
+        return self.report.level
+
+    @property
+    def reason(self) -> str | None:
+        """Why the claim is not valid, or on what it rests; None where nothing is to be said."""
+        return self.report.reason
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Every condition with its status, margin, unit, and where the margin is attained."""
+        return self.report.findings
+
+    @property
+    def margins(self) -> dict[str, float]:
+        """By the name of a condition how much is left, in the unit of its finding."""
+        return {one.name: one.margin for one in self.findings if isfinite(one.margin)}
+
+    def __repr__(self) -> str:
+        return f"<Verification: {str(self).partition(chr(10))[0]}>"
+
+    def __str__(self) -> str:
+        from srgc.text_reports.verification_report import verification_text
+
+        return verification_text(self.report)
+
+    def _repr_html_(self) -> str:
+        from srgc.api.displays import verification_html
+
+        return verification_html(self.report)
+
+
+@spoken
+def verify(
+    result: str | PathLike[str],
+    *,
+    spec: str | PathLike[str] | None = None,
+    task: str | None = None,
+    expect: Literal["found", "impossible"] | None = None,
+    trust: Literal["z3"] | None = None,
+) -> Verification:
+    """Check a result independently of the search that made it.
+
+    Args:
+        result: what ``synthesize`` or ``open_result`` gives, or the folder of ``srgc synth``.
+        spec: also check that it is about this file.
+        task: it has to be about the task of this name.
+        expect: it has to have this verdict.
+        trust: with "z3", run the scripts of refutations again and believe its "unsat".
+
+    Raises:
+        SrgcError: there is no such folder or file.
+    """
+    from solvers.verifier.verification import Expected, verify_directory
+
+    folder, file = Path(result), None if spec is None else Path(spec)
+    if not folder.is_dir():
+        raise UsageFault(f"{folder} is not a folder")
+    if file is not None and not file.is_file():
+        raise UsageFault(f"{file} is not a file")
+    if trust not in (None, "z3"):
+        raise UsageFault("`trust` is z3 or None")
+    if expect not in (None, "found", "impossible"):
+        raise UsageFault("`expect` is found, impossible or None")
+    expected = Expected(task, expect)
+    return Verification(verify_directory(folder, file, trust, expected=expected))

@@ -1,0 +1,44 @@
+"""The command ``check``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FILES
+from srgc.cli.taught_command import TaughtCommand
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=["srgc check specs/planar_arm.srg", "srgc check --json specs/patrol.srg"],
+    statuses={0: "no errors; there may be warnings", 1: "errors, or no such file"},
+    reads_spec=False,
+    read_on="docs/reference/language.md, and `srgc explain CODE` on a finding",
+)
+@FILES
+@click.option("--json", "as_json", is_flag=True, help="Print the findings as a JSON list.")
+def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
+    """Find the mistakes in specs.
+
+    Syntax, names, units, grammars, semantics, workspaces and tasks are looked at.  Every finding
+    has its place, a code, and mostly a hint.
+    """
+    from srgc.cli.fault_report import show
+    from srgc.session import check_file
+
+    results = [check_file(path) for path in files]
+    if as_json:
+        from grammar_lang.diagnostics.render import records
+
+        items = [entry for r in results for entry in records(r.diagnostics, r.sources)]
+        click.echo(json.dumps(items, indent=1, ensure_ascii=False))
+    else:
+        from srgc.text_reports.check_summary import summary
+
+        for result in results:
+            show(result, stderr=False)
+        click.echo(summary(results))
+    return 0 if all(result.program is not None for result in results) else 1

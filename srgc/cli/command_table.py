@@ -1,0 +1,168 @@
+"""The commands: their names, where they are, and one line about each.
+
+Nothing of a command is imported before it is asked for, so that ``srgc --version``, ``--help`` and
+the completion of a shell take no longer than the import of click.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from importlib import import_module
+from shutil import get_terminal_size
+from typing import NamedTuple
+
+import click
+
+from srgc.interruption import begin
+from srgc.version import VERSION
+
+COMPLETE = "_SRGC_COMPLETE"
+"""The variable by which the script of a shell asks for completions."""
+
+CLICK_WIDTH, LEAST_WIDTH = 50, 24
+"""Click's least width of a help page, and ours."""
+
+
+class Entry(NamedTuple):
+    """A command: the module that has it under its name, its group of the help, one line."""
+
+    module: str
+    group: str
+    brief: str
+
+
+GROUPS = {
+    "Design": {
+        "new": ("new", "Write a commented spec to start from."),
+        "check": ("check", "Find the mistakes in a spec."),
+        "fmt": ("fmt", "Write a spec in canonical form."),
+        "synth": ("synth", "Find a robot and prove it, or prove that there is none."),
+        "verify": ("verify", "Check a result independently of the search."),
+    },
+    "Understand": {
+        "words": ("language", "List, count or draw the robots of a family."),
+        "accepts": ("language", "Decide whether a word is in a family."),
+        "language": ("language", "Say what kind of language a family is."),
+        "compare": ("language", "Compare the words of two grammars."),
+        "graph": ("graph", "Draw an automaton, words, a robot or cells."),
+        "model": ("model", "Print the equations of motion of a robot."),
+        "plan": ("plan", "Find the cells that effectors go through."),
+        "landscape": ("landscape", "Draw the robustness over two parameters."),
+        "why": ("why", "Say why there is no robot, and what to change."),
+        "explain": ("explain", "Say what the code of a finding means."),
+    },
+    "Take away": {
+        "report": ("report", "Show a result as one page for a browser."),
+        "export": ("export", "Write a robot or its motion for other tools."),
+        "replay": ("replay", "Play a design in a simulator, against its proof."),
+    },
+    "Editors and shells": {
+        "lsp": ("lsp", "Serve an editor: findings, hover, completion."),
+        "completion": ("completion", "Print the completion script of a shell."),
+    },
+}
+
+TABLE: Mapping[str, Entry] = {
+    name: Entry(f"srgc.cli.{module}", group, brief)
+    for group, commands in GROUPS.items()
+    for name, (module, brief) in commands.items()
+}
+
+
+class CommandTable(click.Group):
+    """A group whose commands are imported when they are asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All names, in the order of the help."""
+        return [*TABLE]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of that name, or None."""
+        return command_named(cmd_name) if cmd_name in TABLE else None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does it; a name that is no command is met with the nearest one."""
+        name = args[0]
+        if name == "help":  # as of git and cargo
+            return self.resolve_command(ctx, [*args[1:2], "--help"])
+        if name not in TABLE and name[:1].isalnum() and not ctx.resilient_parsing:
+            from difflib import get_close_matches
+
+            near = get_close_matches(name, TABLE, 1)
+            hint = f" Did you mean '{near[0]}'?" if near else ""
+            ctx.fail(f"No such command '{name}'.{hint}")
+        return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> object:
+        """As click does it, but without its empty line on standard error at an interrupt."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise click.Abort from None
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The commands in groups; the briefs of all groups begin in one column."""
+        width = max(map(len, TABLE))
+        for group, commands in GROUPS.items():
+            with formatter.section(group):
+                formatter.write_dl([(n.ljust(width), brief) for n, (_, brief) in commands.items()])
+
+    def shell_complete(
+        self, ctx: click.Context, incomplete: str
+    ) -> list[click.shell_completion.CompletionItem]:
+        """The names of the commands and the options of the group."""
+        from click.shell_completion import CompletionItem
+
+        named = [
+            CompletionItem(name, help=entry.brief)
+            for name, entry in TABLE.items()
+            if name.startswith(incomplete)
+        ]
+        return [*named, *click.Command.shell_complete(self, ctx, incomplete)]
+
+
+@click.group(
+    cls=CommandTable,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="`srgc COMMAND --help` shows examples and the exit statuses of a command.",
+)
+@click.version_option(VERSION, prog_name="srgc")
+def cli() -> None:
+    """Compile modular-robot grammars to robots that are proved to do their task."""
+
+
+def command_named(name: str) -> click.Command:
+    """The command of a name in :data:`TABLE`, which is imported now."""
+    command = getattr(import_module(TABLE[name].module), name)
+    if not isinstance(command, click.Command):
+        raise TypeError(f"{name} is no command")
+    return command
+
+
+def all_commands() -> dict[str, dict[str, click.Command]]:
+    """All commands by group and name, in the order of the help: for a reference page."""
+    return {group: {name: command_named(name) for name in names} for group, names in GROUPS.items()}
+
+
+def _narrow() -> int | None:
+    """The width of a terminal that is narrower than click believes any to be; else None."""
+    columns = get_terminal_size().columns
+    return max(columns - 2, LEAST_WIDTH) if columns < CLICK_WIDTH + 2 else None
+
+
+def run_command(arguments: list[str] | None) -> int:
+    """Run a command line; the status that its command gives, 0 where it gives none."""
+    begin()
+    try:
+        # Colours are decided on where they are made: click is to take none away.
+        status = cli.main(
+            arguments, prog_name="srgc", standalone_mode=False, color=True, terminal_width=_narrow()
+        )
+    except SystemExit as ending:
+        if COMPLETE in os.environ:
+            return int(ending.code or 0)
+        raise
+    return status if isinstance(status, int) else 0

@@ -1,0 +1,69 @@
+"""The command ``export``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FOLDER, PathOf
+from srgc.cli.taught_command import TaughtCommand
+from srgc.faults import UsageFault
+
+FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
+FOLDERS = ("mujoco", "all")
+BINARY = ("npz",)
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc export out/demo --to urdf -o arm.urdf",
+        "srgc export out/demo --to ros2 -o arm.yaml",
+        "srgc export out/demo --to mujoco -o arm_mujoco",
+        "srgc export out/demo --to all -o arm_files",
+    ],
+    reads_spec=False,
+    read_on="docs/how-to/take-away.md",
+)
+@FOLDER
+@click.option(
+    "--to",
+    "form",
+    required=True,
+    type=click.Choice([*FORMS, *FOLDERS]),
+    help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
+    "(JointTrajectory as YAML), npz (NumPy). Folders: mujoco (robot, torques and a script that "
+    "replays them), all.",
+)
+@click.option(
+    "-o",
+    "output",
+    type=PathOf(path_type=Path, allow_dash=True),
+    help="Write here, not to stdout (`-`). A folder for mujoco and all.",
+)
+@click.option(
+    "--no-effort", is_flag=True, help="ros2: without efforts, which older controllers refuse."
+)
+def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int:  # noqa: FBT001
+    """Write the robot of a result folder, or its motion, for other tools.
+
+    FOLDER is one that `srgc synth` has written with the verdict found.  Nothing is proved here, and
+    none of its results is overwritten.
+    """
+    if no_effort and form != "ros2":
+        raise UsageFault("--no-effort goes with --to ros2 alone")
+    file = None if output == Path("-") else output
+    if file is None and form in BINARY and sys.stdout.isatty():
+        raise UsageFault(f"{form} is not for a terminal; name a file with -o")
+    from srgc.exports.written_export import written_export
+
+    written = written_export(folder, form, file, efforts=not no_effort)
+    for note in written.notes:
+        click.echo(f"note: {note}", err=True)
+    if written.content is not None:
+        click.echo(written.content, nl=False)
+    elif form in FOLDERS:
+        click.echo("".join(f"{path}\n" for path in written.files), nl=False)
+    return 0

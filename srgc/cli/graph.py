@@ -1,0 +1,95 @@
+"""The command ``graph``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE
+from srgc.cli.completions import complete_word
+from srgc.cli.taught_command import TaughtCommand
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc graph specs/planar_arm.srg --of sra",
+        "srgc graph specs/planar_arm.srg --of words --depth 4",
+        "srgc graph specs/planar_arm.srg --of workspace -o out/cells.dot",
+    ],
+    read_on="docs/reference/robot-graphs.md and docs/how-to/words.md",
+)
+@FILE
+@click.option(
+    "--of",
+    "what",
+    required=True,
+    type=click.Choice(["sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace"]),
+    help="What to draw.",
+)
+@GRAMMAR
+@WORKSPACE
+@TASK
+@click.option(
+    "--depth",
+    type=click.IntRange(1),
+    help="Of words: the most modules; by default 3, beside a run those of its word.",
+)
+@click.option(
+    "--highlight",
+    metavar='"SYM ..."',
+    shell_complete=complete_word,
+    help="Colour the run of this accepted word.",
+)
+@click.option(
+    "--near/--whole",
+    default=None,
+    help="Only the run and what is one transition away from it (of words the default), or all.",
+)
+@click.option(
+    "--word", metavar='"SYM ..."', shell_complete=complete_word, help="Of a robot: its word."
+)
+@click.option("--derivation", type=click.IntRange(1), help="Of a robot: which, in order.")
+@click.option("--cells", type=click.IntRange(1), help="Of a workspace: split it into so many.")
+@OUTPUT
+def graph(
+    file: Path,
+    what: str,
+    grammar: str | None,
+    workspace: str | None,
+    task: str | None,
+    depth: int | None,
+    highlight: str | None,
+    near: bool | None,  # noqa: FBT001
+    word: str | None,
+    derivation: int | None,
+    cells: int | None,
+    output: Path | None,
+) -> int:
+    """Draw an automaton, the words, a robot or the cells as DOT.
+
+    A file that ends in .svg, .png or .pdf is drawn by Graphviz, where that is installed.
+    """
+    from compiler.views.dot import to_dot
+    from srgc.graphs.graph_file import write_graph
+    from srgc.graphs.graph_request import GraphRequest, drawing_of
+    from srgc.session import chosen, program_of
+
+    program = program_of(file)
+    if task is not None:
+        named = chosen(program.tasks, task, "task")
+        grammar, workspace = grammar or named.grammar, workspace or named.workspace
+    run_of = None if highlight is None else tuple(highlight.split())
+    robot = None if word is None else tuple(word.split())
+    request = GraphRequest(what, grammar, workspace, depth, run_of, near, robot, derivation, cells)
+    drawing = drawing_of(program, request)
+    for remark in drawing.remarks:
+        click.echo(f"note: {remark}", err=True)
+    text = to_dot(drawing.picture)
+    if output is None or output == Path("-"):
+        click.echo(text, nl=False)
+    else:
+        for line in write_graph(text, output).splitlines():
+            click.echo(f"note: Graphviz: {line}", err=True)
+    return 0

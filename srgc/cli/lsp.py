@@ -1,0 +1,47 @@
+"""The command that serves an editor: ``lsp``."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from srgc.cli.taught_command import TaughtCommand
+from srgc.faults import UsageFault
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=["srgc lsp --help"],
+    statuses={
+        0: "ended by the client",
+        1: "the client has gone without `shutdown`, or sends what is no message",
+    },
+    reads_spec=False,
+    read_on="docs/how-to/editors.md",
+)
+@click.option("--stdio", is_flag=True, help="Serve standard input and output; the default.")
+@click.option(
+    "--tcp",
+    "port",
+    metavar="PORT",
+    type=click.IntRange(1, 65535),
+    help="Serve the first client that connects to this port of this machine.",
+)
+def lsp(stdio: bool, port: int | None) -> int:  # noqa: FBT001
+    """Serve an editor over the Language Server Protocol.
+
+    An editor starts this; there is nothing to type.  Messages go to standard error.
+    """
+    if stdio and port is not None:
+        raise UsageFault("--stdio does not go with --tcp")
+    from srgc.language_server.serving import serve_stdio, serve_tcp
+
+    if port is None:
+        if sys.stdin is None or sys.stdout is None:
+            raise UsageFault("standard input or output is closed: an editor starts `srgc lsp`")
+        return serve_stdio()
+    try:
+        return serve_tcp(port)
+    except OSError as error:
+        raise UsageFault(f"port {port} cannot be used: {error.strerror}") from None

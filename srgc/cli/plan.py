@@ -1,0 +1,81 @@
+"""The command ``plan``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FILE, QUIET, TASK, PathOf
+from srgc.cli.taught_command import TaughtCommand
+from srgc.exit_status import FOUND, VERDICT_STATUS
+from srgc.faults import UsageFault
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc plan specs/planar_arm.srg",
+        "srgc plan specs/patrol.srg -o out/plan.svg",
+        "srgc plan specs/planar_arm.srg --dump dimacs -o out/plan.cnf",
+    ],
+    statuses={
+        0: "a path was found, or the problem was written",
+        3: "there is none",
+        4: "unknown",
+    },
+    read_on="docs/how-to/planning.md",
+)
+@FILE
+@TASK
+@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
+@click.option(
+    "--dump",
+    type=click.Choice(["dimacs", "smt2"]),
+    help="Print the problem, not a solution: satisfiable if and only if there is one.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=PathOf(path_type=Path, dir_okay=False),
+    help="Draw cells, adjacency and path here, as SVG; with --dump, write that here.",
+)
+@QUIET
+def plan(
+    file: Path,
+    task: str | None,
+    cells: int | None,
+    dump: str | None,
+    output: Path | None,
+    quiet: bool,  # noqa: FBT001
+) -> int:
+    """Print the cells that effectors go through, with the fewest changes.
+
+    It is a path for points: whether a robot can follow it, `srgc synth` finds out.
+    """
+    if output is not None and dump is None and output.suffix.lower() != ".svg":
+        raise UsageFault(f"{output}: a plan is drawn as SVG; let the name end in .svg")
+    from srgc.output_file import write_output
+    from srgc.results.progress_display import progress
+    from srgc.session import chosen, program_of, refuse_unsupported
+    from srgc.text_reports.plan_report import dump_text, plan_report
+
+    program = program_of(file)
+    chosen_task = chosen(program.tasks, task, "task")
+    refuse_unsupported(program, chosen_task)
+    if dump is not None:
+        with progress("plan", quiet=quiet, plain=False):
+            text = dump_text(program, chosen_task, dump, cells)
+        if output is None:
+            click.echo(text, nl=False)
+        else:
+            write_output(output, text)
+        return FOUND
+    with progress("plan", quiet=quiet, plain=False):
+        report = plan_report(program, chosen_task, cells)
+    if output is not None:
+        write_output(output, report.picture(f"{file.name}, task {chosen_task.name}"))
+    click.echo(report.text)
+    if chosen_task.robust is not None and not quiet:
+        click.echo("note: a plan is not about motions: `robust` is left out", err=True)
+    return VERDICT_STATUS[report.verdict]

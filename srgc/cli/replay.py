@@ -1,0 +1,83 @@
+"""The command ``replay``."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import isfinite
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FOLDER
+from srgc.cli.taught_command import TaughtCommand
+from srgc.exit_status import UNKNOWN
+from srgc.faults import UsageFault
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc replay out/demo --in mujoco",
+        "srgc replay out/demo --in mujoco --timestep 0.125 --halvings 4",
+        "srgc replay out/demo --in python --json",
+    ],
+    statuses={
+        0: "it was simulated, however far it is from the tube",
+        UNKNOWN: "there is no tube to compare with",
+    },
+    reads_spec=False,
+    read_on="docs/how-to/take-away.md",
+)
+@FOLDER
+@click.option(
+    "--in",
+    "simulator",
+    required=True,
+    type=click.Choice(["mujoco", "python"]),
+    help='mujoco: the exported MJCF, with pip install "srgc[mujoco]". python: our own equations '
+    "by a method of order eight.",
+)
+@click.option(
+    "--timestep",
+    type=float,
+    metavar="S",
+    help="mujoco: the longest step of the simulation; default 0.001.",
+)
+@click.option(
+    "--integrator",
+    type=click.Choice(["rk4", "euler", "implicit", "implicitfast"], case_sensitive=False),
+    help="mujoco: default rk4.",
+)
+@click.option(
+    "--halvings",
+    type=click.IntRange(0, 16),
+    default=0,
+    help="mujoco: run again so often, with half the step each time.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+def replay(
+    folder: Path,
+    simulator: str,
+    timestep: float | None,
+    integrator: str | None,
+    halvings: int,
+    as_json: bool,  # noqa: FBT001
+) -> int:
+    """Hold the planned inputs in a simulator and compare with the certified tube.
+
+    It prints how far the motion gets out of the tube at most, and from its middle: what is seen is
+    the error of the simulator's own integration, which falls with its step.
+    """
+    from srgc.replays.replay_report import replay_json, replay_text
+    from srgc.replays.replay_run import ReplayRequest
+    from srgc.replays.replay_run import replay as replayed
+
+    if simulator != "mujoco" and (timestep is not None or integrator is not None or halvings):
+        raise UsageFault("--timestep, --integrator and --halvings go with --in mujoco alone")
+    if timestep is not None and not (isfinite(timestep) and timestep > 0):
+        raise UsageFault("--timestep is a positive number of seconds")
+    # As it was typed, so that 0.1 divides a step of 0.1 s.
+    longest = None if timestep is None else Fraction(repr(timestep))
+    found = replayed(folder, ReplayRequest(simulator, longest, integrator or "rk4", halvings))
+    click.echo(replay_json(found) if as_json else replay_text(found))
+    return 0

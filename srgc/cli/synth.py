@@ -1,0 +1,109 @@
+"""The command that searches for a robot: ``synth``."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FILE, QUIET, TASK, PathOf, limit_of_time
+from srgc.cli.taught_command import TaughtCommand
+from srgc.exit_status import VERDICT_STATUS
+from srgc.faults import UsageFault
+from srgc.time_limit import TimeLimit
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc synth specs/planar_arm.srg -o out/demo",
+        "srgc verify out/demo",
+        "srgc synth specs/nested.srg -o out/nested --seed 1 --time-limit 60 --quiet",
+    ],
+    statuses={0: "found", 3: "impossible", 4: "unknown, or out of time"},
+    read_on="docs/reference/results.md; of an impossible task, `srgc why`",
+)
+@FILE
+@TASK
+@click.option("-o", "--output", type=PathOf(path_type=Path), help="Default: out/TASK.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
+@click.option(
+    "--cluster", metavar="ADDRESS", help="Search on the workers of this Dask scheduler instead."
+)
+@limit_of_time("Seconds.")
+@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
+@click.option(
+    "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
+)
+@click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
+@click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default) or nelder-mead.")
+@QUIET
+@click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
+@click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
+def synth(
+    file: Path,
+    task: str | None,
+    output: Path | None,
+    seed: int,
+    jobs: int | None,
+    cluster: str | None,
+    time_limit: float | None,
+    cells: int | None,
+    every: bool,  # noqa: FBT001
+    solver: str | None,
+    search: str | None,
+    quiet: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
+    force: bool,  # noqa: FBT001
+) -> int:
+    """Find a robot and prove it, or prove that there is none.
+
+    The verdict and all evidence are written to a folder, which `srgc verify` checks.  The same
+    file and seed give the same bytes, whatever --jobs.  An interrupted run, or one that the time
+    limit ended, is resumed by the same command.
+    """
+    limit = TimeLimit(time_limit)
+    if jobs is not None and cluster is not None:
+        raise UsageFault("--jobs does not go with --cluster, which has its own workers")
+    from solvers.execution.one_thread import ONE_THREAD
+    from srgc.session import chosen, program_of, refuse_cycles, refuse_unsupported
+
+    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    program = program_of(file)
+    chosen_task = chosen(program.tasks, task, "task")
+    refuse_cycles(program, program.grammars[chosen_task.grammar])
+    refuse_unsupported(program, chosen_task)
+    from srgc.named_search import named_search
+    from srgc.named_solver import named_solver
+    from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
+    from srgc.text_reports.reconfiguration_report import change_of
+    from srgc.text_reports.synthesis_report import synthesis_text
+
+    folder = output or Path("out") / chosen_task.name
+    options = SynthesisOptions(
+        folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster, every,
+        named_solver(solver), named_search(search),
+    )  # fmt: skip
+    result = run_synthesis(file, program, chosen_task, options)
+    table = ""
+    if result.designs and every:
+        from srgc.results.pareto_table import pareto_rows, pareto_text
+
+        table = pareto_text(pareto_rows(result, program, chosen_task), result.ended)
+    if as_json:
+        click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)
+    else:
+        change = change_of(program, chosen_task, result.design)
+        click.echo(synthesis_text(result, chosen_task, str(folder), table, change))
+        if result.design is None:
+            from solvers.explanation.posed_task import PosedTask
+            from solvers.progress import Conduct
+            from srgc.text_reports.why_report import ending
+
+            posed = PosedTask(program, chosen_task)
+            with limit.holds():
+                last = ending(result, posed, Conduct(seed), str(folder))
+            click.echo(last)
+    return VERDICT_STATUS[result.verdict]

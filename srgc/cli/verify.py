@@ -1,0 +1,81 @@
+"""The command ``verify``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from srgc.cli.arguments import FOLDER, QUIET, PathOf
+from srgc.cli.completions import complete_file
+from srgc.cli.taught_command import TaughtCommand
+from srgc.exit_status import REFUSED, UNEXPECTED, UNKNOWN
+from srgc.faults import UsageFault
+
+if TYPE_CHECKING:
+    from solvers.verdict import Claimed
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc verify out/demo",
+        "srgc verify out/demo --spec specs/planar_arm.srg --json",
+        "srgc verify out/demo --task PickAndPlace --expect found",
+    ],
+    statuses={
+        0: "the result is valid",
+        1: "it is refuted",
+        4: "undecided or not checked, or there is nothing to verify",
+        6: "it is about another task or verdict than `--task` and `--expect` say",
+    },
+    reads_spec=False,
+    read_on="docs/explanation/trust.md and docs/explanation/guarantees.md",
+)
+@FOLDER
+@click.option(
+    "--spec",
+    type=PathOf(path_type=Path),
+    shell_complete=complete_file,
+    help="Also: it is about this file.",
+)
+@click.option("--task", metavar="NAME", help="It has to be about this task.")
+@click.option(
+    "--expect", type=click.Choice(["found", "impossible"]), help="It has to have this verdict."
+)
+@click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
+@QUIET
+@click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+def verify(
+    folder: Path,
+    spec: Path | None,
+    task: str | None,
+    expect: Claimed | None,
+    trust: str | None,
+    quiet: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
+) -> int:
+    """Check a result independently of the search that made it.
+
+    Every condition of the certificate is proved again, with its margin, from the copy of the spec
+    in FOLDER.  No solver and no searcher is loaded for that.  With --task and --expect a
+    certificate about anything else is not judged, and the status is 6.
+    """
+    from solvers.verifier.proofs.watch import Watch
+    from solvers.verifier.verification import Expected, Outcome, verify_directory
+    from srgc.near_places import no_folder
+    from srgc.results.progress_display import progress
+    from srgc.text_reports.verification_report import verification_json, verification_text
+
+    if not folder.is_dir():
+        raise no_folder(folder)
+    if spec is not None and not spec.is_file():
+        raise UsageFault(f"{spec} is not a file")
+    with progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display:
+        report = verify_directory(
+            folder, spec, trust, Watch(part=display.part), Expected(task, expect)
+        )
+    click.echo(verification_json(report) if as_json else verification_text(report))
+    statuses = {Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED}
+    return statuses.get(report.outcome, UNKNOWN)

@@ -1,0 +1,65 @@
+"""The command that explains a verdict without a design: ``why``."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FOLDER, QUIET, limit_of_time
+from srgc.cli.taught_command import TaughtCommand
+from srgc.time_limit import TimeLimit
+
+
+@click.command(
+    cls=TaughtCommand,
+    examples=[
+        "srgc why out/impossible --no-runs",
+        "srgc why out/impossible --time-limit 5 --json",
+    ],
+    reads_spec=False,
+    read_on="docs/how-to/why.md",
+)
+@FOLDER
+@QUIET
+@click.option("--json", "as_json", is_flag=True, help="Print the explanation as JSON; no progress.")
+@limit_of_time("Seconds; what is known by then is printed.")
+@click.option("--no-runs", is_flag=True, help="Only the conflicts; suggest no changes.")
+def why(
+    folder: Path,
+    quiet: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
+    time_limit: float | None,
+    no_runs: bool,  # noqa: FBT001
+) -> int:
+    """Say which lines of a spec conflict, and what would make its task possible.
+
+    FOLDER is one that `srgc synth` has written with the verdict impossible or unknown.  Every
+    suggestion was found and proved by a run of its own.
+    """
+    limit = TimeLimit(time_limit)
+    from solvers.execution.one_thread import ONE_THREAD
+
+    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    from solvers.explanation.explanation import Asked, explain
+    from solvers.explanation.run import MOST_RUNS
+    from solvers.progress import Conduct
+    from srgc.results.progress_display import progress
+    from srgc.results.why_folder import tried_folder
+    from srgc.terminal import out_colours
+    from srgc.text_reports.why_report import why_json, why_text
+
+    tried = tried_folder(folder)
+    if tried.tried is None:
+        click.echo("verdict: found\nThere is nothing to explain: `srgc verify` checks the design.")
+        return 0
+    with limit.holds(), progress("why", quiet=quiet or as_json) as display:
+        conduct = Conduct(
+            seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
+        )
+        asked = Asked(conduct, 0 if no_runs else MOST_RUNS, display.note)
+        found = explain(tried.posed, tried.tried, asked)
+    text = why_json(found) if as_json else why_text(found, colour=out_colours())
+    click.echo(text, nl=False)
+    return 0

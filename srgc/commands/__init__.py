@@ -1,1 +1,0 @@
-"""The commands: arguments in, texts and exit statuses out."""

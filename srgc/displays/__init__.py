@@ -1,1 +1,0 @@
-"""How programs, robots, graphs and results show themselves in notebooks, as HTML."""

@@ -1,1 +1,0 @@
-"""Figures of results, cells and plans, as SVG."""

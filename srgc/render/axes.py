@@ -1,0 +1,163 @@
+"""The axes of charts: scales, round numbers on them, and the lines and labels of a plot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from srgc.render.html_text import number
+from srgc.render.svg import label
+
+LONGEST_LABEL = 7
+"""Characters of a number; longer ones get an exponent, with which they have room, too."""
+LEAST_SPAN = 0.04
+"""Of what is shown, as a part of the largest value."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """From values to places in the picture, linearly."""
+
+    low: float
+    high: float
+    first: float
+    last: float
+
+    def __call__(self, value: float) -> float:
+        """The place of a value."""
+        part = (value - self.low) / (self.high - self.low)
+        return self.first + part * (self.last - self.first)
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """A rectangle of the picture with a scale for each axis; ``up`` goes from its bottom."""
+
+    across: Scale
+    up: Scale
+
+    @property
+    def left(self) -> float:
+        """Its left side."""
+        return self.across.first
+
+    @property
+    def right(self) -> float:
+        """Its right side."""
+        return self.across.last
+
+    @property
+    def base(self) -> float:
+        """Its lower side."""
+        return self.up.first
+
+    @property
+    def top(self) -> float:
+        """Its upper side."""
+        return self.up.last
+
+
+def ticks(low: float, high: float, most: int = 5) -> list[float]:
+    """Round numbers in an interval, with equal steps of 1, 2 or 5 times 10^k.
+
+    There are two at least, and at most so many (4 or more).
+    """
+    span = high - low
+    power = 10.0 ** math.floor(math.log10(span / most))
+    steps = [power * m for m in (0.5, 1, 2, 5, 10, 20)]
+    place = next(i for i, step in enumerate(steps) if i and span / step <= most)
+    found = _multiples(steps[place], low, high)
+    return found if len(found) > 1 else _multiples(steps[place - 1], low, high)
+
+
+def _multiples(step: float, low: float, high: float) -> list[float]:
+    first = math.ceil(low / step - 1e-9)
+    last = math.floor(high / step + 1e-9)
+    return [round(i * step, 12) for i in range(first, last + 1)]
+
+
+def padded(low: float, high: float) -> tuple[float, float]:
+    """An interval a little wider, and wide enough that a constant with noise looks like one."""
+    least = max(LEAST_SPAN * max(abs(low), abs(high)), 1e-9)
+    lacking = max(least - (high - low), 0.0) / 2
+    edge = 0.08 * max(high - low, least)
+    return low - lacking - edge, high + lacking + edge
+
+
+def tick_labels(values: Sequence[float]) -> list[str]:
+    """The labels of equally spaced values, with as many digits as tell them apart.
+
+    None is longer than ``LONGEST_LABEL``, unless steps are that small beside the values.
+    """
+    if len(values) < 2:
+        return [number(value, 3) for value in values]
+    finest = math.floor(math.log10(values[1] - values[0]) + 1e-9)
+    plain = [f"{value + 0.0:.{max(0, -finest)}f}" for value in values]
+    if max(map(len, plain)) <= LONGEST_LABEL:
+        return plain
+    return [_with_exponent(value, finest) for value in values]
+
+
+def _with_exponent(value: float, finest: int) -> str:
+    """A number whose last digit counts ``10**finest``, as ``-1.5e-8``."""
+    if value == 0:
+        return "0"
+    digits = max(0, math.floor(math.log10(abs(value)) + 1e-9) - finest)
+    mantissa, exponent = f"{value:.{digits}e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def labelled(scale: Scale, most: int = 5) -> list[tuple[float, str]]:
+    """Round values on a scale with their labels."""
+    values = ticks(scale.low, scale.high, most)
+    return list(zip(values, tick_labels(values), strict=True))
+
+
+def axes(
+    plot: Plot,
+    below: Sequence[tuple[float, str]],
+    beside: Sequence[tuple[float, str]],
+    *,
+    grid: bool = True,
+    more: str = "",
+) -> str:
+    """Values below and on the left of a plot, with lines to them.
+
+    Args:
+        plot: where it is.
+        below: values along the axis to the right, with their labels.
+        beside: the same of the axis upwards.
+        grid: whether lines cross the plot; else it has a frame.
+        more: further labels.
+    """
+    left, right, base, top = plot.left, plot.right, plot.base, plot.top
+    parts = ['<g class="axes">']
+    if not grid:
+        size = f'width="{right - left:.1f}" height="{base - top:.1f}"'
+        parts.append(f'<rect class="spine" x="{left:.1f}" y="{top:.1f}" {size}/>')
+    for value, says in beside:
+        y = plot.up(value)
+        if grid:
+            parts.append(f'<line x1="{left:g}" x2="{right:g}" y1="{y:.1f}" y2="{y:.1f}"/>')
+        else:
+            parts.append(_tick(left - 4, left, y, y))
+        parts.append(label(left - 5 - (0 if grid else 2), y + 3.5, "end", says))
+    for value, says in below:
+        x = plot.across(value)
+        parts.append(_tick(x, x, base, base + 4))
+        parts.append(label(x, base + 16, "middle", says))
+    return "".join([*parts, more, "</g>"])
+
+
+def _tick(x1: float, x2: float, y1: float, y2: float) -> str:
+    return f'<line class="tick" x1="{x1:.1f}" x2="{x2:.1f}" y1="{y1:.1f}" y2="{y2:.1f}"/>'
+
+
+def titles(plot: Plot, across: str, up: str, gap: float = 46.0) -> str:
+    """What the axes are of: below the middle of one, and upright beside the middle of the other."""
+    x, y = (plot.left + plot.right) / 2, (plot.top + plot.base) / 2
+    turned = f' transform="rotate(-90 {plot.left - gap:.1f} {y:.1f})"'
+    return label(x, plot.base + 33, "middle", across) + label(
+        plot.left - gap, y, "middle", up, turned
+    )

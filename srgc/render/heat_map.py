@@ -1,0 +1,157 @@
+"""Robustness over a grid of two parameters: fields in colours, lines of equal values, the scale."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from compiler.arrays import Array
+from srgc.render.axes import Plot, Scale, axes, labelled
+from srgc.render.html_text import number, text
+from srgc.render.svg import label
+
+COLOURS = ("#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725")
+"""From low to high robustness: viridis (van der Walt and Smith, 2015), at equal distances."""
+STEPS = 24
+"""Fields of the scale of colours."""
+WIDTH, SIZE = 360, 300
+"""Of the chart in the report; the second is the side of the square that holds plot and labels."""
+LEFT, TOP, BOTTOM = 56, 10, 26
+
+
+def edges(values: Sequence[float]) -> list[float]:
+    """The borders between values, and as far beyond the first and the last."""
+    if len(values) == 1:
+        return [values[0] - 0.5, values[0] + 0.5]
+    middle = [(a + b) / 2 for a, b in pairwise(values)]
+    return [2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]]
+
+
+def colour(part: float) -> str:
+    """The colour of a part from 0 to 1, between those of the list."""
+    place = min(max(part, 0.0), 1.0) * (len(COLOURS) - 1)
+    i = min(int(place), len(COLOURS) - 2)
+    low, high = COLOURS[i], COLOURS[i + 1]
+    parts = (
+        round(int(low[k : k + 2], 16) * (i + 1 - place) + int(high[k : k + 2], 16) * (place - i))
+        for k in (1, 3, 5)
+    )
+    return "#" + "".join(f"{part:02x}" for part in parts)
+
+
+def heat_plot(xs: Sequence[float], ys: Sequence[float], box: tuple[float, ...]) -> Plot:
+    """The plot of a grid in the rectangle (left, top, right, base) of the picture."""
+    first, second = edges(xs), edges(ys)
+    left, top, right, base = box
+    return Plot(Scale(first[0], first[-1], left, right), Scale(second[0], second[-1], base, top))
+
+
+def heat_marks(xs: Sequence[float], ys: Sequence[float], values: Array, plot: Plot) -> str:
+    """A field for each point of the grid, in the colour of its value, and the scale of colours.
+
+    Args:
+        xs: the values of the first parameter, ascending.
+        ys: those of the second.
+        values: (len(xs), len(ys)); nan: infeasible, drawn grey.
+        plot: where the fields are; the scale is on its right.
+    """
+    known = values[np.isfinite(values)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+    columns, rows, parts = edges(xs), edges(ys), list[str]()
+    for i, x in enumerate(xs):
+        for j, y in enumerate(ys):
+            value = float(values[i, j])
+            x0, x1 = plot.across(columns[i]), plot.across(columns[i + 1])
+            y0, y1 = plot.up(rows[j + 1]), plot.up(rows[j])
+            says = f"robustness {number(value)}" if np.isfinite(value) else "infeasible"
+            parts.append(
+                f'<rect x="{x0:.1f}" y="{y0:.1f}" width="{x1 - x0 + 0.2:.1f}" '
+                f'height="{y1 - y0 + 0.2:.1f}" {_filled(value, low, high)}>'
+                f"<title>({number(x)}, {number(y)}): {says}</title></rect>"
+            )
+    return "".join(parts) + (_scale(low, high, plot) if known.size else "")
+
+
+def _filled(value: float, low: float, high: float) -> str:
+    if not np.isfinite(value):
+        return 'class="infeasible"'
+    return f'fill="{colour((value - low) / (high - low) if high > low else 1.0)}"'
+
+
+def _scale(low: float, high: float, plot: Plot) -> str:
+    """Which colour means which robustness."""
+    x, height = plot.right + 8, (plot.base - plot.top) / STEPS
+    parts = [
+        f'<rect x="{x:g}" y="{plot.top + (STEPS - 1 - i) * height:.1f}" width="12" '
+        f'height="{height + 0.3:.1f}" fill="{colour(i / (STEPS - 1))}"/>'
+        for i in range(STEPS)
+    ]
+    parts.append(f'<g class="axes">{label(x + 15, plot.top + 8, "start", number(high, 3))}')
+    parts.append(f"{label(x + 15, plot.base, 'start', number(low, 3))}</g>")
+    return "".join(parts)
+
+
+def plane_chart(
+    cells: Sequence[tuple[float, float, float | None]],
+    design: tuple[float, float],
+    labels: tuple[str, str],
+) -> str:
+    """The chart of the report; ``cells`` are two parameters with a value, None: infeasible."""
+    xs, ys = sorted({cell[0] for cell in cells}), sorted({cell[1] for cell in cells})
+    values = np.full((len(xs), len(ys)), np.nan)
+    places = {x: i for i, x in enumerate(xs)}, {y: j for j, y in enumerate(ys)}
+    for x, y, value in cells:
+        values[places[0][x], places[1][y]] = np.nan if value is None else value
+    plot = heat_plot(xs, ys, (LEFT, TOP, SIZE, SIZE - BOTTOM))
+    says = label(SIZE, SIZE + 6, "end", f"→ {labels[0]},  ↑ {labels[1]}")
+    x, y = plot.across(design[0]), plot.up(design[1])
+    return (
+        f'<svg class="chart" viewBox="0 0 {WIDTH} {SIZE + 10}" role="img" '
+        f'aria-label="{text(f"robustness over {labels[0]} and {labels[1]}")}">'
+        f"{heat_marks(xs, ys, values, plot)}"
+        f"{axes(plot, labelled(plot.across), labelled(plot.up), grid=False, more=says)}"
+        f'<path class="design" d="M{x:.1f} {y - 6:.1f}l6 6l-6 6l-6 -6z"/></svg>'
+    )
+
+
+# --- lines of equal values -----------------------------------------------------------------------
+
+
+def contours(
+    xs: Sequence[float], ys: Sequence[float], values: Array, plot: Plot, count: int
+) -> str:
+    """Lines at ``count`` levels between the least and the greatest value (marching squares).
+
+    Between the points of the grid values are linear; where one of four is infeasible, no line goes.
+    """
+    known = values[np.isfinite(values)]
+    if not known.size or known.min() == known.max():
+        return ""
+    levels = np.linspace(known.min(), known.max(), count + 2)[1:-1]
+    data = []
+    for i in range(len(xs) - 1):
+        for j in range(len(ys) - 1):
+            corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+            heights = [float(values[at]) for at in corners]
+            if not np.isfinite(heights).all():
+                continue
+            places = [(plot.across(xs[a]), plot.up(ys[b])) for a, b in corners]
+            for level in levels:
+                crossings = list(_crossings(places, heights, float(level)))
+                for (x0, y0), (x1, y1) in zip(crossings[::2], crossings[1::2], strict=True):
+                    data.append(f"M{x0:.1f} {y0:.1f}L{x1:.1f} {y1:.1f}")
+    return f'<path class="contour" d="{"".join(data)}"/>' if data else ""
+
+
+def _crossings(
+    places: Sequence[tuple[float, float]], heights: Sequence[float], level: float
+) -> Iterator[tuple[float, float]]:
+    """Where a level crosses the sides of a square: at none, two or four of them."""
+    for k in range(4):
+        (x0, y0), (x1, y1) = places[k], places[(k + 1) % 4]
+        a, b = heights[k], heights[(k + 1) % 4]
+        if (a < level) != (b < level):
+            part = (level - a) / (b - a)
+            yield x0 + part * (x1 - x0), y0 + part * (y1 - y0)

@@ -1,0 +1,193 @@
+"""Curves over time: bounds, the width of the tube, a cursor for the time.
+
+They are drawn to their own scale.  Bounds that lie far outside are not drawn to that scale but in
+the gauge on the right, a bar from one bound to the other with the part that the curves use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from compiler.arrays import Array
+from srgc.render.axes import Plot, Scale, axes, labelled, padded, ticks
+from srgc.render.html_text import number, text
+
+WIDTH, HEIGHT = 360, 190
+LEFT, RIGHT, TOP, BOTTOM = 56, 58, 10, 26
+GAUGE = 14
+"""Width of the gauge, in units of the picture."""
+VISIBLE = 0.6
+"""So many units wide a tube has to be for its band to be seen."""
+MOST_POINTS = 500
+NEAR = 1.5
+"""A bound within so many spans of the curve is drawn to its scale."""
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A quantity over time.
+
+    Attributes:
+        name: how the motion's table calls it, as ``q1``.
+        title: what it is, for people.
+        unit: in SI.
+        times: (k,) seconds; where it is held, the last one ends the last step.
+        values: (k,) at those times; where it is held, (k - 1,), from each time to the next.
+        held: whether it is constant over each step.
+        bounds: the least and the greatest value allowed; None: no bound.
+        band: (k, 2) what the tube allows at those times, or None.
+        series: the number of its colour, from 1.
+    """
+
+    name: str
+    title: str
+    unit: str
+    times: Array
+    values: Array
+    held: bool = False
+    bounds: tuple[float | None, float | None] = (None, None)
+    band: Array | None = None
+    series: int = 1
+
+
+def thinned(curve: Curve) -> Curve:
+    """The curve with at most ``MOST_POINTS``; of what is held, the largest of neighbours stay."""
+    count = len(curve.values)
+    if count <= MOST_POINTS:
+        return curve
+    kept = np.unique(np.linspace(0, count - 1, MOST_POINTS).round().astype(int))
+    if not curve.held:
+        band = None if curve.band is None else curve.band[kept]
+        return replace(curve, times=curve.times[kept], values=curve.values[kept], band=band)
+    blocks = np.split(curve.values, kept[1:])
+    largest = np.array([block[np.abs(block).argmax()] for block in blocks])
+    return replace(curve, times=np.append(curve.times[kept], curve.times[-1]), values=largest)
+
+
+def line_chart(curve: Curve) -> str:
+    """The picture of one curve; its data attributes tell a script where times are."""
+    plot = plot_of([curve], WIDTH, HEIGHT)
+    return (
+        f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'aria-label="{text(_described(curve))}" data-name="{text(curve.name)}" '
+        f'data-t0="{plot.across.low:.6g}" data-t1="{plot.across.high:.6g}" '
+        f'data-x0="{LEFT}" data-x1="{WIDTH - RIGHT}">{curve_marks([curve], plot)}'
+        f'<line class="cursor" x1="0" x2="0" y1="{TOP}" y2="{HEIGHT - BOTTOM}" '
+        f'transform="translate({LEFT} 0)"/></svg>'
+    )
+
+
+def plot_of(curves: Sequence[Curve], width: float, height: float) -> Plot:
+    """The plot in which curves over the same times are seen, in a picture of that size."""
+    times, (low, high) = curves[0].times, _range(curves)
+    across = Scale(float(times[0]), float(times[-1]), LEFT, width - RIGHT)
+    return Plot(across, Scale(low, high, height - BOTTOM, TOP))
+
+
+def curve_marks(curves: Sequence[Curve], plot: Plot) -> str:
+    """Axes, curves and their common bounds, which are those of the first one."""
+    times = ticks(plot.across.low, plot.across.high, 6)
+    below = [(value, number(value) + (" s" if value == times[-1] else "")) for value in times]
+    bands = "".join(_band(curve, plot) for curve in curves)
+    lines = "".join(
+        f'<path class="line {colour_class(curve)}" d="{_path(curve, plot)}"/>' for curve in curves
+    )
+    return (
+        f"{axes(plot, below, labelled(plot.up))}{bands}{_bound_lines(curves[0], plot)}"
+        f"{lines}{_gauge(curves, plot)}"
+    )
+
+
+def colour_class(curve: Curve) -> str:
+    """The class of its colour, of which there are six."""
+    return f"series-{(curve.series - 1) % 6 + 1}"
+
+
+def _described(curve: Curve) -> str:
+    least, most = float(curve.values.min()), float(curve.values.max())
+    return f"{curve.title}: between {number(least)} and {number(most)} {curve.unit}"
+
+
+def _extent(curves: Sequence[Curve]) -> tuple[float, float]:
+    """The least and the greatest value of curves and their tubes."""
+    values = [curve.values if curve.band is None else curve.band for curve in curves]
+    values += [curve.values for curve in curves]
+    return min(float(each.min()) for each in values), max(float(each.max()) for each in values)
+
+
+def _range(curves: Sequence[Curve]) -> tuple[float, float]:
+    """What is shown: the curves, their tubes, and bounds that are not far."""
+    low, high = _extent(curves)
+    span = high - low
+    lower, upper = curves[0].bounds
+    if lower is not None and low - lower <= NEAR * span:
+        low = min(low, lower)
+    if upper is not None and upper - high <= NEAR * span:
+        high = max(high, upper)
+    return padded(low, high)
+
+
+def _path(curve: Curve, plot: Plot) -> str:
+    times, values = curve.times, curve.values
+    if curve.held:
+        times, values = np.repeat(times, 2)[1:-1], np.repeat(values, 2)
+    return "M" + "L".join(
+        f"{plot.across(float(t)):.1f} {plot.up(float(v)):.1f}"
+        for t, v in zip(times, values, strict=True)
+    )
+
+
+def _band(curve: Curve, plot: Plot) -> str:
+    """The tube, where it is wide enough to be seen."""
+    if curve.band is None:
+        return ""
+    size = abs(plot.up(1.0) - plot.up(0.0))
+    if float((curve.band[:, 1] - curve.band[:, 0]).max()) * size < VISIBLE:
+        return ""
+    ends = [(t, v) for t, v in zip(curve.times, curve.band[:, 1], strict=True)]
+    ends += [(t, v) for t, v in zip(curve.times[::-1], curve.band[::-1, 0], strict=True)]
+    corners = "L".join(f"{plot.across(float(t)):.1f} {plot.up(float(v)):.1f}" for t, v in ends)
+    return f'<path class="tube {colour_class(curve)}" d="M{corners}Z"/>'
+
+
+def _bound_lines(curve: Curve, plot: Plot) -> str:
+    parts = []
+    for value in curve.bounds:
+        if value is not None and plot.up.low <= value <= plot.up.high:
+            y = plot.up(value)
+            parts.append(
+                f'<line class="bound" data-bound="{number(value, 9)}" '
+                f'x1="{plot.left:g}" x2="{plot.right:g}" y1="{y:.1f}" y2="{y:.1f}"/>'
+            )
+    return "".join(parts)
+
+
+def _gauge(curves: Sequence[Curve], plot: Plot) -> str:
+    """The whole allowed range, and the part of it that is used."""
+    lower, upper = curves[0].bounds
+    if lower is None or upper is None or not lower < upper:
+        return ""
+    up = Scale(lower, upper, plot.base, plot.top)
+    least, most = _extent(curves)
+    x, top = plot.right + 10, max(up(most), plot.top)
+    height = max(min(up(least), plot.base) - top, 1.5)
+    return (
+        f'<g class="gauge"><title>allowed: {number(lower)} to {number(upper)}, '
+        f"used: {number(least)} to {number(most)}</title>"
+        f'<rect class="allowed" x="{x:g}" y="{plot.top:g}" width="{GAUGE}" '
+        f'height="{plot.base - plot.top:g}"/>'
+        f'<rect class="used {colour_class(curves[0])}" x="{x:g}" y="{top:.1f}" '
+        f'width="{GAUGE}" height="{height:.1f}"/>'
+        f'<text data-bound="{number(upper, 9)}" x="{x + GAUGE + 3:g}" y="{plot.top + 8:g}">'
+        f"{number(upper, 3)}</text>"
+        f'<text data-bound="{number(lower, 9)}" x="{x + GAUGE + 3:g}" y="{plot.base:g}">'
+        f"{number(lower, 3)}</text></g>"
+    )
+
+
+def sampled(values: Array) -> Sequence[float]:
+    """Values for a script: to six digits, which is more than can be seen."""
+    return [float(f"{value:.6g}") for value in values]

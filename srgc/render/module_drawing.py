@@ -1,0 +1,199 @@
+"""A robot module by module, in a pose in which all of it can be seen.
+
+The pose is none of the task: it is the one, of a few simple ones within the joints' ranges, in
+which the modules are farthest from each other on the picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from math import radians
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.robot import RobotDof, RodBody
+from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
+from srgc.render.module_marks import MarkedRobot
+from srgc.render.view import NAMED, sight
+
+BENDS = tuple(radians(angle) for angle in (20, 35, 50, 70, -35, -50))
+SLIDES = (0.35, 0.7, 1.0)
+"""Parts of the range of a sliding joint; metres where it has none."""
+APART = 1e-6
+"""Metres from which on two points are two."""
+
+
+@dataclass(slots=True)
+class DrawnModule:
+    """A module of the word: the lines that it consists of, and the points where it stands.
+
+    Shapes: ``lines`` (2, d) each, ``bodies`` likewise (a centre of mass twice), ``at`` (d,), and
+    ``axis`` (d,) the direction of a joint in the world.  ``joint`` is the kind of one, ``pointing``
+    the direction (d,) in which the line goes that an effector stands at the end of.
+    """
+
+    place: int
+    name: str
+    role: ir.Role
+    at: Array | None = None
+    joint: ir.DofKind | None = None
+    axis: Array | None = None
+    pointing: Array | None = None
+    lines: list[Array] = field(default_factory=list[Array])
+    bodies: list[Array] = field(default_factory=list[Array])
+
+    def anchor(self) -> Array | None:
+        """The point (d,) that a name belongs to: the middle of the longest line, or the place."""
+        lines = [*self.lines, *self.bodies]
+        longest = max(
+            lines, key=lambda line: float(np.linalg.norm(line[1] - line[0])), default=None
+        )
+        if longest is None or (self.joint is not None and self.at is not None):
+            return self.at
+        middle: Array = longest.mean(axis=0)
+        return middle
+
+
+@dataclass(frozen=True)
+class ModuleDrawing:
+    """The modules that have a place, and lines that belong to none."""
+
+    modules: tuple[DrawnModule, ...]
+    others: tuple[Array, ...]
+
+    def corners(self) -> Array:
+        """All points that have to be seen, shape (m, d)."""
+        lines = [line for module in self.modules for line in (*module.lines, *module.bodies)]
+        at = [module.at[None] for module in self.modules if module.at is not None]
+        return np.concatenate([*lines, *self.others, *at])
+
+
+def module_drawing(
+    robot: MarkedRobot,
+    word: Sequence[str],
+    modules: dict[str, ir.Module],
+    theta: Array,
+) -> ModuleDrawing:
+    """The drawing of a robot whose parameters have the values theta (p,), SI."""
+    numeric = NumericRobot(robot_graph(robot.model))
+    poses = _poses(robot.model.dofs)
+    points = numeric.points(poses, theta).value
+    best = points[_clearest(points, robot)]
+    hulls = [[len(robot.model.effectors) + i for i in hull] for hull in numeric.graph.hulls]
+    return _drawing(robot, word, modules, best, hulls)
+
+
+def _poses(dofs: Sequence[RobotDof]) -> Array:
+    """Poses (K, n) to choose from: all joints alike, or in turn to either side."""
+    found = []
+    for bend, slide, sign in product(BENDS, SLIDES, (1.0, -1.0)):
+        pose, side = [], 1.0
+        for dof in dofs:
+            if dof.kind == "revolute":
+                pose.append(_within(dof.range, bend * side))
+                side *= sign
+            else:
+                pose.append(_part(dof.range, slide))
+        found.append(pose)
+    return np.unique(np.array(found, dtype=float).reshape(len(found), len(dofs)), axis=0)
+
+
+def _within(interval: ir.Interval | None, value: float) -> float:
+    if interval is None:
+        return value
+    return min(max(value, to_float(interval.lower)), to_float(interval.upper))
+
+
+def _part(interval: ir.Interval | None, part: float) -> float:
+    if interval is None:
+        return part
+    low, high = to_float(interval.lower), to_float(interval.upper)
+    return low + part * (high - low)
+
+
+def _clearest(points: Array, robot: MarkedRobot) -> int:
+    """The pose whose marks that are ever apart are farthest apart on the picture."""
+    ends = sorted({end for each in robot.stretches for end in each.ends} | {*robot.effector_marks})
+    if len(ends) < 2:
+        return 0
+    places = points[:, ends]
+    apart = np.linalg.norm(places[:, :, None] - places[:, None, :], axis=-1).max(axis=0) > APART
+    seen = places @ sight(*NAMED[0][1:]).T if places.shape[2] == 3 else places
+    distances = np.linalg.norm(seen[:, :, None] - seen[:, None, :], axis=-1)
+    pairs = distances[:, apart]
+    if pairs.shape[1] == 0:
+        return 0
+    size = max(float(pairs.max()), APART)
+    # The least distance counts most; a wide pose is preferred where that is alike.
+    score = np.round(pairs.min(axis=1) / size, 3) + 0.1 * pairs.mean(axis=1) / size
+    return int(np.argmax(np.round(score, 6)))
+
+
+def _drawing(
+    robot: MarkedRobot,
+    word: Sequence[str],
+    modules: dict[str, ir.Module],
+    points: Array,
+    hulls: Sequence[Sequence[int]],
+) -> ModuleDrawing:
+    found = {
+        place: DrawnModule(place, name, modules[name].role)
+        for place, name in enumerate(word)
+        if name in modules
+    }
+    others: list[Array] = []
+    for each in robot.stretches:
+        line = points[list(each.ends)]
+        owner = None if each.place is None else found[each.place]
+        if owner is None:
+            others.append(line)
+            continue
+        if each.joint is not None and each.tip is not None:
+            owner.joint, owner.at = each.joint, line[0]
+            owner.axis = points[each.tip] - line[0]
+        if float(np.linalg.norm(line[1] - line[0])) > APART:
+            owner.lines.append(line)
+    for body, place, hull in zip(robot.model.bodies, robot.bodies, hulls, strict=True):
+        line = points[[hull[0], hull[-1]]]
+        if place is not None:
+            found[place].bodies.append(line)
+        elif isinstance(body, RodBody):
+            others.append(line)
+    _stand(robot, found, points)
+    return ModuleDrawing(
+        tuple(each for each in found.values() if each.anchor() is not None), tuple(others)
+    )
+
+
+def _stand(robot: MarkedRobot, found: dict[int, DrawnModule], points: Array) -> None:
+    """Where modules stand that are no joints."""
+    for place, mark in robot.stands.items():
+        module = found[place]
+        if module.at is None:
+            module.at = module.lines[0][0] if module.lines else points[mark]
+    for place_, mark in zip(robot.effectors, robot.effector_marks, strict=True):
+        if place_ is not None:
+            found[place_].at = points[mark]
+    lines = [line for module in found.values() for line in (*module.lines, *module.bodies)]
+    for module in found.values():
+        if module.role == "base" and module.at is None:
+            module.at = np.zeros(points.shape[1])
+        if module.role == "effector" and module.at is not None:
+            module.pointing = _pointing(module.at, lines)
+
+
+def _pointing(at: Array, lines: Sequence[Array]) -> Array | None:
+    """The direction in which the last line goes that has an end here."""
+    found = None
+    for line in lines:
+        for end, other in (line, line[::-1]):
+            apart = np.linalg.norm(end - other) > APART
+            if apart and float(np.linalg.norm(end - at)) < APART:
+                found = end - other
+    return found

@@ -1,0 +1,213 @@
+"""The picture of a robot module by module: a shape per role, its name and its place in the word."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from compiler.arrays import Array
+from srgc.render.html_text import name_in_picture, text
+from srgc.render.module_drawing import DrawnModule, ModuleDrawing
+from srgc.render.robot_drawing import axis_ends
+from srgc.render.svg import line_path, place
+from srgc.render.view import View, fitted
+
+HALF_LINE = 8.0
+LETTER = 8.0
+RADII = (20.0, 32.0, 46.0, 62.0, 80.0)
+DIRECTIONS = 16
+GROUND = np.array([[0.0, 0.0], [-14, 12], [14, 12], [-14, 24], [0, 24], [14, 24]])
+HERE = np.array([[0.0, 0.0], [-7, 0], [7, 0], [0, -7], [0, 7]])
+"""Where the shape of a base, and that of others, covers the picture, from its place on."""
+ROOM = 0.14
+"""Part of the size of a robot that is left free around it, for names."""
+ORDER = {"link": 0, "base": 1, "joint": 2, "effector": 3}
+"""What is drawn later lies above."""
+
+
+def robot_picture(drawing: ModuleDrawing, values: Mapping[int, Sequence[str]]) -> str:
+    """The picture as SVG.
+
+    Args:
+        drawing: the robot.
+        values: per place in the word, what a name says below itself: parameters with their units.
+    """
+    view = _view(drawing)
+    others = "".join(
+        f'<path class="other" d="{line_path(view.project(line))}"/>' for line in drawing.others
+    )
+    ordered = sorted(drawing.modules, key=lambda module: (ORDER[module.role], module.place))
+    names = _Names(view, _obstacles(drawing, view))
+    labels = {
+        module.place: names.label(module, values.get(module.place, ()))
+        for module in drawing.modules
+    }
+    shapes = "".join(
+        f'<g class="module {module.role}" data-symbol="{module.place}" tabindex="-1">'
+        f"<title>{text(module.name)}, symbol {module.place}: {module.role}</title>"
+        f"{_shape(module, view)}</g>"
+        for module in ordered
+    )
+    marks = "".join(labels[module.place] for module in ordered)
+    size = f"{view.width:.0f} {view.height:.0f}"
+    return (
+        f'<svg class="modules" viewBox="0 0 {size}" role="img" '
+        f'aria-label="The robot, module by module">{others}{shapes}{marks}</svg>'
+    )
+
+
+def _view(drawing: ModuleDrawing) -> View:
+    corners = drawing.corners()
+    size = float(np.ptp(corners, axis=0).max())
+    room = ROOM * (size if size > 0 else 1.0)
+    return fitted([corners - room, corners + room], turning=False)
+
+
+def _shape(module: DrawnModule, view: View) -> str:
+    """The shape of a module."""
+    parts = [f'<path class="length" d="{line_path(view.project(line))}"/>' for line in module.lines]
+    parts += [_body(view.project(line)) for line in module.bodies]
+    if module.at is None:
+        return "".join(parts)
+    at = view.project(module.at)
+    if module.joint is not None:
+        parts.append(_joint(module, at, view))
+    elif module.role == "base":
+        parts.append(
+            _moved(
+                at, "ground", "M0 0L-10 17H10ZM-18 17H18M-17 25l6-8M-8 25l6-8M1 25l6-8M10 25l6-8"
+            )
+        )
+    elif module.role == "effector":
+        parts.append(_moved(at, "tool", "M0 0H5M14-8H5V8H14", _turned(module, at, view)))
+    elif not parts:
+        parts.append(f'<circle class="still" cx="{place(at[0])}" cy="{place(at[1])}" r="3.5"/>')
+    return "".join(parts)
+
+
+def _body(ends: Array) -> str:
+    """A rod, or the centre of mass of another body."""
+    if float(np.hypot(*(ends[1] - ends[0]))) > 1:
+        return f'<path class="rod" d="{line_path(ends)}"/>'
+    x, y = ends[0]
+    return f'<circle class="mass" cx="{place(x)}" cy="{place(y)}" r="3"/>'
+
+
+def _joint(module: DrawnModule, at: Array, view: View) -> str:
+    """A circle for a turning joint and a box for a sliding one; its axis where it can be seen."""
+    x, y = at
+    if module.joint == "prismatic":
+        angle = _turned(module, at, view)
+        return (
+            f'<g transform="translate({place(x)} {place(y)}) rotate({place(angle)})">'
+            '<path class="slide" d="M-13-7H13V7H-13Z"/>'
+            '<path class="arrow" d="M-8 0H8M4-3L8 0L4 3"/></g>'
+        )
+    mark = f'<circle class="turn" cx="{place(x)}" cy="{place(y)}" r="8"/>'
+    mark += f'<circle class="pin" cx="{place(x)}" cy="{place(y)}" r="2"/>'
+    if module.axis is not None and module.at is not None and len(module.at) == 3:
+        ends = axis_ends(at, view.project(module.at + module.axis))
+        mark = f'<path class="axis" d="{line_path(at + 1.4 * (ends - at))}"/>{mark}'
+    return mark
+
+
+def _turned(module: DrawnModule, at: Array, view: View) -> float:
+    """The angle on the picture, in degrees, of a joint's axis or of where an effector points."""
+    direction = module.axis if module.axis is not None else module.pointing
+    if direction is None or module.at is None:
+        return 0.0
+    along = view.project(module.at + direction) - at
+    return float(np.degrees(np.arctan2(along[1], along[0])))
+
+
+def _moved(at: Array, kind: str, data: str, angle: float = 0.0) -> str:
+    turn = f" rotate({place(angle)})" if angle else ""
+    shift = f"translate({place(at[0])} {place(at[1])}){turn}"
+    return f'<path class="{kind}" transform="{shift}" d="{data}"/>'
+
+
+def _obstacles(drawing: ModuleDrawing, view: View) -> Array:
+    """Points (m, 2) along all that is drawn, which names keep away from."""
+    found = [
+        _along(ends)
+        for module in drawing.modules
+        for ends in (view.project(line) for line in (*module.lines, *module.bodies))
+    ]
+    found += [
+        view.project(module.at) + (GROUND if module.role == "base" else HERE)
+        for module in drawing.modules
+        if module.at is not None
+    ]
+    return np.concatenate(found)
+
+
+def _along(ends: Array) -> Array:
+    """Points of a line, so close to each other that no name has room between them."""
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    steps = np.linspace(0, 1, 2 + int(length / HALF_LINE))[:, None]
+    found: Array = ends[0] + steps * (ends[1] - ends[0])
+    return found
+
+
+class _Names:
+    """Puts names where nothing is in their way: the nearest free place, or the least covered."""
+
+    def __init__(self, view: View, drawn: Array) -> None:
+        self.view = view
+        self.drawn = drawn
+        self.taken: list[tuple[float, float, float, float]] = []
+
+    def label(self, module: DrawnModule, values: Sequence[str]) -> str:
+        """The name of a module with its place, and what is said of it below."""
+        anchor = module.anchor()
+        if anchor is None:
+            return ""
+        lines = [f"{name_in_picture(module.name)} {module.place}", *values]
+        at = self.view.project(anchor)
+        half = np.array([LETTER * max(map(len, lines)) / 2 + 3, HALF_LINE * len(lines) + 2])
+        middle = self._free(at, half)
+        self.taken.append((*(middle - half), *(middle + half)))
+        x, top = middle[0], middle[1] - half[1] + 14
+        name, *rest = (text(line) for line in lines)
+        below = "".join(
+            f'<tspan class="value" x="{place(x)}" dy="1.22em">{line}</tspan>' for line in rest
+        )
+        rows = f'<tspan x="{place(x)}" y="{place(top)}">{name}</tspan>{below}'
+        leader = self._leader(at, middle, half)
+        return (
+            f'<g class="name {module.role}" data-symbol="{module.place}">{leader}'
+            f"<text>{rows}</text></g>"
+        )
+
+    def _free(self, at: Array, half: Array) -> Array:
+        best, least = at, float("inf")
+        for number, radius in enumerate(RADII):
+            for step in range(DIRECTIONS):
+                angle = 2 * np.pi * (step + 0.5) / DIRECTIONS
+                way = np.array([np.cos(angle), np.sin(angle)])
+                middle = at + way * (radius + np.abs(way) @ half - half.min() * 0.3)
+                cost = self._cost(middle, half) + 3.0 * number
+                if cost < least:
+                    best, least = middle, cost
+        return best
+
+    def _cost(self, middle: Array, half: Array) -> float:
+        """How much a name would cover, and how much of it would be outside of the picture."""
+        low, high = middle - half, middle + half
+        inside = ((self.drawn > low - 5) & (self.drawn < high + 5)).all(axis=1).sum()
+        size = np.array([self.view.width, self.view.height])
+        outside = np.maximum(-low, 0).sum() + np.maximum(high - size, 0).sum()
+        overlap = sum(
+            max(0.0, min(high[0], box[2]) - max(low[0], box[0]))
+            * max(0.0, min(high[1], box[3]) - max(low[1], box[1]))
+            for box in self.taken
+        )
+        return float(8.0 * inside + 10.0 * outside + overlap)
+
+    def _leader(self, at: Array, middle: Array, half: Array) -> str:
+        """A line from the name to what it names."""
+        end = np.clip(at, middle - half, middle + half)
+        if float(np.hypot(*(end - at))) < 12:
+            return ""
+        return f'<path class="leader" d="{line_path(np.stack([at, end]))}"/>'

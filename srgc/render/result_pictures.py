@@ -1,0 +1,167 @@
+"""The two pictures of a result: the workspace with the motion, and the inputs over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.robots.input_bounds import input_bounds
+from compiler.robots.state_and_input import robot_inputs
+from grammar_lang import ir
+from solvers.design import Design
+from solvers.synthesis import Synthesis
+from srgc.render.html_text import number, with_unit
+from srgc.render.line_chart import Curve, colour_class, curve_marks, plot_of, thinned
+from srgc.render.motion_samples import motion_samples
+from srgc.render.robot_drawing import DrawnRobot, drawn_robot, ghost_marks, pose_marks
+from srgc.render.svg import SAMPLE, document, label, line_path, moved, symbol
+from srgc.render.view import View, from_above
+from srgc.render.workspace_drawing import (
+    AXES_ROOM,
+    KIND_SAMPLES,
+    WorkspaceShape,
+    cell_path,
+    plane_axes,
+    shape_marks,
+    shape_names,
+    workspace_shapes,
+)
+
+GHOSTS = 11
+"""Poses that are drawn faintly before the last one."""
+LEAST_INSTANTS, MOST_INSTANTS = 120, 600
+"""Of the line of an effector: chords must not cut corners that the motion goes round."""
+PANEL, WIDE, HEADING = 200.0, 720.0, 20.0
+"""Height, width and heading of a chart of inputs."""
+
+
+def workspace_figure(
+    result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task
+) -> str:
+    """Regions, cell path, effector trajectory and ghost poses (case study, figure (a)).
+
+    Space is seen along z.
+    """
+    robot = drawn_robot(design.model, np.array([float(value) for value in design.parameters]))
+    x, n = design.configuration.outcome.trajectory.x, len(design.model.dofs)
+    poses = robot.points(x[:, :n])
+    names = set(design.path[design.leader])
+    cells = [cell for cell in result.abstraction.cells if cell.name in names]
+    shapes = workspace_shapes(workspace, cells)
+    dimension = workspace.dimension
+    seen = np.concatenate([shapes[0].corners, robot.own(poses).reshape(-1, dimension)])
+    view = from_above(seen)
+    way = cell_path(
+        result.abstraction, [result.abstraction.index(name) for name in design.path[design.leader]]
+    )
+    line = view.project(_effector_line(design, robot, float(task.step)))
+    marks = (
+        plane_axes(view)
+        + shape_marks(shapes, view, names)
+        + f'<path class="way" d="{line_path(view.project(way))}"/>'
+        + _ghosts(robot, poses, view)
+        + f'<path class="trace" d="{line_path(line)}"/>{symbol("begin", "disc", *line[0])}'
+        + f'<g class="robot">{pose_marks(robot, poses[-1], view)}</g>'
+        + symbol("finish", "star", *line[-1])
+        + shape_names(shapes, view)
+    )
+    left, below = AXES_ROOM
+    along = ", seen along z" if dimension == 3 else ""
+    title = f"{task.name}: {' '.join(design.derivation.word)}\n{_caption(design)}{along}"
+    kind = "scene space" if dimension == 3 else "scene"
+    size = left + view.width, view.height + below
+    return document(moved(left, 0, marks), size, kind, title, _legend(shapes))
+
+
+def _legend(shapes: Sequence[WorkspaceShape]) -> list[tuple[str, str]]:
+    kinds = {shape.kind for shape in shapes}
+    found = [(sample, kind) for kind, sample in KIND_SAMPLES.items() if kind in kinds]
+    line = f"M0 6h{SAMPLE:g}"
+    return [
+        *found,
+        (f'<path class="way" d="{line}"/>', "cell path"),
+        (f'<path class="trace" d="{line}"/>', "effector"),
+        (f'<line class="rod" x1="2" x2="{SAMPLE - 2:g}" y1="6" y2="6"/>', "robot"),
+    ]
+
+
+def _caption(design: Design) -> str:
+    values = [
+        f"{p.name} {with_unit(float(value), p.unit, 3)}"
+        for p, value in zip(design.model.parameters, design.parameters, strict=True)
+    ]
+    margin = f"robustness {number(design.configuration.outcome.robustness)}"
+    return "; ".join([*filter(None, [", ".join(values)]), margin])
+
+
+def _effector_line(design: Design, robot: DrawnRobot, step: float) -> Array:
+    """The way of the leading effector, (K, d), between the samples by Hermite's cubic."""
+    x, n = design.configuration.outcome.trajectory.x, len(design.model.dofs)
+    turning = np.array([dof.kind == "revolute" for dof in design.model.dofs], dtype=bool)
+    found = motion_samples(
+        np.arange(len(x), dtype=np.float64) * step, x[:, :n], x[:, n : 2 * n], turning=turning,
+        most=MOST_INSTANTS, least=LEAST_INSTANTS,
+    )  # fmt: skip
+    line: Array = robot.points(found.coordinates)[:, robot.effectors[design.leader]]
+    return line
+
+
+def _ghosts(robot: DrawnRobot, poses: Array, view: View) -> str:
+    """The robot at equal distances of time, the later the stronger; the last pose is not here."""
+    samples = np.unique(np.linspace(0, len(poses) - 1, GHOSTS + 1).round().astype(int))[:-1]
+    return "".join(
+        f'<g class="ghost" opacity="{0.15 + 0.35 * rank / len(samples):.2f}">'
+        f"{ghost_marks(robot, poses[sample], view)}</g>"
+        for rank, sample in enumerate(samples)
+    )
+
+
+def input_figure(design: Design, task: ir.Task) -> str:
+    """Inputs over time with their bounds (case study, figure (b))."""
+    u = design.configuration.outcome.trajectory.u
+    times: Array = np.arange(task.steps + 1, dtype=np.float64) * float(task.step)
+    panels = []
+    for bound in input_bounds(design.model, task):
+        low, high = float(bound.lower), float(bound.upper)
+        curves = [
+            thinned(
+                Curve(
+                    f"u{i + 1}",
+                    "",
+                    bound.unit,
+                    times,
+                    u[:, i],
+                    held=True,
+                    bounds=(low, high),
+                    series=k,
+                )
+            )
+            for k, i in enumerate(bound.inputs, 1)
+        ]
+        says = f"bound ±{number(high)}" if low == -high else f"{number(low)} to {number(high)}"
+        unit = bound.unit.replace("*", " ")
+        title = f"{'effort' if bound.effort else 'input'} ({unit}), {says} {unit}"
+        panels.append(_panel(curves, title))
+    if not robot_inputs(design.model):
+        panels.append(label(0, 14, "start", "the robot has no inputs", ' class="says"'))
+    content = "".join(
+        moved(0, (PANEL + HEADING) * number, panel) for number, panel in enumerate(panels)
+    )
+    height = (PANEL + HEADING) * len(panels)
+    return document(content, (WIDE, height), "chart", f"{task.name}: inputs over time")
+
+
+def _panel(curves: Sequence[Curve], title: str) -> str:
+    """The inputs that share a bound, with a heading."""
+    names = "".join(
+        moved(
+            WIDE - 60.0 * (len(curves) - rank), 0,
+            f'<path class="line {colour_class(curve)}" d="M0 8h20"/>'
+            + label(26, 12, "start", curve.name),
+        )
+        for rank, curve in enumerate(curves)
+    )  # fmt: skip
+    chart = curve_marks(curves, plot_of(curves, WIDE, PANEL))
+    return f"{label(0, 12, 'start', title)}{names}{moved(0, HEADING, chart)}"

@@ -1,0 +1,279 @@
+"""A robot as it is drawn: its parts, where they are in a pose, and their marks.
+
+The robot's own graph of expressions says where they are: every frame is made an effector of it, so
+that the graph gives the origins of all.  In space every joint has one frame more, a metre along its
+axis, which shows where that points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import radians
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.floats import scalar_floats
+from compiler.expressions.scalars import Constant
+from compiler.robots.robot import (
+    WORLD,
+    FrameNode,
+    Joint,
+    Offset,
+    PointBody,
+    RobotDof,
+    RobotModel,
+    RodBody,
+    Step,
+)
+from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
+from srgc.render.svg import document, label, place
+from srgc.render.view import View, fitted
+
+PICTURE = 320.0
+"""Width of the picture of a robot alone."""
+AROUND = 0.15
+"""Metres around such a robot at least."""
+BENT, SLID = radians(35), 0.5
+"""Angles and lengths of joints in a pose that nobody has chosen."""
+AXIS_LENGTH = 34.0
+"""Length on the picture of the line that shows a joint's axis, where that is in the picture."""
+THINNEST_CAPSULE = 6.0
+"""Twice the radius on the picture from which on a rod is drawn as thick as it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnRod:
+    """A rod between two points; ``radius`` in metres, None of one that has none."""
+
+    ends: tuple[int, int]
+    radius: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnMass:
+    """A point mass, or the centre of mass of a solid."""
+
+    point: int
+    solid: bool
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnJoint:
+    """A degree of freedom at a point; ``tip`` is a metre along its axis, None in the plane."""
+
+    dof: int
+    kind: ir.DofKind
+    point: int
+    tip: int | None
+
+
+@dataclass(frozen=True)
+class DrawnRobot:
+    """The parts of a robot, as numbers of points.
+
+    ``bones`` lead from frame to frame, where these are apart; ``effectors`` are in their order.
+    """
+
+    numeric: NumericRobot
+    theta: Array
+    rods: tuple[DrawnRod, ...]
+    masses: tuple[DrawnMass, ...]
+    bones: tuple[tuple[int, int], ...]
+    joints: tuple[DrawnJoint, ...]
+    effectors: tuple[int, ...]
+
+    def points(self, q: Array) -> Array:
+        """All points at coordinates q (K, n), shape (K, points, d), in metres."""
+        return self.numeric.points(q, self.theta).value
+
+    def own(self, points: Array) -> Array:
+        """Of all points (..., points, d) those that are parts of the robot: no tips of axes."""
+        tips = {joint.tip for joint in self.joints}
+        kept = [point for point in range(points.shape[-2]) if point not in tips]
+        found: Array = points[..., kept, :]
+        return found
+
+
+def drawn_robot(model: RobotModel, theta: Array) -> DrawnRobot:
+    """The parts of a robot whose parameters have these values (SI)."""
+    marked, tips = _marked(model)
+    numeric = NumericRobot(robot_graph(marked))
+    scalars = scalar_floats(marked.scalars, theta)
+    rods, masses = [], []
+    for body, hull in zip(model.bodies, numeric.graph.hulls, strict=True):
+        first = len(marked.effectors) + hull[0]
+        if isinstance(body, RodBody):
+            radius = None if body.radius is None else scalars[body.radius]
+            rods.append(DrawnRod((first, len(marked.effectors) + hull[-1]), radius))
+        else:
+            masses.append(DrawnMass(first, not isinstance(body, PointBody)))
+    return DrawnRobot(
+        numeric,
+        theta,
+        tuple(rods),
+        tuple(masses),
+        _bones(model),
+        tuple(_joints(model, tips)),
+        model.effectors,
+    )
+
+
+def _marked(model: RobotModel) -> tuple[RobotModel, dict[int, int]]:
+    """The robot with all frames as effectors; in space also the tips of the joints' axes."""
+    scalars = (*model.scalars, Constant(Fraction(0)), Constant(Fraction(1)), Constant(Fraction(-1)))
+    zero, one, minus = range(len(model.scalars), len(scalars))
+    frames, tips = list(model.frames), dict[int, int]()
+    for number, node in enumerate(model.frames):
+        if isinstance(node.step, Joint) and model.dimension == 3:
+            vector = [zero, zero, zero]
+            vector[node.step.axis] = one if node.step.sign > 0 else minus
+            tips[number] = len(frames)
+            frames.append(FrameNode(number, Offset((vector[0], vector[1], vector[2]))))
+    marked = replace(
+        model, scalars=scalars, frames=tuple(frames), effectors=tuple(range(len(frames)))
+    )
+    return marked, tips
+
+
+def _joints(model: RobotModel, tips: dict[int, int]) -> list[DrawnJoint]:
+    return [
+        DrawnJoint(node.step.dof, model.dofs[node.step.dof].kind, number, tips.get(number))
+        for number, node in enumerate(model.frames)
+        if isinstance(node.step, Joint)
+    ]
+
+
+def _bones(model: RobotModel) -> tuple[tuple[int, int], ...]:
+    """From the parent of a frame to it, of those on the way to an effector or a body.
+
+    Frames that are only turned are where their parents are.
+    """
+    used = {
+        frame
+        for end in (*model.effectors, *(body.frame for body in model.bodies))
+        for frame in model.chain(end)
+    }
+    return tuple(
+        (model.frames[frame].parent, frame)
+        for frame in sorted(used - {WORLD})
+        if _moves(model, model.frames[frame].step)
+    )
+
+
+def _moves(model: RobotModel, step: Step | None) -> bool:
+    """Whether the origin of a frame may be elsewhere than that of its parent."""
+    if isinstance(step, Joint):
+        return model.dofs[step.dof].kind == "prismatic"
+    return isinstance(step, Offset)
+
+
+# --- marks ----------------------------------------------------------------------------------------
+
+
+def pose_marks(robot: DrawnRobot, points: Array, view: View) -> str:
+    """The robot with its points (P, d): rods, the lines between its frames, joints, effectors."""
+    seen = view.project(points)
+    marks = [_foot(seen[WORLD])]
+    marks += [_segment("bone", seen[[a, b]]) for a, b in robot.bones]
+    for rod in robot.rods:
+        ends = seen[list(rod.ends)]
+        width = 0.0 if rod.radius is None else 2 * rod.radius * view.scale
+        if width > THINNEST_CAPSULE:
+            marks.append(_segment("capsule", ends, f' stroke-width="{place(width)}"'))
+        marks.append(_segment("rod", ends))
+    marks += [_axis(joint, seen) for joint in robot.joints if joint.tip is not None]
+    marks += [_joint(joint, seen) for joint in robot.joints]
+    marks += [_mass(seen[mass.point], solid=mass.solid) for mass in robot.masses]
+    for number, point in enumerate(robot.effectors):
+        marks.append(_effector(seen[point], number if len(robot.effectors) > 1 else None))
+    return "".join(marks)
+
+
+def ghost_marks(robot: DrawnRobot, points: Array, view: View) -> str:
+    """The rods of a robot and the lines between its frames, with its points (P, d)."""
+    seen = view.project(points)
+    marks = [_segment("bone", seen[[a, b]]) for a, b in robot.bones]
+    marks += [_segment("rod", seen[list(rod.ends)]) for rod in robot.rods]
+    return "".join(marks)
+
+
+def _foot(at: Array) -> str:
+    """The ground, where the frames of the robot begin."""
+    shift = f"translate({place(at[0])} {place(at[1])})"
+    return f'<path class="foot" transform="{shift}" d="M0 0L-8 13H8ZM-13 13H13"/>'
+
+
+def _segment(kind: str, ends: Array, more: str = "") -> str:
+    (a, b), (c, d) = ends
+    return (
+        f'<line class="{kind}" x1="{place(a)}" y1="{place(b)}" x2="{place(c)}" y2="{place(d)}"'
+        f"{more}/>"
+    )
+
+
+def _axis(joint: DrawnJoint, seen: Array) -> str:
+    """The axis of a joint of space, a metre of it shortened to a length of the picture."""
+    return _segment("axis", axis_ends(seen[joint.point], seen[joint.tip or 0]))
+
+
+def axis_ends(foot: Array, tip: Array) -> Array:
+    """The ends of the line for an axis through a point; no longer than it is seen."""
+    along = tip - foot
+    length = float(np.hypot(*along))
+    half = along * min(AXIS_LENGTH / 2 / max(length, 1e-9), 1.0)
+    return np.stack([foot - half, foot + half])
+
+
+def _joint(joint: DrawnJoint, seen: Array) -> str:
+    x, y = seen[joint.point]
+    shape = '<circle r="5"/>' if joint.kind == "revolute" else '<path d="M-5-5H5V5H-5Z"/>'
+    return f'<g class="joint" transform="translate({place(x)} {place(y)})">{shape}</g>'
+
+
+def _mass(at: Array, *, solid: bool) -> str:
+    shape = '<path d="M-4 0L0-4L4 0L0 4Z"/>' if solid else '<circle r="2.6"/>'
+    return f'<g class="mass" transform="translate({place(at[0])} {place(at[1])})">{shape}</g>'
+
+
+def pose_picture(model: RobotModel, theta: Array, pose: Array | None = None) -> str:
+    """A robot alone in one pose, as a file; its joints have the names of their coordinates.
+
+    Args:
+        model: the robot.
+        theta: the values of its parameters, in SI units.
+        pose: its coordinates (n,) in rad or m; by default one with bent joints.
+    """
+    robot = drawn_robot(model, theta)
+    q = np.array([_usual(dof) for dof in model.dofs]) if pose is None else pose
+    points = robot.points(q[None, :])[0]
+    own = robot.own(points)
+    view = fitted([own - AROUND, own + AROUND], turning=False).scaled(PICTURE)
+    seen = view.project(points)
+    names = "".join(
+        label(seen[joint.point][0] + 9, seen[joint.point][1] - 9, "start", f"q{joint.dof + 1}")
+        for joint in robot.joints
+    )
+    kind = "scene space" if model.dimension == 3 else "scene"
+    marks = f"{pose_marks(robot, points, view)}<g>{names}</g>"
+    return document(marks, (view.width, view.height), kind, "")
+
+
+def _usual(dof: RobotDof) -> float:
+    """A coordinate in a pose that nobody has chosen, within its range."""
+    value = BENT if dof.kind == "revolute" else SLID
+    if dof.range is None:
+        return value
+    return min(max(value, to_float(dof.range.lower)), to_float(dof.range.upper))
+
+
+def _effector(at: Array, number: int | None) -> str:
+    name = "" if number is None else f'<text x="9" y="-7">{number + 1}</text>'
+    return (
+        f'<g class="effector" transform="translate({place(at[0])} {place(at[1])})">'
+        f'<circle r="6.5"/><circle class="dot" r="1.8"/>{name}</g>'
+    )

@@ -1,0 +1,161 @@
+"""SVG: coordinates, paths and labels, and a picture as a file with a title and a legend.
+
+The marks of all pictures have classes, whose look is one style sheet, ``assets/marks.css``.  The
+report has it in its page, where it follows light and dark; a file has it within itself.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+from compiler.arrays import Array
+from srgc.render.html_text import text
+
+MARGIN = 14.0
+"""Around what a file shows, in units of the picture, which are about pixels."""
+LETTER = 7.0
+"""Width of a letter of titles and legends in a wide font (DejaVu Sans), all in all."""
+TITLE_LINE, LEGEND_LINE, SAMPLE = 17.0, 18.0, 24.0
+MOST_TITLE_LINES = 3
+_LEADING_ZERO = re.compile(r"(^|[ -])0\.")
+_PALETTE = re.compile(r":root \{(.*?)\}", re.DOTALL)
+_COLOUR = re.compile(r"(--[a-z0-9-]+): (#[0-9a-f]+);")
+
+
+def place(value: float) -> str:
+    """A coordinate of the picture."""
+    shown = f"{value:.1f}"
+    return shown.removesuffix(".0") if shown != "-0.0" else "0"
+
+
+def line_path(points: Array) -> str:
+    """A line through points (m, 2) as the data of a path."""
+    return "M" + "L".join(f"{place(x)} {place(y)}" for x, y in points)
+
+
+def closed_path(corners: Array) -> str:
+    """A polygon as the data of a path, from corner to corner: short where there are thousands."""
+    tenths = np.rint(10 * corners).astype(int)
+    steps = "".join(
+        f" {place(dx / 10)} {place(dy / 10)}" for dx, dy in np.diff(tenths, axis=0).tolist()
+    )
+    short = _LEADING_ZERO.sub(r"\1.", steps.lstrip()).replace(" -", "-")
+    x, y = tenths[0].tolist()
+    return f"M{place(x / 10)} {place(y / 10)}l{short}Z"
+
+
+def label(x: float, y: float, anchor: str, content: str, more: str = "") -> str:
+    """A text; ``anchor`` is start, middle or end."""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{more}>{text(content)}</text>'
+
+
+def moved(x: float, y: float, content: str) -> str:
+    """Marks with their origin elsewhere."""
+    return f'<g transform="translate({place(x)} {place(y)})">{content}</g>'
+
+
+def symbol(kind: str, shape: str, x: float, y: float) -> str:
+    """A mark about a point: a dot, a cross, a star, a diamond, a square or a triangle."""
+    return (
+        f'<path class="{kind}" transform="translate({place(x)} {place(y)})" d="{SHAPES[shape]}"/>'
+    )
+
+
+SHAPES = {
+    "dot": "M-3.2 0a3.2 3.2 0 1 0 6.4 0a3.2 3.2 0 1 0-6.4 0Z",
+    "disc": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0-10 0Z",
+    "cross": "M-3-3l6 6m0-6l-6 6",
+    "star": "M0-9L2.1-2.9L8.6-2.8L3.4 1.1L5.3 7.3L0 3.6L-5.3 7.3L-3.4 1.1L-8.6-2.8L-2.1-2.9Z",
+    "diamond": "M0-6l6 6l-6 6l-6-6Z",
+    "square": "M-4.5-4.5h9v9h-9Z",
+    "triangle": "M0-6L5.5 4.5H-5.5Z",
+    "wedge": "M0 6L5.5-4.5H-5.5Z",
+    "plus": "M-2-6h4v4h4v4h-4v4h-4v-4h-4v-4h4Z",
+}
+
+
+# --- a picture as a file -------------------------------------------------------------------------
+
+
+def document(
+    content: str,
+    size: tuple[float, float],
+    kind: str,
+    title: str,
+    legend: Sequence[tuple[str, str]] = (),
+) -> str:
+    """A picture as a file, with a white ground; the same arguments give the same bytes.
+
+    Args:
+        content: marks, from (0, 0) to the size.
+        size: width and height of the content.
+        kind: the class that its styles go by, ``scene`` or ``chart``.
+        title: a line or several, above the content; lines that are too long are broken.
+        legend: samples of marks, 24 x 12 units each, and what they stand for; below the title.
+    """
+    width, height = size
+    lines = _title_lines(title, width)
+    rows, across = _legend(legend, width)
+    top = MARGIN + TITLE_LINE * len(lines) + LEGEND_LINE * rows
+    heading = "".join(
+        label(MARGIN, MARGIN + TITLE_LINE * number - 5, "start", line, ' class="title"')
+        for number, line in enumerate(lines, 1)
+    )
+    heading += moved(MARGIN, MARGIN + TITLE_LINE * len(lines), across) if rows else ""
+    whole = width + 2 * MARGIN, top + height + MARGIN
+    shape = f"{whole[0]:.0f} {whole[1]:.0f}"
+    return (
+        '<?xml version="1.0" encoding="utf-8"?>\n'
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="picture {kind}" width="{whole[0]:.0f}" '
+        f'height="{whole[1]:.0f}" viewBox="0 0 {shape}" role="img">'
+        f"<title>{text(title)}</title>\n<style>{_own_style()}</style>\n"
+        f'<rect class="paper" width="100%" height="100%"/>{heading}'
+        f"{moved(MARGIN, top, content)}</svg>\n"
+    )
+
+
+def _title_lines(title: str, width: float) -> list[str]:
+    found = [
+        line
+        for part in title.split("\n")
+        for line in textwrap.wrap(
+            part, int(width / LETTER), max_lines=MOST_TITLE_LINES, placeholder=" …"
+        )
+    ]
+    return found[: 2 * MOST_TITLE_LINES]
+
+
+def _legend(entries: Iterable[tuple[str, str]], width: float) -> tuple[int, str]:
+    """How many rows there are, and the rows: as many entries in each as have room."""
+    found, x, row = [], 0.0, 0
+    for sample, says in entries:
+        needed = SAMPLE + 6 + LETTER * len(says) + 16
+        if x and x + needed - 16 > width:
+            x, row = 0.0, row + 1
+        y = LEGEND_LINE * row
+        found.append(moved(x, y, f"{sample}{label(SAMPLE + 6, 10, 'start', says)}"))
+        x += needed
+    return (row + 1 if found else 0), f'<g class="legend">{"".join(found)}</g>'
+
+
+def marks_style() -> str:
+    """The style sheet of all marks, with the colours of light pages as variables."""
+    return (files("srgc.render") / "assets" / "marks.css").read_text("utf-8")
+
+
+@cache
+def _own_style() -> str:
+    """The same with the colours themselves, which all programs that show SVG understand."""
+    style = marks_style()
+    palette = _PALETTE.search(style)
+    if palette is None:
+        raise ValueError("the style sheet has no colours")
+    colours = dict(_COLOUR.findall(palette[1]))
+    rules = _PALETTE.sub("", style, count=1)
+    return re.sub(r"var\((--[a-z0-9-]+)\)", lambda name: colours[name[1]], rules).strip()

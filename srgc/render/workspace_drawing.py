@@ -1,0 +1,239 @@
+"""A workspace as it is drawn: its sets as corners and edges, their marks, scales and directions."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import floor, log10
+from typing import Literal
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.geometry.abstraction import Abstraction, Cell
+from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.geometry.volume import around
+from grammar_lang.ir import Workspace
+from srgc.render.axes import Plot, Scale, axes, labelled, titles
+from srgc.render.html_text import name_in_picture, number, text
+from srgc.render.svg import closed_path, line_path, place
+from srgc.render.view import View
+
+LETTER = 7.2
+"""Width of a letter of names, all in all."""
+ShapeKind = Literal["bounds", "cell", "region", "obstacle", "target"]
+
+
+@dataclass(frozen=True, slots=True)
+class WorkspaceShape:
+    """A convex polytope to be drawn.
+
+    ``corners`` has shape (m, d), in the plane in order round it; ``edges`` are pairs of corners.
+    ``label`` is empty where a piece of a map is not the first.
+    """
+
+    kind: ShapeKind
+    name: str
+    label: str
+    corners: Array
+    edges: tuple[tuple[int, int], ...]
+
+
+def workspace_shapes(workspace: Workspace, cells: Iterable[Cell]) -> tuple[WorkspaceShape, ...]:
+    """Bounds, these cells, then regions, in the order in which they are drawn.
+
+    Of a region that has no end, the part within the bounds; empty ones and flat ones are left out.
+    """
+    bounds = polytope_of(workspace.bounds.shape, workspace.dimension)
+    found = [_shape("bounds", "bounds", "", bounds)]
+    found += [_shape("cell", cell.name, "", cell.polytope) for cell in cells]
+    found += _regions(workspace, bounds)
+    return tuple(found)
+
+
+def _regions(workspace: Workspace, bounds: Polytope) -> Iterator[WorkspaceShape]:
+    named: set[str] = set()
+    for region in workspace.regions:
+        polytope = polytope_of(region.shape, workspace.dimension)
+        if not polytope.is_bounded:
+            polytope = polytope.intersection(bounds)
+        if polytope.is_empty or not polytope.has_interior:
+            continue
+        name = region.name.partition(".")[0]
+        yield _shape(region.kind, region.name, "" if name in named else name, polytope)
+        named.add(name)
+
+
+def cell_shape(cell: Cell) -> WorkspaceShape:
+    """A cell as the region that it is of, or as a cell that is free."""
+    kind: ShapeKind = "cell" if cell.kind == "free" else cell.kind
+    return _shape(kind, cell.name, cell.name, cell.polytope)
+
+
+def cell_path(cells: Abstraction, path: Sequence[int]) -> Array:
+    """A path of cells as a line (m, d): the middle of the first, the facets, that of the last.
+
+    Raises:
+        KeyError: it goes between cells that are no neighbours.
+    """
+    way = [cell for k, cell in enumerate(path) if k == 0 or cell != path[k - 1]]
+    middles = {cell: np.array(cells.cells[cell].polytope.centre, dtype=float) for cell in way}
+    stops = [middles[way[0]]]
+    for before, after in pairwise(way):
+        crossing = np.array(cells.facet_centre(before, after), dtype=float)
+        if np.array_equal(crossing, stops[-1]):
+            stops.append(middles[before])  # in and out the same way
+        stops.append(crossing)
+    return np.array([*stops, middles[way[-1]]])
+
+
+def _shape(kind: ShapeKind, name: str, label: str, polytope: Polytope) -> WorkspaceShape:
+    corners = polytope.vertices
+    places = {corner: number for number, corner in enumerate(corners)}
+    if polytope.dimension == 2:
+        rims = [corners]
+    else:
+        whole = polytope.irredundant()
+        rims = [around([vertex.point() for vertex in whole.face(i)]) for i in whole.facets]
+    edges = {
+        (min(places[a], places[b]), max(places[a], places[b]))
+        for rim in rims
+        for a, b in pairwise((*rim, rim[0]))
+    }
+    return WorkspaceShape(kind, name, label, np.array(corners, dtype=float), tuple(sorted(edges)))
+
+
+# --- marks ----------------------------------------------------------------------------------------
+
+
+def outline(points: Array) -> Array:
+    """The corners of the convex hull of points (m, 2), in order (Andrew's monotone chain)."""
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    if len(ordered) < 3:
+        return np.array(ordered)
+    return np.array(_half(ordered)[:-1] + _half(ordered[::-1])[:-1])
+
+
+def _half(ordered: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    chain: list[tuple[float, float]] = []
+    for p in ordered:
+        while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0:
+            chain.pop()
+        chain.append(p)
+    return chain
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def shape_path(shape: WorkspaceShape, view: View) -> str:
+    """A set as the data of one path: what it covers, or its edges in space."""
+    corners = view.project(shape.corners)
+    if view.axes.shape[1] == 3:
+        return "".join(line_path(corners[[a, b]]) for a, b in shape.edges)
+    return closed_path(outline(corners))
+
+
+def shape_marks(shapes: Sequence[WorkspaceShape], view: View, here: Container[str] = ()) -> str:
+    """All sets; the pieces of a map, of which there may be thousands, are one mark.
+
+    ``here`` names the cells that are marked.
+    """
+    groups: list[list[WorkspaceShape]] = []
+    for shape in shapes:
+        if groups and shape.kind not in ("bounds", "cell") and not shape.label:
+            groups[-1].append(shape)
+        else:
+            groups.append([shape])
+    return "".join(_shape_mark(group, view, here) for group in groups)
+
+
+def _shape_mark(group: Sequence[WorkspaceShape], view: View, here: Container[str]) -> str:
+    """A set: what it covers, and its edges in space."""
+    shape = group[0]
+    outlines = "".join(closed_path(outline(view.project(each.corners))) for each in group)
+    face = f'<path class="face" d="{outlines}"/>'
+    edges = ""
+    if view.axes.shape[1] == 3:
+        edges = f'<path class="edges" d="{shape_path(shape, view)}"/>'
+    name = shape.label if len(group) > 1 else shape.name
+    title = f"<title>{text(name)}</title>" if shape.kind != "bounds" else ""
+    kind = f"{shape.kind} here" if shape.kind == "cell" and name in here else shape.kind
+    return f'<g class="shape {kind}">{title}{face}{edges}</g>'
+
+
+def shape_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
+    """The names of regions, above all else: in the region where it has room, else above it."""
+    found = []
+    for index, shape in enumerate(shapes):
+        if not shape.label:
+            continue
+        corners = view.project(shape.corners)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        name = name_in_picture(shape.label)
+        fits = high[0] - low[0] > LETTER * len(name) + 8 and high[1] - low[1] > 22
+        x, y = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2 + 5 if fits else low[1] - 5
+        found.append(
+            f'<text data-shape="{index}" x="{place(x)}" y="{place(y)}">{text(name)}</text>'
+        )
+    return f'<g class="names">{"".join(found)}</g>'
+
+
+def box_corners(box: Array) -> Array:
+    """The corners (2^d, d) of a box (d, 2)."""
+    grids = np.meshgrid(*box, indexing="ij")
+    return np.stack([grid.ravel() for grid in grids], axis=-1)
+
+
+def boxes_path(boxes: Iterable[Array], view: View) -> str:
+    """Boxes (d, 2) as the data of one path."""
+    return "".join(line_path(outline(view.project(box_corners(box)))) + "Z" for box in boxes)
+
+
+# --- scales --------------------------------------------------------------------------------------
+
+
+def plane_axes(view: View) -> str:
+    """A frame around a view along z, with x and y in metres."""
+    half = np.array([view.width, view.height]) / (2 * view.scale)
+    low, high = view.centre[:2] - half, view.centre[:2] + half
+    plot = Plot(
+        Scale(float(low[0]), float(high[0]), 0.0, view.width),
+        Scale(float(low[1]), float(high[1]), view.height, 0.0),
+    )
+    below, beside = labelled(plot.across, 8), labelled(plot.up, 8)
+    return axes(plot, below, beside, grid=False, more=titles(plot, "x (m)", "y (m)"))
+
+
+KIND_SAMPLES = {
+    kind: f'<g class="shape {kind}"><path class="face" d="M2 1h20v10h-20Z"/></g>'
+    for kind in ("obstacle", "target", "region")
+}
+"""Of each kind of region what a legend shows."""
+AXES_ROOM = (60.0, 40.0)
+"""What ``plane_axes`` need on the left and below."""
+
+
+def scale_bar(view: View) -> str:
+    """A bar of 1, 2 or 5 times a power of ten metres."""
+    most = 0.25 * view.width / view.scale
+    power = 10.0 ** floor(log10(most))
+    length = max(power * step for step in (1, 2, 5) if power * step <= most)
+    x, y = 12.0, view.height - 10
+    return (
+        f'<g class="ruler"><path d="M{x} {y - 4}v4h{length * view.scale:.1f}v-4"/>'
+        f'<text x="{x + 5}" y="{y - 4}">{number(length)} m</text></g>'
+    )
+
+
+def triad(view: View) -> str:
+    """Which way the axes of space go, in the lower left corner."""
+    marks = []
+    for name, (x, y) in zip("xyz", view.axes.T, strict=True):
+        marks.append(
+            f'<path d="M0 0L{34 * x:.1f} {-34 * y:.1f}"/>'
+            f'<text x="{44 * x:.1f}" y="{-44 * y:.1f}">{name}</text>'
+        )
+    return f'<g class="triad" transform="translate(52 {view.height - 52:.0f})">{"".join(marks)}</g>'

@@ -1,0 +1,224 @@
+"""Coordinates, rates, own states and inputs over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.maps.obstacle_pieces import expanded
+from compiler.robots.input_bounds import InputBound, input_bounds
+from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
+from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
+from srgc.render.html_text import json_script, number, text
+from srgc.render.line_chart import Curve, line_chart, sampled, thinned
+from srgc.report.evidence import Evidence
+from srgc.report.trajectory import Trajectory
+from srgc.results.found_design import FoundDesign
+
+POINTS = 160
+"""At least so many points has a curve, where the tube tells what is between the samples."""
+
+
+def charts_section(evidence: Evidence) -> str:
+    """The charts with their data; nothing for a robot that was not found or cannot move."""
+    groups = motion_curves(evidence)
+    if not groups:
+        return ""
+    data = {curve.name: _data(curve) for group in groups for curve in group.curves}
+    body = "".join(map(_group, groups))
+    return (
+        '<section id="charts"><h2>Over time</h2>'
+        f"<p>{_legend(evidence)}</p>{body}{json_script('chart-data', data)}</section>"
+    )
+
+
+def _legend(evidence: Evidence) -> str:
+    drawn = (
+        "Curves are drawn to their own scale. Dashed lines are bounds; the bar on the right of a "
+        "chart goes from one bound to the other, and its dark part is what the motion uses. "
+        '<span class="screen-only">Tap a chart to go to that time.</span>'
+    )
+    width = widest(evidence)
+    if width is None:
+        return drawn
+    motions = (
+        "The tube holds all disturbed motions; at"
+        if evidence.tube is not None and evidence.tube.disturbed
+        else "Where no band is drawn, the proved tube is too narrow to be seen; at"
+    )
+    wide = f"it is up to about {number(width, 2)} (rad or m) wide"
+    return f"{drawn} {motions} the instants that are drawn {wide}."
+
+
+def _group(group: CurveGroup) -> str:
+    figures = "".join(map(_figure, group.curves))
+    return f'<h3>{text(group.title)}</h3><div class="charts">{figures}</div>'
+
+
+def _figure(curve: Curve) -> str:
+    unit = "" if curve.unit == "1" else f" ({text(curve.unit.replace('*', '·'))})"
+    return (
+        f"<figure><figcaption><span>{text(curve.title)}{unit}</span>"
+        f'<output class="screen-only" data-for="{text(curve.name)}">'
+        f"{number(float(curve.values[0]))}</output></figcaption>{line_chart(curve)}</figure>"
+    )
+
+
+def _data(curve: Curve) -> dict[str, Any]:
+    return {
+        "t": sampled(curve.times),
+        "v": sampled(curve.values),
+        "held": curve.held,
+        "turns": curve.unit == "rad",
+    }
+
+
+# --- curves ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class CurveGroup:
+    """Curves that stand together under one heading."""
+
+    title: str
+    curves: tuple[Curve, ...]
+
+
+def motion_curves(evidence: Evidence) -> tuple[CurveGroup, ...]:
+    """All groups that a design has; none without one."""
+    found, motion = evidence.found, evidence.trajectory
+    if found is None or motion is None:
+        return ()
+    lines = _state_lines(evidence, motion)
+    groups = (
+        CurveGroup("Coordinates", tuple(_coordinates(found, lines))),
+        CurveGroup("Rates", tuple(_rates(found, lines))),
+        CurveGroup("States of the modules’ own", tuple(_states(found, motion))),
+        CurveGroup("Inputs", tuple(_inputs(found, motion))),
+    )
+    return tuple(
+        CurveGroup(group.title, tuple(map(thinned, group.curves)))
+        for group in groups
+        if group.curves
+    )
+
+
+def widest(evidence: Evidence) -> float | None:
+    """The greatest width of the tube of coordinates at an instant, in rad or m; None: no tube."""
+    found, motion = evidence.found, evidence.trajectory
+    if found is None or motion is None:
+        return None
+    bands, n = _state_lines(evidence, motion).bands, len(found.model.dofs)
+    if bands is None or not n:
+        return None
+    return float((bands[:, :n, 1] - bands[:, :n, 0]).max())
+
+
+@dataclass(frozen=True, slots=True)
+class _StateLines:
+    """Coordinates and rates: times (k,), values (k, 2 n), and what the tube allows (k, 2 n, 2)."""
+
+    times: Array
+    values: Array
+    bands: Array | None
+
+
+def _state_lines(evidence: Evidence, motion: Trajectory) -> _StateLines:
+    """The middle of the tube, also between the samples; without one, the samples.
+
+    In a tube of disturbed motions the planned one need not be in the middle.
+    """
+    tube, times, samples = evidence.tube, motion.t, np.hstack([motion.q, motion.qd])
+    if tube is None:
+        return _StateLines(times, samples, None)
+    parts = -(-POINTS // (len(times) - 1))
+    fine = np.interp(np.arange((len(times) - 1) * parts + 1) / parts, np.arange(len(times)), times)
+    end = float(tube.times[-1])
+    bands = np.array([tube.at(min(float(time), end)) for time in fine])
+    values = bands.mean(axis=-1)
+    if tube.disturbed:
+        values = np.column_stack([np.interp(fine, times, column) for column in samples.T])
+    return _StateLines(fine, values, bands)
+
+
+def modules_of(word: Sequence[str], symbols: Sequence[int]) -> str:
+    """The modules at places of a word, as ``JO at symbol 2``."""
+    names = " and ".join(dict.fromkeys(word[symbol] for symbol in symbols))
+    places = " and ".join(str(symbol) for symbol in symbols)
+    return f"{names} at symbol {places}"
+
+
+def _ends(interval: ir.Interval | None) -> tuple[float | None, float | None]:
+    if interval is None:
+        return None, None
+    return to_float(interval.lower), to_float(interval.upper)
+
+
+def _coordinates(found: FoundDesign, lines: _StateLines) -> Iterator[Curve]:
+    for i, dof in enumerate(found.model.dofs):
+        yield Curve(
+            f"q{i + 1}",
+            f"q{i + 1}, {modules_of(found.claim.word, dof.symbols)}",
+            "rad" if dof.kind == "revolute" else "m",
+            lines.times,
+            lines.values[:, i],
+            bounds=_ends(dof.range),
+            band=None if lines.bands is None else lines.bands[:, i],
+            series=i + 1,
+        )
+
+
+def _rates(found: FoundDesign, lines: _StateLines) -> Iterator[Curve]:
+    n = len(found.model.dofs)
+    for i, dof in enumerate(found.model.dofs):
+        yield Curve(
+            f"qd{i + 1}",
+            f"q̇{i + 1}, {modules_of(found.claim.word, dof.symbols)}",
+            "rad/s" if dof.kind == "revolute" else "m/s",
+            lines.times,
+            lines.values[:, n + i],
+            bounds=_ends(dof.rate),
+            band=None if lines.bands is None else lines.bands[:, n + i],
+            series=i + 1,
+        )
+
+
+def _states(found: FoundDesign, motion: Trajectory) -> Iterator[Curve]:
+    for i, state in enumerate(robot_states(found.model)):
+        name = f"{state.module}.{state.name} at symbol {state.symbol}"
+        yield Curve(f"s{i + 1}", name, state.unit, motion.t, motion.s[:, i], series=i + 1)
+
+
+def _inputs(found: FoundDesign, motion: Trajectory) -> Iterator[Curve]:
+    _, task = expanded(found.program, found.task)
+    bounds = input_bounds(found.model, task)
+    for i, item in enumerate(robot_inputs(found.model)):
+        bound = next((each for each in bounds if i in each.inputs), None)
+        low, high = (None, None) if bound is None else (float(bound.lower), float(bound.upper))
+        yield Curve(
+            f"u{i + 1}", f"u{i + 1}, {_input_name(found, item)}", item.unit, motion.t,
+            motion.u[:, i], held=True, bounds=(low, high), series=i + 1,
+        )  # fmt: skip
+    for place, bound in enumerate(bounds, 1):
+        if bound.norm2:
+            yield _norm(bound, place, motion)
+
+
+def _norm(bound: InputBound, place: int, motion: Trajectory) -> Curve:
+    names = ", ".join(f"u{i + 1}" for i in bound.inputs)
+    values = np.linalg.norm(motion.u[:, list(bound.inputs)], axis=1)
+    return Curve(
+        f"norm{place}", f"norm of {names}", bound.unit, motion.t, values, held=True,
+        bounds=(0.0, float(bound.upper)), series=place,
+    )  # fmt: skip
+
+
+def _input_name(found: FoundDesign, item: RobotInput) -> str:
+    if item.dof is None:
+        return f"{item.module}.{item.name} at symbol {item.symbol}"
+    return modules_of(found.claim.word, found.model.dofs[item.dof].symbols)

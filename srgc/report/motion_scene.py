@@ -1,0 +1,205 @@
+"""All that the animation shows, as numbers: shapes, points over time, cells and the tube."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compiler.arrays import Array
+from srgc.render.motion_samples import motion_samples
+from srgc.render.robot_drawing import DrawnRobot, drawn_robot
+from srgc.render.view import View, fitted
+from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
+from srgc.report.evidence import Evidence
+from srgc.report.trajectory import Trajectory
+from srgc.results.found_design import FoundDesign
+
+if TYPE_CHECKING:
+    from solvers.verifier.certified_tube import CertifiedTube
+
+
+MOST_BOXES, MOST_WIDTHS = 240, 90
+"""Of a tube: boxes of intervals, and instants at which it is told how wide it is."""
+MOST_NUMBERS = 40_000
+"""Coordinates of points that a page holds at most; the instants are as many as that allows."""
+MOST_INSTANTS = 900
+FEWEST_INSTANTS = 40
+MOST_CELLS = 400
+ROOM_IN_SPACE = 0.12
+"""Part of the extent of regions and motion that is seen around them; all in the plane."""
+VAST = 4.0
+"""Bounds of the plane so many times as wide as what is in them are not shown whole."""
+
+
+@dataclass(frozen=True, slots=True)
+class TubeBoxes:
+    """Boxes that hold the effectors.
+
+    Shapes: ``times`` (m + 1,) the ends of m intervals of time; ``boxes`` (m, e, d, 2) what holds
+    the effectors throughout each; ``instants`` (i,); ``half_widths`` (i, e, d) half the sides of
+    the boxes that hold them then, in metres.  ``segments`` is how many intervals the proof has.
+    """
+
+    times: Array
+    boxes: Array
+    instants: Array
+    half_widths: Array
+    segments: int
+    disturbed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class CellVisit:
+    """From sample ``since`` on, an effector is in the cell with this name."""
+
+    since: int
+    cell: str
+
+
+@dataclass(frozen=True)
+class RobotMotion:
+    """A robot in motion.
+
+    Shapes: ``times`` (K,) in seconds, ``q`` (K, n), ``points`` (K, P, d) in metres.  ``visits`` has
+    the cells of every effector.  ``steps`` is the number of steps of the task, each ``step`` s.
+    """
+
+    robot: DrawnRobot
+    times: Array
+    q: Array
+    points: Array
+    visits: tuple[tuple[CellVisit, ...], ...]
+    steps: int
+    step: float
+    tube: TubeBoxes | None
+
+    @property
+    def tips(self) -> Array:
+        """The effectors' positions, shape (K, e, d)."""
+        found: Array = self.points[:, list(self.robot.effectors)]
+        return found
+
+
+@dataclass(frozen=True)
+class MotionScene:
+    """The workspace, the robot in it where there is one, and the view in which both fit."""
+
+    dimension: int
+    shapes: tuple[WorkspaceShape, ...]
+    motion: RobotMotion | None
+    view: View
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the bounds of the workspace reach out of the picture."""
+        corners = self.view.project(self.shapes[0].corners)
+        size = np.array([self.view.width, self.view.height])
+        return bool((corners < -0.5).any() or (corners > size + 0.5).any())
+
+
+def motion_scene(evidence: Evidence) -> MotionScene:
+    """What the animation of a result shows; the workspace alone where there is no robot."""
+    motion = None
+    if evidence.found is not None and evidence.trajectory is not None:
+        tube = None
+        if evidence.tube is not None:
+            tube = tube_boxes(evidence.tube, len(evidence.found.model.effectors))
+        motion = robot_motion(evidence.found, evidence.trajectory, tube)
+    shapes = _shapes(evidence, motion)
+    return MotionScene(
+        evidence.workspace.dimension, shapes, motion, fitted(seen_corners(shapes, motion))
+    )
+
+
+def _shapes(evidence: Evidence, motion: RobotMotion | None) -> tuple[WorkspaceShape, ...]:
+    """Bounds, cells and regions; of many cells those that are visited."""
+    shapes = workspace_shapes(evidence.workspace, evidence.cells.cells)
+    if len(evidence.cells.cells) <= MOST_CELLS:
+        return shapes
+    visits = () if motion is None else motion.visits
+    visited = {visit.cell for each in visits for visit in each}
+    return tuple(shape for shape in shapes if shape.kind != "cell" or shape.name in visited)
+
+
+def robot_motion(
+    found: FoundDesign, trajectory: Trajectory, tube: TubeBoxes | None = None
+) -> RobotMotion:
+    """The motion of a design at instants close enough to be interpolated on a picture."""
+    model = found.model
+    robot = drawn_robot(model, found.theta)
+    first = robot.points(trajectory.q[:1])
+    most = int(np.clip(MOST_NUMBERS // max(first.size, 1), FEWEST_INSTANTS, MOST_INSTANTS))
+    turning = np.array([dof.kind == "revolute" for dof in model.dofs], dtype=bool)
+    samples = motion_samples(trajectory.t, trajectory.q, trajectory.qd, turning=turning, most=most)
+    visits = tuple(_visits(path) for path in found.claim.path)
+    step = float(found.task.step)
+    return RobotMotion(
+        robot,
+        samples.times,
+        samples.coordinates,
+        robot.points(samples.coordinates),
+        visits,
+        len(trajectory.t) - 1,
+        step,
+        tube,
+    )
+
+
+def _visits(path: Sequence[str]) -> tuple[CellVisit, ...]:
+    """When the cell of a path changes."""
+    found, sample = [], 0
+    for cell, run in groupby(path):
+        found.append(CellVisit(sample, cell))
+        sample += len(list(run))
+    return tuple(found)
+
+
+def seen_corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -> list[Array]:
+    """What a view has to hold: the regions and the motion, and the bounds unless they are vast."""
+    bounds = shapes[0].corners
+    inner = [shape.corners for shape in shapes if shape.kind not in ("bounds", "cell")]
+    if motion is not None:
+        inner.append(_moved(motion))
+    if not inner:
+        return [bounds]
+    points = np.concatenate(inner)
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = float((high - low).max())
+    if len(low) == 2 and float(np.ptp(bounds, axis=0).max()) <= VAST * extent:
+        return [*inner, bounds]
+    room = extent * (1.0 if len(low) == 2 else ROOM_IN_SPACE)
+    return [*inner, np.clip(bounds, low - room, high + room)]
+
+
+def _moved(motion: RobotMotion) -> Array:
+    """The extent of the whole motion; the tips of axes are no part of the robot."""
+    found = motion.robot.own(motion.points).reshape(-1, motion.points.shape[2])
+    return np.stack([found.min(axis=0), found.max(axis=0)])
+
+
+def tube_boxes(tube: CertifiedTube, effectors: int) -> TubeBoxes:
+    """The boxes of a tube; intervals are put together where there are many."""
+    points = tube.points[:, :effectors]
+    count = len(points)
+    groups = np.array_split(np.arange(count), min(count, MOST_BOXES))
+    boxes = np.stack(
+        [
+            np.stack([points[group, ..., 0].min(axis=0), points[group, ..., 1].max(axis=0)], -1)
+            for group in groups
+        ]
+    )
+    ends = [0, *(int(group[-1]) + 1 for group in groups)]
+    picked = np.unique(np.linspace(0, count, MOST_WIDTHS).round().astype(int))
+    instants = tube.times[picked]
+    widths = np.stack([_half_widths(tube, float(time), effectors) for time in instants])
+    return TubeBoxes(tube.times[ends], boxes, instants, widths, count, tube.disturbed)
+
+
+def _half_widths(tube: CertifiedTube, time: float, effectors: int) -> Array:
+    bounds = tube.points_at(time)[:effectors]
+    found: Array = (bounds[..., 1] - bounds[..., 0]) / 2
+    return found

@@ -1,0 +1,162 @@
+"""The robot of a result, module by module, beside its word and its derivation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import degrees
+
+from compiler.grammars.derivation import Derivation
+from compiler.robots.robot import RobotDof
+from compiler.semantics.semantics_error import SemanticsError
+from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
+from srgc.render.derivation_tree import derivation_tree
+from srgc.render.html_text import number, text, with_unit
+from srgc.render.module_drawing import module_drawing
+from srgc.render.module_marks import marked_robot
+from srgc.render.module_picture import robot_picture
+from srgc.report.evidence import Evidence
+from srgc.results.found_design import FoundDesign
+
+
+def robot_section(evidence: Evidence) -> str:
+    """The section of the page; where the result has no robot, it says why."""
+    found = evidence.found
+    if found is None:
+        return f'<section id="robot"><h2>The robot</h2><p>{_why_none(evidence)}</p></section>'
+    grammar, modules = found.program.grammars[found.task.grammar], found.program.modules
+    roles = {name: module.role for name, module in modules.items()}
+    return (
+        '<section id="robot"><h2>The robot, its word and its derivation</h2>'
+        f"{_word(found.derivation, roles)}"
+        f"<figure>{_picture(found, grammar, modules)}</figure>"
+        f'<div class="scroll">{_table(found, roles)}</div>'
+        f"<h3>Derivation</h3><p>{_leftmost(found.derivation)}</p>"
+        f'<div class="scroll">{derivation_tree(found.derivation, roles)}</div></section>'
+    )
+
+
+def _why_none(evidence: Evidence) -> str:
+    if evidence.verdict == "impossible":
+        return (
+            "There is none. What is proved of that, and of which robots of the family, stands with "
+            "the verdict."
+        )
+    return (
+        "None was found. That says nothing about whether there is one: the search ended before it "
+        "found a robot or ruled all of them out."
+    )
+
+
+def _word(derivation: Derivation, roles: Mapping[str, ir.Role]) -> str:
+    """The word as a list of chips; edges are plain."""
+    chips = []
+    for place, name in enumerate(derivation.word):
+        if name in roles:
+            title = f"symbol {place}: {roles[name]}"
+            chips.append(
+                f'<li class="chip {roles[name]}" data-symbol="{place}" tabindex="0" '
+                f'title="{text(title)}">{text(name)}<sub>{place}</sub></li>'
+            )
+        else:
+            chips.append(f'<li class="edge" data-symbol="{place}">{text(name)}</li>')
+    return f'<ol class="chips" aria-label="The word">{"".join(chips)}</ol>'
+
+
+def _picture(found: FoundDesign, grammar: ir.Grammar, modules: Mapping[str, ir.Module]) -> str:
+    try:
+        robot = marked_robot(grammar, modules, found.derivation, found.model.dimension)
+    except SemanticsError as error:
+        return f"<figcaption>It is not drawn: {text(error)}.</figcaption>"
+    drawing = module_drawing(robot, found.derivation.word, dict(modules), found.theta)
+    values = {place: [shown for _, shown in each] for place, each in _parameters(found).items()}
+    absent = [
+        f"{text(name)} {place}"
+        for place, name in enumerate(found.derivation.word)
+        if name in modules and place not in {module.place for module in drawing.modules}
+    ]
+    caption = (
+        "At its real lengths, in a pose in which all modules can be seen; it is none of the task. "
+        "Names have the module and its place in the word, counted from 0."
+    )
+    if absent:
+        caption += f" Not drawn, as no frame passes them: {', '.join(absent)}."
+    picture = robot_picture(drawing, values)
+    return f'<div class="scroll">{picture}</div><figcaption>{caption}</figcaption>'
+
+
+def _parameters(found: FoundDesign) -> dict[int, list[tuple[str, str]]]:
+    """Per place in the word, the names of its parameters and their values with units."""
+    shown: dict[int, list[tuple[str, str]]] = {}
+    for value in found.parameters:
+        known = value.parameter
+        row = known.name, with_unit(float(value), known.unit)
+        shown.setdefault(known.symbol, []).append(row)
+    return shown
+
+
+def _table(found: FoundDesign, roles: Mapping[str, ir.Role]) -> str:
+    parameters, joints = _parameters(found), _joints(found)
+    labels = _labels(found.derivation)
+    rows = []
+    for place, name in enumerate(found.derivation.word):
+        if name not in roles:
+            continue
+        values = [f"{text(key)} = {text(shown)}" for key, shown in parameters.get(place, ())]
+        values += joints.get(place, [])
+        rows.append(
+            f'<tr data-symbol="{place}"><td>{place}</td><th scope="row">{text(name)}</th>'
+            f"<td>{roles[name]}</td><td>{'<br/>'.join(values)}</td>"
+            f"<td>{text(labels[place])}</td></tr>"
+        )
+    return (
+        '<table class="parts"><thead><tr><th scope="col">place</th><th scope="col">module</th>'
+        '<th scope="col">role</th><th scope="col">values</th><th scope="col">rule</th></tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table>"
+    )
+
+
+def _joints(found: FoundDesign) -> dict[int, list[str]]:
+    """Per place in the word, what is said of its joints."""
+    shown: dict[int, list[str]] = {}
+    for index, dof in enumerate(found.model.dofs):
+        for place in dof.symbols:
+            words = f"q{index + 1}: {_joint_words(dof)}"
+            if len(dof.symbols) > 1:
+                others = ", ".join(str(other) for other in dof.symbols if other != place)
+                words += f", one with {others}"
+            shown.setdefault(place, []).append(text(words))
+    for place in found.model.removed:
+        shown.setdefault(place, []).append("moves nothing, left out")
+    return shown
+
+
+def _joint_words(dof: RobotDof) -> str:
+    turning = dof.kind == "revolute"
+    words = f"{'turns about' if turning else 'slides along'} {dof.axis}"
+    if dof.range is None:
+        return f"{words}, without end"
+    low, high = to_float(dof.range.lower), to_float(dof.range.upper)
+    if turning:
+        return f"{words}, {number(degrees(low))}° to {number(degrees(high))}°"
+    return f"{words}, {number(low)} to {number(high)} m"
+
+
+def _labels(derivation: Derivation) -> dict[int, str]:
+    """Per place in the word, the production that put the symbol there."""
+    return {
+        child: node.production.label
+        for node in derivation.nodes
+        for child, symbol in zip(node.children, node.production.right, strict=True)
+        if symbol.kind != "nonterminal"
+    }
+
+
+def _leftmost(derivation: Derivation) -> str:
+    """The leftmost derivation as labels of productions."""
+    return "Leftmost, by the labels of the rules: " + " ⇒ ".join(_codes(derivation)) + "."
+
+
+def _codes(derivation: Derivation) -> Iterator[str]:
+    for label in derivation.labels:
+        yield f"<code>{text(label)}</code>"

@@ -1,0 +1,54 @@
+"""The specification with the colours of its language, its lines numbered."""
+
+from __future__ import annotations
+
+from pygments import highlight
+from pygments.formatters.html import HtmlFormatter
+
+from grammar_lang.source import Source
+from srgc.pygments_lexer import SrgLexer
+from srgc.render.html_text import text
+from srgc.report.evidence import Evidence
+
+MOST_CHARACTERS = 40_000
+"""Of all files together; what is beyond is in the folder."""
+
+
+def line_anchor(file: int, line: int) -> str:
+    """The id of a line, from 1, of a source by its number."""
+    return f"spec{file}-{line}"
+
+
+def spec_source(evidence: Evidence) -> str:
+    """All files in the language; maps and images are named only."""
+    left, parts = MOST_CHARACTERS, []
+    for number, source in enumerate(evidence.program.sources):
+        if not source.path.endswith(".srg") and number:
+            parts.append(f"<p><code>{text(source.path)}</code>: {len(source.data)} bytes</p>")
+            continue
+        parts.append(_source(number, source, left))
+        left = max(0, left - len(source.text))
+    return "".join(parts)
+
+
+def _source(number: int, source: Source, most: int) -> str:
+    shown = source.text[:most]
+    cut = "" if len(shown) == len(source.text) else "<p>The rest is in the folder.</p>"
+    opened = " open" if not number else ""
+    formatter = HtmlFormatter(
+        cssclass="srg", linespans=f"spec{number}", wrapcode=True, classprefix="p-"
+    )
+    lexer = SrgLexer(stripnl=False, ensurenl=False)
+    coloured = highlight(_allowed(shown), lexer, formatter)
+    return (
+        f"<details{opened}><summary><code>{text(source.path)}</code></summary>"
+        f"{coloured}{cut}</details>"
+    )
+
+
+def _allowed(content: str) -> str:
+    """The source without what HTML does not allow; text() escapes, which the formatter does."""
+    return "".join(
+        c if c in "\n\t" or (c.isprintable() or c == " ") else "\ufffd"
+        for c in content.replace("\r\n", "\n")
+    )

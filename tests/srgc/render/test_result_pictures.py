@@ -1,0 +1,68 @@
+"""The pictures of a result, against the geometry of a turning pole."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grammar_lang.load import load
+from solvers.progress import Conduct
+from solvers.synthesis import synthesise
+from srgc.render.result_pictures import _effector_line, input_figure, workspace_figure
+from srgc.render.robot_drawing import drawn_robot
+from tests.oracles.small_specs import TURNER
+
+POINT = "point(frame: N.frame * move(x, L.length), mass: 1 kg);"
+ROD = "rod(frame: N.frame, axis: x, length: L.length, density: L.density);"
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    path = tmp_path_factory.mktemp("skeleton") / "spec.srg"
+    path.write_text(TURNER.replace(ROD, POINT), encoding="utf-8")
+    program = load(path).program
+    task = program.tasks["Turn"]
+    return program, task, synthesise(program, task, Conduct())
+
+
+def robot_of(result):
+    return drawn_robot(result.design.model, np.array([float(p) for p in result.design.parameters]))
+
+
+def test_a_point_mass_hangs_on_a_line_from_the_base(drawn):
+    _, _, result = drawn
+    (length,) = (float(p.value) for p in result.design.parameters)
+    angles = result.design.configuration.outcome.trajectory.x[:, :1]
+    tips = length * np.concatenate([np.cos(angles), np.sin(angles)], axis=1)
+    robot = robot_of(result)
+    points = robot.points(angles)
+    last = robot.bones[-1][1]
+    np.testing.assert_allclose(points[:, robot.bones[0][0]], 0, atol=1e-12)
+    np.testing.assert_allclose(points[:, last], tips, atol=1e-9)
+    np.testing.assert_allclose(points[:, robot.masses[0].point], tips, atol=1e-9)
+
+
+def test_the_trace_does_not_cut_corners(drawn):
+    _, task, result = drawn
+    (length,) = (float(p.value) for p in result.design.parameters)
+    trajectory = result.design.configuration.outcome.trajectory
+    line = _effector_line(result.design, robot_of(result), float(task.step))
+    angles = np.unwrap(np.arctan2(line[:, 1], line[:, 0]))
+    assert np.abs(np.diff(angles)).max() < np.abs(np.diff(trajectory.x[:, 0])).max() / 5
+    middles = np.hypot(*((line[1:] + line[:-1]) / 2).T)
+    np.testing.assert_allclose(middles, length, rtol=1e-3)
+    # The torque is held and nothing else acts: the pole turns with a constant acceleration.
+    h, count = float(task.step), (len(line) - 1) // (len(trajectory.x) - 1)
+    assert count % 2 == 0
+    turns, rates = trajectory.x[:-1].T
+    half = turns + rates * h / 2 + (trajectory.x[1:, 1] - rates) * h / 8
+    np.testing.assert_allclose(angles[count // 2 :: count] - angles[0], half - turns[0], atol=1e-6)
+
+
+def test_the_pictures_are_made_twice_alike(drawn):
+    program, task, result = drawn
+    workspace = program.workspaces["Table"]
+    pictures = [workspace_figure(result, result.design, workspace, task) for _ in range(2)]
+    assert pictures[0] == pictures[1]
+    assert pictures[0].lstrip().startswith("<?xml")
+    assert input_figure(result.design, task) == input_figure(result.design, task)
