@@ -7,7 +7,6 @@ needs: until ``main`` has seen to it, an interrupt is a traceback of Python's.
 
 from __future__ import annotations
 
-import gc
 import sys
 
 
@@ -28,6 +27,8 @@ def main() -> None:
         from srgc.terminal import escape_unencodable
 
         escape_unencodable()
+        import gc
+
         # Most objects live to the end: to look for garbage among them after every 700 new ones,
         # which is Python's usual number, takes time and finds little.
         gc.set_threshold(50_000, 20, 20)

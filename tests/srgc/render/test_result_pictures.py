@@ -31,7 +31,7 @@ def robot_of(result):
 
 def test_a_point_mass_hangs_on_a_line_from_the_base(drawn):
     _, _, result = drawn
-    (length,) = (float(p.value) for p in result.design.parameters)
+    (length,) = (float(p) for p in result.design.parameters)
     angles = result.design.configuration.outcome.trajectory.x[:, :1]
     tips = length * np.concatenate([np.cos(angles), np.sin(angles)], axis=1)
     robot = robot_of(result)
@@ -44,7 +44,7 @@ def test_a_point_mass_hangs_on_a_line_from_the_base(drawn):
 
 def test_the_trace_does_not_cut_corners(drawn):
     _, task, result = drawn
-    (length,) = (float(p.value) for p in result.design.parameters)
+    (length,) = (float(p) for p in result.design.parameters)
     trajectory = result.design.configuration.outcome.trajectory
     line = _effector_line(result.design, robot_of(result), float(task.step))
     angles = np.unwrap(np.arctan2(line[:, 1], line[:, 0]))
