@@ -18,10 +18,10 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.geometry.abstraction import abstract
-from compiler.languages.structures import derivations_of
-from compiler.planning.specification import planning_problem
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.tasks.specification import planning_problem
+from compiler.words.structures import derivations_of
+from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load_text
 from solvers.motions.control import synthesise_control
 from solvers.motions.control_problem import ControlOutcome, ControlProblem

@@ -20,7 +20,7 @@ from typing import Any
 from language_grammars import Subject, Word
 from language_peer import Peer
 
-from compiler.languages.language import Language, language
+from compiler.words.language import Language, language
 
 SHARE = 4
 """Rounds may take the time limit divided by this; the limit itself is for a single word."""

@@ -23,7 +23,7 @@ from language_grammars import Word, subjects
 from language_peers import Pyformlang
 from timing import ROOT
 
-from compiler.languages.language import Language, language
+from compiler.words.language import Language, language
 from grammar_lang import ir
 
 WORDS = 100_000

@@ -20,10 +20,10 @@ from timing import HEAD, ROOT, Line, machine, paired, seconds
 
 sys.path.insert(0, str(ROOT))
 
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.geometry.bisection import bisections
-from compiler.geometry.partition import remainder
-from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.workspaces.abstraction import Abstraction, abstract
+from compiler.workspaces.bisection import bisections
+from compiler.workspaces.partition import remainder
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang.ir import Hull, Region, Workspace
 
 NEARLY = 1e-6

@@ -39,7 +39,7 @@ class Peer:
 
 def ours(world: World, formula: Any = None) -> tuple[list[int], tuple[int, ...] | None]:
     """The cells in order, and when they are entered."""
-    from compiler.planning.specification import PlannedEffector, PlanningProblem
+    from compiler.tasks.specification import PlannedEffector, PlanningProblem
     from solvers.planner import Planner
     from solvers.verdict import Holds
 
@@ -151,7 +151,7 @@ def marks(world: World) -> dict[int, frozenset[str]]:
 
 def formula_line(rounds: int, limit: float) -> dict[str, float]:
     """In A within 50 steps and then in B, never in C, and in B for the last eight steps."""
-    from compiler.specifications.sampled_formula import sampled
+    from compiler.tasks.sampled_formula import sampled
     from grammar_lang import ir
     from tests.oracles.word_semantics import true_at
 

@@ -50,10 +50,10 @@ def measure_convex_step(runs: int) -> list[Line]:
 
     from compiler.discretisation.numeric_robot import NumericRobot
     from compiler.dynamics.equations_of_motion import robot_graph
-    from compiler.geometry.abstraction import abstract
-    from compiler.languages.structures import derivations_of
-    from compiler.planning.specification import planning_problem
-    from compiler.semantics.family import family_of
+    from compiler.robots.family import family_of
+    from compiler.tasks.specification import planning_problem
+    from compiler.words.structures import derivations_of
+    from compiler.workspaces.abstraction import abstract
     from solvers.motions.convex_step import ConvexStep
     from solvers.motions.measured_motion import measured
     from solvers.motions.path_following import Follower
@@ -92,8 +92,8 @@ def measure_convex_step(runs: int) -> list[Line]:
 def measure_proof(runs: int, folder: Path) -> list[Line]:
     """The validated tube of a result, alone and with all conditions checked on it."""
     from compiler.expressions.evaluators.balls import working_precision
-    from compiler.geometry.abstraction import abstract
-    from compiler.semantics.family import family_of
+    from compiler.robots.family import family_of
+    from compiler.workspaces.abstraction import abstract
     from solvers.verifier.claims.certificate import FoundClaim, claimed_values, from_text
     from solvers.verifier.proofs.enclosure import TubeSegment, tube
     from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of

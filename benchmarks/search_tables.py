@@ -14,9 +14,9 @@ from timing import SPEC, seconds
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.geometry.abstraction import abstract
-from compiler.planning.specification import planning_problem
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.tasks.specification import planning_problem
+from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.design_follower import PathTask
 from solvers.motions.path_following import Follower

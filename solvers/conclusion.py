@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from compiler.languages.budget import WordsTooLongError
-from compiler.semantics.family import RobotFamily
+from compiler.robots.family import RobotFamily
+from compiler.words.budget import WordsTooLongError
 from grammar_lang import ir
 from solvers.verdict import NotFound
 

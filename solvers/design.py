@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from compiler.geometry.abstraction import Abstraction
-from compiler.grammars.derivation import Derivation
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
+from compiler.words.derivation import Derivation
+from compiler.workspaces.abstraction import Abstraction
 from solvers.search.configuration_search import Configuration
 from solvers.verifier.proofs.finding import Finding
 from solvers.verifier.proofs.trajectory_proof import Motion

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.geometry.abstraction import Abstraction
-from compiler.specifications.word_formula import SampledFormula
+from compiler.tasks.word_formula import SampledFormula
+from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.motions.path_following import LEAST_MARGIN, SUBSTEPS, Follower
 from solvers.motions.stiffness import stable_parts

@@ -9,9 +9,9 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from compiler.candidates.candidate import Candidate
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.candidate import Candidate
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from grammar_lang import ir

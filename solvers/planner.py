@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
-from compiler.planning.plan_encoding import plan_encoding
-from compiler.planning.specification import PlanningProblem
+from compiler.tasks.plan_encoding import plan_encoding
+from compiler.tasks.specification import PlanningProblem
 from compiler.time_limits.time_limit import check_time
 from solvers.backends.sat import SatSolver
 from solvers.verdict import Answer, Fails, Holds, Unknown

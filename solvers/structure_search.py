@@ -13,12 +13,12 @@ import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.expressions.exact_numbers import decimal
-from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.bisection import halving
-from compiler.grammars.derivation import Derivation
-from compiler.planning.specification import PlanningProblem, planning_problem
 from compiler.robots.parameter_values import nearest_values
-from compiler.specifications.word_formula import SampledFormula
+from compiler.tasks.specification import PlanningProblem, planning_problem
+from compiler.tasks.word_formula import SampledFormula
+from compiler.words.derivation import Derivation
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.bisection import halving
 from grammar_lang import ir
 from solvers.design import Design, motion_of
 from solvers.design_follower import PathTask

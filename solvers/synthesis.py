@@ -12,18 +12,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from compiler.candidates.candidate import Candidate, candidates
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.geometry.bisection import bisections
-from compiler.grammars.derivation import Derivation
-from compiler.maps.obstacle_pieces import expanded
+from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
-from compiler.semantics.family import RobotFamily, family_of
-from compiler.specifications.sampled_formula import sampled
-from compiler.specifications.task_formula import recorded_effector
-from compiler.specifications.word_formula import SampledFormula, every
+from compiler.tasks.obstacle_pieces import expanded
+from compiler.tasks.sampled_formula import sampled
+from compiler.tasks.task_formula import recorded_effector
+from compiler.tasks.word_formula import SampledFormula, every
 from compiler.time_limits.time_limit import OutOfTimeError, check_time
+from compiler.words.derivation import Derivation
+from compiler.workspaces.abstraction import Abstraction, abstract
+from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
 from solvers.conclusion import (
     DEFAULT_DESIGNS,

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.family import RobotFamily
 from compiler.robots.planarity import is_planar
 from compiler.robots.robot import RobotModel
-from compiler.semantics.attributes import SemanticsError
-from compiler.semantics.family import RobotFamily
 from grammar_lang import ir
 from srgc.graphs.chosen_derivation import chosen_derivation
 from srgc.session import UsageFault, chosen

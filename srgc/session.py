@@ -72,7 +72,7 @@ def check_loaded(loaded: Loaded) -> Checked:
         start_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
-        from compiler.maps.obstacle_pieces import task_by_task
+        from compiler.tasks.obstacle_pieces import task_by_task
         from solvers.conflicts.formula_checks import formula_diagnostics
 
         for program in task_by_task(loaded.sound):

@@ -11,7 +11,7 @@ from benchmarks.language_grammars import CHAIN_ITEMS, Subject, accepted, is_chai
 from benchmarks.large_spec import FORMULA_EVERY, large_spec
 from benchmarks.linearisations import disagreement, expansion, ours, pinocchio_loop, samples
 from benchmarks.planning_worlds import grid, maze
-from compiler.languages.language import language
+from compiler.words.language import language
 from grammar_lang.load import load_text
 from srgc.session import check_loaded
 from tests.oracles.brute_force_grammar import all_words, words_of

@@ -18,7 +18,7 @@ import pytest
 from lark import Lark, Token, Tree
 
 import srgc.cli
-from compiler.automata.finite_automaton import STATE_LIMIT
+from compiler.words.finite_automaton import STATE_LIMIT
 from grammar_lang.diagnostics.code_pages import page_text, read_page
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink

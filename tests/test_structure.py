@@ -157,9 +157,9 @@ def test_every_module_says_what_it_is():
 @pytest.mark.parametrize(
     ("file", "name"),
     [
-        ("grammars/grammar.py", "structural reconfiguration grammar"),
-        ("automata/pushdown_automaton.py", "structural reconfiguration automaton"),
-        ("automata/functional_automaton.py", "functional reconfiguration automaton"),
+        ("words/grammar.py", "structural reconfiguration grammar"),
+        ("words/pushdown_automaton.py", "structural reconfiguration automaton"),
+        ("words/functional_automaton.py", "functional reconfiguration automaton"),
     ],
 )
 def test_the_objects_have_the_names_of_the_paper(file, name):

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from compiler.grammars.derivation import Derivation
-from compiler.languages.ambiguity import Ambiguity
-from compiler.languages.language import Language
-from compiler.languages.structures import derivations_of
+from compiler.words.ambiguity import Ambiguity
+from compiler.words.derivation import Derivation
+from compiler.words.language import Language
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
@@ -128,8 +128,8 @@ def _robots(
 ) -> list[tuple[Derivation, RobotModel]]:
     """The robots of those derivations that the semantics give one."""
     # Ambiguous grammars are few: the robots' part of the compiler is loaded for them only.
-    from compiler.semantics.attributes import SemanticsError
-    from compiler.semantics.family import RobotFamily
+    from compiler.robots.attributes import SemanticsError
+    from compiler.robots.family import RobotFamily
 
     family = RobotFamily(program, grammar, dimension)
     found: list[tuple[Derivation, RobotModel]] = []
@@ -148,7 +148,7 @@ def _different(robots: Sequence[tuple[Derivation, RobotModel]]) -> Pair | None:
     for derivation, robot in robots[1:]:
         if robot_key(robot) == robot_key(robots[0][1]):
             continue
-        from compiler.robots.robot_equality import provably_different
+        from compiler.robots.robot_key import provably_different
 
         if provably_different(robots[0][1], robot):
             return robots[0][0], derivation

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
 
-from compiler.geometry.overlaps import interiors_meet
-from compiler.geometry.partition import remainder
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.overlaps import interiors_meet
+from compiler.workspaces.partition import remainder
+from compiler.workspaces.polytope import Polytope
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.ir import Region, StartIn, Task

@@ -10,16 +10,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.automata.finite_automaton import AutomatonTooLargeError, intersection
 from compiler.checks.ambiguity_checks import ambiguity_diagnostics
-from compiler.grammars.alphabet import alphabet_of
-from compiler.grammars.grammar import Srg, productive, reachable, srg
-from compiler.grammars.production_cycles import ProductionCycle, production_cycles
-from compiler.languages.ambiguity import ambiguity
-from compiler.languages.finite_language import longest_word, number_of_words
-from compiler.languages.intersection import CHECKED_RULES, IntersectionTooLargeError
-from compiler.languages.language import Language, restrict
+from compiler.words.acceptance import accept_dfa
+from compiler.words.ambiguity import ambiguity
+from compiler.words.finite_automaton import AutomatonTooLargeError, intersection
+from compiler.words.grammar import Srg, alphabet_of, productive, reachable, srg
+from compiler.words.intersection import CHECKED_RULES, IntersectionTooLargeError
+from compiler.words.language import Language, longest_word, number_of_words, restrict
+from compiler.words.production_cycles import ProductionCycle, production_cycles
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink

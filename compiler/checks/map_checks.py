@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from compiler.geometry.polytope import Polytope
-from compiler.maps.map_fault import MapFault
-from compiler.maps.obstacle_pieces import pieces_of, polytopes_within
-from compiler.maps.pieces import Pieces, cross, sides
+from compiler.tasks.obstacle_pieces import pieces_of, polytopes_within
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.pieces import Pieces, cross, sides
+from compiler.workspaces.polytope import Polytope
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.diagnostics.wording import counted

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator, Mapping
 from itertools import islice
 
 from compiler.checks.end_checks import Shapes
-from compiler.geometry.overlaps import candidates, interiors_meet
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.overlaps import candidates, interiors_meet
+from compiler.workspaces.polytope import Polytope
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.ir import Region, Workspace

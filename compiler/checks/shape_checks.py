@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Literal
 
-from compiler.geometry.double_description import Point
-from compiler.geometry.irreducible_rows import irreducible_rows
-from compiler.geometry.polytope import AXES, Polytope, polytope_of
+from compiler.workspaces.double_description import Point
+from compiler.workspaces.polytope import AXES, Polytope, polytope_of
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region
@@ -106,3 +105,39 @@ def _inequality(row: HalfSpace) -> str:
         return Polytope((row,)).inequalities()[0]
     axis, entry = terms[0]
     return f"{axis} {'<=' if entry > 0 else '>='} {row.offset / entry}"
+
+
+# --- Few inequalities that already contradict each other, or that leave no interior ---------------
+#
+# Source: Chinneck, *Feasibility and Infeasibility in Optimization* (2008), section 6.2 (additive
+# method), with the bisection of Junker, *QuickXplain* (2004).  By Helly's theorem an irreducible
+# set of half-spaces in dimension d without a common point has at most d + 1 members; the same holds
+# of their interiors.
+
+
+def irreducible_rows(
+    rows: Sequence[HalfSpace], fails: Callable[[Polytope], bool]
+) -> tuple[HalfSpace, ...]:
+    """Rows with which ``fails`` holds, none of which can be left out, in the order given.
+
+    Args:
+        rows: half-spaces of one dimension with which ``fails`` holds.
+        fails: a test that more rows can only make true, such as emptiness.
+    """
+    kept: list[int] = []
+    pending = range(len(rows))
+    while not kept or not fails(_polytope(rows, kept)):
+        low, high = 1, len(pending)
+        while low < high:
+            middle = (low + high) // 2
+            if fails(_polytope(rows, [*kept, *pending[:middle]])):
+                high = middle
+            else:
+                low = middle + 1
+        kept.append(pending[low - 1])
+        pending = pending[: low - 1]
+    return tuple(rows[i] for i in sorted(kept))
+
+
+def _polytope(rows: Sequence[HalfSpace], chosen: Sequence[int]) -> Polytope:
+    return Polytope(tuple(rows[i] for i in chosen))

@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.automata.finite_automaton import AutomatonTooLargeError, Dfa, intersection
-from compiler.grammars.alphabet import alphabet_of
-from compiler.grammars.binary_normal_form import BinaryGrammar
-from compiler.grammars.grammar import Srg, srg
-from compiler.languages.intersection import CHECKED_RULES, IntersectionTooLargeError
-from compiler.languages.language import restrict
+from compiler.words.acceptance import accept_dfa
+from compiler.words.binary_normal_form import BinaryGrammar
+from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa, intersection
+from compiler.words.grammar import Srg, alphabet_of, srg
+from compiler.words.intersection import CHECKED_RULES, IntersectionTooLargeError
+from compiler.words.language import restrict
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.grammars.grammar import srg
-from compiler.languages.language import Language, restrict
-from compiler.reading.viable_prefix import viable_prefix
-from compiler.semantics.effector_counts import several_effectors
-from compiler.specifications.subformulas import subformulas
+from compiler.robots.effector_counts import several_effectors
+from compiler.tasks.formula_parts import subformulas
+from compiler.words.acceptance import accept_dfa
+from compiler.words.grammar import srg
+from compiler.words.language import Language, restrict
+from compiler.words.word_reader import viable_prefix
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink

@@ -8,7 +8,7 @@ from typing import assert_never
 from compiler.checks.end_checks import Shapes, end_diagnostics, ends
 from compiler.checks.overlap_checks import map_overlap_diagnostics, overlap_diagnostics
 from compiler.checks.shape_checks import sound_polytope
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from compiler.encodings.body_demands import BodyDemands
+from compiler.encodings.body_conditions import BodyDemands
 from compiler.encodings.planar_poses import PlanarPose
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import PRECISION, Pose

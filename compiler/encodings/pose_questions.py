@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.geometry.polytope import polytope_of
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel
-from compiler.specifications.necessary import task_visits
-from compiler.specifications.task_formula import missing_effector
+from compiler.tasks.necessary import task_visits
+from compiler.tasks.task_formula import missing_effector
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compiler.encodings.body_demands import body_demands
+from compiler.encodings.body_conditions import body_demands
 from compiler.encodings.body_smt import body_script, body_scripts
 from compiler.encodings.pose_questions import pose_questions
 from compiler.encodings.reachability_smt import refutation_script

@@ -24,7 +24,7 @@ from compiler.encodings.real_terms import (
     constant,
     multiply,
 )
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 
 FAR = Fraction(10**6)

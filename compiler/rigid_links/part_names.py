@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from compiler.grammars.derivation import Derivation, DerivationNode
-from compiler.graphs.labelled_graph import LabelledGraph
 from compiler.rigid_links.rigid_tree import RigidTree
+from compiler.robots.labelled_graph import LabelledGraph
 from compiler.robots.robot import RobotModel
-from compiler.semantics.emission_order import emission_order
+from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
 
 

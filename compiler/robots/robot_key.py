@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from fractions import Fraction
+from typing import TypeAlias
+
+from flint import arb
 
 from compiler.expressions.evaluator import Evaluator
+from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
 from compiler.expressions.scalars import Apply, ParameterLeaf, evaluate_scalars
 from compiler.robots.given_start import given_start
 from compiler.robots.own_dynamics import OwnDynamics
@@ -15,7 +20,9 @@ from compiler.robots.robot import (
     Joint,
     Offset,
     PointBody,
+    RobotDof,
     RobotModel,
+    RobotParameter,
     RodBody,
     SolidBody,
     Turn,
@@ -142,3 +149,139 @@ def _body_text(body: Body, texts: list[str]) -> str:
         case SolidBody(frame, mass, com, inertia):
             items = [texts[i] for i in (*com, *inertia)]
             return f"solid {frame} {texts[mass]} {items}"
+
+
+# --- Whether two normalised robots are different beyond doubt -------------------------------------
+#
+# ``robot_key`` compares expressions as they are written, so ``a + (b + c)`` is not ``(a + b) + c``
+# to it.  Here expressions are compared by their values at sample points of the parameter box, in
+# ball arithmetic: where two balls are disjoint the expressions differ, and only then.
+
+
+SAMPLES = (3, 7)
+
+Naming: TypeAlias = Callable[[RobotModel, tuple[int, ...]], list[int]]
+
+
+def provably_different(first: RobotModel, second: RobotModel) -> bool:
+    """Whether two normal forms are shown to differ, however their parameters are matched.
+
+    Parameters are matched in the order of the word, and in the order in which the robots use them.
+    False does not say that the robots are equal.
+    """
+    if _skeleton(first) != _skeleton(second) or _limits_differ(first, second):
+        return True
+    namings: tuple[Naming, ...] = (_by_word, _by_use)
+    return all(_values_differ(first, second, naming) for naming in namings)
+
+
+# --- what holds no expression ----------------------------------------------------------------
+
+
+def _skeleton(model: RobotModel) -> tuple[object, ...]:
+    """The tree of frames, joints, bodies and effectors with all expressions left out."""
+    return (
+        model.dimension,
+        tuple(_bare_frame(frame) for frame in model.frames),
+        tuple(_bare_body(body) for body in model.bodies),
+        tuple((dof.kind, dof.range is None, dof.rate is None) for dof in model.dofs),
+        model.effectors,
+    )
+
+
+def _bare_frame(frame: FrameNode) -> FrameNode:
+    match frame.step:
+        case Turn(axis, _):
+            return FrameNode(frame.parent, Turn(axis, 0))
+        case Offset():
+            return FrameNode(frame.parent, Offset((0, 0, 0)))
+        case Joint() | None:
+            return frame
+
+
+def _bare_body(body: Body) -> Body:
+    match body:
+        case RodBody(radius=radius):
+            return replace(body, length=0, density=0, radius=None if radius is None else 0)
+        case PointBody():
+            return replace(body, mass=0)
+        case SolidBody(inertia=inertia):
+            return replace(body, mass=0, com=(0, 0, 0), inertia=(0,) * len(inertia))
+
+
+def _limits_differ(first: RobotModel, second: RobotModel) -> bool:
+    """Whether some degree of freedom has another range or another bound of its rate."""
+    pairs = zip(first.dofs, second.dofs, strict=True)
+    return any(
+        not a.overlaps(b) for x, y in pairs for a, b in zip(_limits(x), _limits(y), strict=True)
+    )
+
+
+def _limits(dof: RobotDof) -> Iterator[arb]:
+    for interval in (dof.range, dof.rate):
+        if interval is not None:
+            yield closed_ball(interval.lower)
+            yield closed_ball(interval.upper)
+
+
+# --- expressions -----------------------------------------------------------------------------
+
+
+def _scalars(model: RobotModel) -> tuple[int, ...]:
+    """The scalars of frames and bodies, in order."""
+    found = [scalar for frame in model.frames for scalar in scalars_of_step(frame.step)]
+    found += [scalar for body in model.bodies for scalar in scalars_of_body(body)]
+    return tuple(found)
+
+
+def _by_use(model: RobotModel, scalars: tuple[int, ...]) -> list[int]:
+    """The parameters that the scalars depend on, in the order in which they are met."""
+    found: dict[int, None] = {}
+    seen: set[int] = set()
+    todo = list(reversed(scalars))
+    while todo:
+        scalar = todo.pop()
+        if scalar in seen:
+            continue
+        seen.add(scalar)
+        node = model.scalars[scalar]
+        if isinstance(node, ParameterLeaf):
+            found[node.index] = None
+        elif isinstance(node, Apply):
+            todo += reversed(node.arguments)
+    return list(found)
+
+
+def _by_word(model: RobotModel, _scalars: tuple[int, ...]) -> list[int]:
+    return list(range(len(model.parameters)))
+
+
+def _values_differ(first: RobotModel, second: RobotModel, naming: Naming) -> bool:
+    """Whether some scalar has disjoint values at a sample point, parameters matched in order."""
+    scalars = _scalars(first), _scalars(second)
+    used = naming(first, scalars[0]), naming(second, scalars[1])
+    domains = [
+        [model.parameters[index].domain for index in indices]
+        for model, indices in zip((first, second), used, strict=True)
+    ]
+    if domains[0] != domains[1]:
+        return True
+    for sample in SAMPLES:
+        a = scalar_balls(first.scalars, _point(first.parameters, used[0], sample))
+        b = scalar_balls(second.scalars, _point(second.parameters, used[1], sample))
+        if any(not a[i].overlaps(b[j]) for i, j in zip(*scalars, strict=True)):
+            return True
+    return False
+
+
+def _point(parameters: tuple[RobotParameter, ...], used: list[int], sample: int) -> list[arb]:
+    """A point of the parameter box that depends on the places of the parameters in ``used``."""
+    point = [arb(0)] * len(parameters)
+    for place, index in enumerate(used):
+        match parameters[index].domain:
+            case ir.Interval(lower, upper):
+                low, share = closed_ball(lower), Fraction(place + 1, place + sample)
+                point[index] = low + ball(share) * (closed_ball(upper) - low)
+            case ir.Choices(values):
+                point[index] = closed_ball(values[(place + sample) % len(values)])
+    return point

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from compiler.automata.pushdown_automaton import sra
-from compiler.languages.language import Language
-from compiler.views.highlighted_run import run_of
-from compiler.views.picture import Arrow, Edge, Node, Picture
+from compiler.views.picture import Arrow, Edge, Node, Picture, run_of
+from compiler.words.language import Language
+from compiler.words.pushdown_automaton import sra
 
 
 def grammar_view(language: Language, highlight: Sequence[str] | None = None) -> Picture:

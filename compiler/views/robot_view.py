@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from compiler.graphs.labelled_graph import LabelledGraph
+from compiler.robots.labelled_graph import LabelledGraph
 from compiler.views.picture import Arrow, Edge, Node, Picture
 
 

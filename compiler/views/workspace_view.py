@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import SupportsFloat, assert_never
 
-from compiler.geometry.abstraction import Abstraction, Cell, CellKind
 from compiler.views.picture import Edge, Node, Picture
+from compiler.workspaces.abstraction import Abstraction, Cell, CellKind
 from grammar_lang.ir import Workspace
 
 WIDTH_INCHES = 9.0

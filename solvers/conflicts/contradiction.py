@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from compiler.demands.task_demands import Demand, task_demands
+from compiler.tasks.necessary_conditions import Demand, task_demands
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity

@@ -1,6 +1,6 @@
 """Which demands of a task exclude each other, by a SAT solver.
 
-The demands (:mod:`compiler.demands.task_demands`) are assumed; of an unsatisfiable core as many
+The demands (in ``compiler``) are assumed; of an unsatisfiable core as many
 are left out as can be (deletion-based extraction of a minimal core, Chinneck & Dravnieks 1991).
 Nothing is said where the solver's budget runs out.
 """
@@ -12,8 +12,8 @@ from itertools import groupby
 
 import numpy as np
 
-from compiler.demands.formula_slots import Clause
-from compiler.demands.task_demands import Demand, Demands
+from compiler.tasks.formula_slots import Clause
+from compiler.tasks.necessary_conditions import Demand, Demands
 from solvers.backends.sat import SatSolver
 from solvers.verdict import Fails
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from compiler.demands.task_demands import task_demands
+from compiler.tasks.necessary_conditions import task_demands
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Sink
 from solvers.conflicts.contradiction import contradictions_among

@@ -5,7 +5,7 @@ for a part that it helps to have, true for one that it helps not to have (Beer, 
 Rodeh, *Efficient detection of vacuity in temporal model checking*, 2001; Kupferman & Vardi,
 *Vacuity detection in temporal model checking*, 2003).  What holds of a part holds of all that is in
 it, so that the largest parts are told.  There is no model here but all motions: what the task
-demands of them (:mod:`compiler.demands.task_demands`) is necessary only, so that what is told is
+demands of them (in ``compiler``) is necessary only, so that what is told is
 true, and much is not told.
 """
 
@@ -15,11 +15,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from compiler.demands.formula_slots import TooManySlotsError
-from compiler.demands.task_demands import Demand, Demands, conjuncts
-from compiler.specifications.formula_text import formula_text
-from compiler.specifications.occurrences import Occurrence, occurrences, strengthened
-from compiler.specifications.subformulas import atoms
+from compiler.tasks.formula_parts import Occurrence, atoms, occurrences, strengthened
+from compiler.tasks.formula_slots import TooManySlotsError
+from compiler.tasks.formula_text import formula_text
+from compiler.tasks.necessary_conditions import Demand, Demands, conjuncts
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity

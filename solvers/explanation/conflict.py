@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-from compiler.candidates.candidate import Candidate
-from compiler.candidates.kept_parameters import robot_in_task
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.geometry.abstraction import abstract
-from compiler.grammars.derivation import Derivation
-from compiler.semantics.attributes import SemanticsError
-from compiler.semantics.family import family_of
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.candidate import Candidate, robot_in_task
+from compiler.robots.family import family_of
+from compiler.words.derivation import Derivation
+from compiler.workspaces.abstraction import abstract
 from solvers.explanation.minimal_conflict import minimal_conflict
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import without

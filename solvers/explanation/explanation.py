@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from compiler.candidates.kept_parameters import robot_in_task
-from compiler.grammars.derivation import Derivation, replay
-from compiler.semantics.family import family_of
+from compiler.robots.candidate import robot_in_task
+from compiler.robots.family import family_of
 from compiler.time_limits.time_limit import OutOfTimeError
+from compiler.words.derivation import Derivation, replay
 from solvers.explanation.change import Change
 from solvers.explanation.conflict import (
     Conflict,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from compiler.maps.obstacle_pieces import expanded
+from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
 
 

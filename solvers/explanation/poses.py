@@ -8,16 +8,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
-from compiler.candidates.kept_parameters import robot_in_task
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.body_demands import body_demands
+from compiler.encodings.body_conditions import body_demands
 from compiler.encodings.body_smt import body_scripts
 from compiler.encodings.pose_questions import pose_questions
-from compiler.grammars.derivation import Derivation
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.candidate import robot_in_task
+from compiler.robots.family import family_of
 from compiler.robots.robot_key import robot_key_in_task
-from compiler.semantics.attributes import SemanticsError
-from compiler.semantics.family import family_of
+from compiler.words.derivation import Derivation
 from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
 from solvers.refutation.clear_poses import clear_poses

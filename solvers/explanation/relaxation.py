@@ -11,7 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TypeAlias
 
-from compiler.geometry.polytope import polytope_of
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from grammar_lang.ir.constants import rational, to_float
 from solvers.explanation.posed_task import PosedTask

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 
-from compiler.grammars.derivation import Derivation
-from compiler.languages.structures import structures
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.words.derivation import Derivation
+from compiler.words.structures import structures
 from solvers.conclusion import DEFAULT_MODULES, module_bound
 from solvers.explanation.change import Change, Scale, scales, single_changes, with_modules
 from solvers.explanation.posed_task import PosedTask

@@ -10,8 +10,8 @@ import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.expressions.evaluators.floats import scalar_floats
-from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import Body, RodBody
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.motions.position_rows import ConvexSet, Dwell, Separation
 from solvers.parameters.parameter_space import parameter_space

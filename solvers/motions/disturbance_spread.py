@@ -13,7 +13,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.specifications.disturbance_radii import disturbance_radii
+from compiler.tasks.disturbance_radii import disturbance_radii
 from grammar_lang import ir
 from solvers.motions.trajectory import Trajectory
 

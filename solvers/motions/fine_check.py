@@ -10,10 +10,10 @@ from fractions import Fraction
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.geometry.polytope import polytope_of
-from compiler.specifications.sampled_formula import sampled
-from compiler.specifications.subformulas import atoms
-from compiler.specifications.word_formula import holds
+from compiler.tasks.formula_parts import atoms
+from compiler.tasks.sampled_formula import sampled
+from compiler.tasks.word_formula import holds
+from compiler.workspaces.polytope import polytope_of
 from solvers.motions.path_following import Follower
 from solvers.motions.trajectory import Trajectory
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.polytope import polytope_of
 from compiler.robots.robot import RobotModel
-from compiler.specifications.obligations import Obligation
+from compiler.tasks.word_formula import Obligation
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from solvers.motions.avoidances import Avoidances, convex_set
 from solvers.motions.path_timing import Entries

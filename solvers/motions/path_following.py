@@ -9,10 +9,9 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.geometry.abstraction import Abstraction
 from compiler.robots.robot import RobotModel
-from compiler.specifications.obligations import Obligation, obligations
-from compiler.specifications.word_formula import SampledFormula, Word, holds
+from compiler.tasks.word_formula import Obligation, SampledFormula, Word, holds, obligations
+from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.motions.avoidances import convex_set
 from solvers.motions.body_clearance import body_clearance

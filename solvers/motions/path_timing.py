@@ -12,9 +12,9 @@ from typing import TypeAlias
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.geometry.abstraction import Abstraction
-from compiler.specifications.word_formula import Word
+from compiler.tasks.word_formula import Word
 from compiler.time_limits.time_limit import check_time
+from compiler.workspaces.abstraction import Abstraction
 
 Entries: TypeAlias = tuple[int, ...]
 """The sample at which each cell of a path is entered; the first is 0."""

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.coverings.motion_demands import GivenPose, MotionDemands, Obstacle, Passage
-from compiler.coverings.violations import FRACTIONS
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import closed_ball
 from compiler.expressions.evaluators.batched_intervals import TURN
 from compiler.time_limits.time_limit import check_time
+from compiler.unreachability.motion_conditions import GivenPose, MotionDemands, Obstacle, Passage
+from compiler.unreachability.violations import FRACTIONS
 from grammar_lang import ir
 from solvers.refutation.box_points import BoxPoints, Placed
 from solvers.refutation.coordinate_cover import Flags, Numbers

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from compiler.candidates.candidate import Candidate, candidates
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.semantics.family import RobotFamily
+from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.family import RobotFamily
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord, module_bound

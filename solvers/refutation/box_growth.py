@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.coverings.box_tree import CoordinateTree
+from compiler.unreachability.box_tree import CoordinateTree
 from solvers.refutation.box_demands import BoxDemands, Judged
 from solvers.refutation.coordinate_cover import CoordinateCover, Flags, Numbers, Side
 

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.coverings.box_tree import text
-from compiler.coverings.motion_demands import MotionDemands, motion_demands
-from compiler.coverings.sides import coordinate_sides
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions
 from compiler.expressions.evaluators.balls import closed_ball
 from compiler.robots.given_start import GivenStart, given_start
 from compiler.robots.robot import RobotModel
+from compiler.unreachability.box_tree import coordinate_sides, text
+from compiler.unreachability.motion_conditions import MotionDemands, motion_demands
 from grammar_lang import ir
 from solvers.refutation.box_demands import NEAR
 from solvers.refutation.box_search import Effort, Search, find_covering

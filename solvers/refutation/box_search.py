@@ -11,22 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.coverings.box_tree import (
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.unreachability.box_tree import (
     LEAF,
     MOST_VARIABLES,
+    ChoiceSide,
     ParameterLeaf,
     ParameterTree,
     Part,
     Parts,
-)
-from compiler.coverings.motion_demands import MotionDemands, Passage
-from compiler.coverings.sides import (
-    ChoiceSide,
     coordinate_sides,
     enclosures,
     parameter_sides,
 )
-from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.unreachability.motion_conditions import MotionDemands, Passage
 from solvers.refutation.box_demands import NEAR, BoxDemands
 from solvers.refutation.box_growth import BoxGrowth, Covered, Divide, Hopeless
 from solvers.refutation.coordinate_cover import Flags, Side

@@ -14,7 +14,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.encodings.body_smt import Poses
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import Pose
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.motions.avoidances import Avoidances, convex_set
 from solvers.motions.body_clearance import BodyClearance, body_clearance

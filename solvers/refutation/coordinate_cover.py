@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
-from compiler.coverings.box_tree import LEAF, CoordinateTree
 from compiler.time_limits.time_limit import check_time
+from compiler.unreachability.box_tree import LEAF, CoordinateTree
 
 Flags: TypeAlias = NDArray[np.bool_]
 Numbers: TypeAlias = NDArray[np.int64]

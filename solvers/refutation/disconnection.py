@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.passable_cells import PassableCells, connected
-from compiler.specifications.necessary import task_avoidance
-from compiler.specifications.stops import Stop, stops
+from compiler.tasks.necessary import task_avoidance
+from compiler.tasks.stops import Stop, stops
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.passable_cells import PassableCells, connected
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import SeparationClaim
 

@@ -8,7 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compiler.coverings.box_tree import (
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.evaluators.balls import working_precision
+from compiler.robots.robot import RobotModel
+from compiler.unreachability.actuation_reach import DriveReach, drive_reach, out_of_reach
+from compiler.unreachability.box_tree import (
     MOST_VARIABLES,
     BoxTreeError,
     CoordinateTree,
@@ -17,12 +21,8 @@ from compiler.coverings.box_tree import (
     Parts,
     text,
 )
-from compiler.coverings.covered_poses import CoveredPoses
-from compiler.coverings.motion_demands import motion_demands
-from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.expressions.evaluators.balls import working_precision
-from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
-from compiler.robots.robot import RobotModel
+from compiler.unreachability.covered_poses import CoveredPoses
+from compiler.unreachability.motion_conditions import motion_demands
 from grammar_lang import ir
 from solvers.refutation.box_growth import Divide
 from solvers.refutation.box_refutation import BoxRefutation

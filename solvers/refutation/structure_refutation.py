@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.encodings.body_demands import body_demands
+from compiler.encodings.body_conditions import body_demands
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
 from compiler.encodings.reachability_smt import refutation_script

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.specifications.monitor import AtomKey, key
-from compiler.specifications.subformulas import atoms
-from compiler.specifications.trace_robustness import Monitored, Piece
+from compiler.tasks.formula_parts import atoms
+from compiler.tasks.monitor import AtomKey, key
+from compiler.tasks.trace_robustness import Monitored, Piece
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.motions.control_problem import ControlOutcome, input_margin
 from solvers.motions.inverse_kinematics import sampled_box, solve_positions

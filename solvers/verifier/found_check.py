@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from compiler.candidates.kept_parameters import robot_in_task
-from compiler.geometry.abstraction import Abstraction
-from compiler.grammars.derivation import BadDerivation, Derivation
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.candidate import robot_in_task
+from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
-from compiler.semantics.attributes import SemanticsError
-from compiler.semantics.family import RobotFamily, family_of
-from compiler.specifications.task_formula import missing_effector, recorded_effector
+from compiler.tasks.task_formula import missing_effector, recorded_effector
+from compiler.words.derivation import BadDerivation, Derivation
+from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim, claimed_values, exact
 from solvers.verifier.claims.effort_check import check_efforts

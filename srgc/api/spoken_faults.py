@@ -15,7 +15,7 @@ from numbers import Integral, Real
 from os import PathLike
 from typing import ParamSpec, TypeVar
 
-from compiler.languages.budget import BudgetExceededError
+from compiler.words.budget import BudgetExceededError
 from srgc.faults import NoAnswer, SrgcError, UsageFault
 from srgc.possible_path import refuse_impossible
 

@@ -17,7 +17,7 @@ import click
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from compiler.languages.language import Language
+    from compiler.words.language import Language
 
 MOST_WORDS = 20
 """So many words are offered."""
@@ -157,7 +157,7 @@ def _words(context: click.Context) -> Iterator[tuple[str, ...]]:
 
 
 def _family(context: click.Context) -> Language | None:
-    from compiler.languages.language import language
+    from compiler.words.language import language
     from srgc.session import SrgcError, chosen, program_of
 
     path = _file(context)

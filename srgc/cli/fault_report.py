@@ -63,7 +63,7 @@ def _report(error: BaseException) -> tuple[int, Callable[[], None]]:
 
 def _fault(error: Exception) -> tuple[int, Callable[[], None]]:
     """Of an answer that could not be had, a device that takes no more, or a fault of srgc."""
-    from compiler.languages.budget import BudgetExceededError
+    from compiler.words.budget import BudgetExceededError
 
     if isinstance(error, BudgetExceededError | NoAnswer):
         return UNKNOWN, _message(f"unknown: {error}")

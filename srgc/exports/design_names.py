@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from compiler.graphs.labelled_graph import labelled_graph
 from compiler.rigid_links.part_names import PartNames, effector_modules, part_names
 from compiler.rigid_links.rigid_tree import RigidTree, RigidTreeError, rigid_tree
+from compiler.robots.labelled_graph import labelled_graph
 from srgc.results.found_design import FoundDesign
 
 

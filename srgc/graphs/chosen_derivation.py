@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 
-from compiler.automata.pushdown_automaton import sra
-from compiler.grammars.derivation import Derivation, replay
-from compiler.grammars.grammar import cyclic, trimmed
-from compiler.languages.language import Language
-from compiler.languages.structures import derivations_of
-from compiler.views.highlighted_run import HighlightError, not_accepted, refuse_unknown, run_of
+from compiler.views.picture import HighlightError, not_accepted, refuse_unknown, run_of
+from compiler.words.derivation import Derivation, replay
+from compiler.words.grammar import cyclic, trimmed
+from compiler.words.language import Language
+from compiler.words.pushdown_automaton import sra
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from srgc.faults import UsageFault, argument
 

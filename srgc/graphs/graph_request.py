@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from compiler.automata.deterministic_pushdown import deterministic_pushdown
-from compiler.automata.lr_automaton import LrAutomaton, LrTooLarge
-from compiler.automata.pushdown_automaton import sra
-from compiler.languages.language import Language, language
-from compiler.semantics.attributes import SemanticsError
-from compiler.views.dfa_view import family_dfa_view
+from compiler.robots.attributes import SemanticsError
+from compiler.views.automaton_views import family_dfa_view, sra_view
 from compiler.views.grammar_view import grammar_view
-from compiler.views.highlighted_run import (
+from compiler.views.picture import (
     HighlightError,
+    Picture,
     not_accepted,
     refuse_unknown,
 )
-from compiler.views.near_run import near_run
-from compiler.views.picture import Picture
-from compiler.views.sra_view import sra_view
-from compiler.views.word_transitions import all_words
-from compiler.views.words_view import longest_drawn, words_view
+from compiler.views.words_view import all_words, longest_drawn, near_run, words_view
+from compiler.words.deterministic_pushdown import deterministic_pushdown
+from compiler.words.language import Language, language
+from compiler.words.lr_automaton import LrAutomaton, LrTooLarge
+from compiler.words.pushdown_automaton import sra
 from grammar_lang import ir
 from srgc.faults import Argument, UsageFault, argument
 from srgc.graphs.chosen_derivation import chosen_derivation
@@ -76,13 +73,13 @@ def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
         if request.of == "workspace":
             place = chosen(program.workspaces, request.workspace, "workspace")
             if place.maps:
-                from compiler.maps.obstacle_pieces import expanded_workspace
+                from compiler.tasks.obstacle_pieces import expanded_workspace
 
                 place = expanded_workspace(place)
             # The others need no numpy.
-            from compiler.geometry.abstraction import abstract
-            from compiler.geometry.bisection import bisections
             from compiler.views.workspace_view import workspace_view
+            from compiler.workspaces.abstraction import abstract
+            from compiler.workspaces.bisection import bisections
 
             partition = abstract(place)
             if request.cells is not None:
@@ -139,7 +136,7 @@ def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> 
         case "grammar":
             return Drawing(grammar_view(words, request.highlight))
         case "fra":
-            from compiler.views.functional_view import functional_view
+            from compiler.views.automaton_views import functional_view
 
             if request.highlight is not None:
                 _refuse_foreign(words, request.highlight)
@@ -201,7 +198,7 @@ def _refuse_too_many(words: Language, depth: int, *, near: bool) -> None:
 
 
 def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
-    from compiler.graphs.labelled_graph import labelled_graph
+    from compiler.robots.labelled_graph import labelled_graph
     from compiler.views.robot_view import robot_view
 
     words = language(grammar, program.terminals, program.modules)

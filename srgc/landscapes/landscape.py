@@ -20,7 +20,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.exact_numbers import decimal
-from compiler.maps.obstacle_pieces import expanded
+from compiler.tasks.obstacle_pieces import expanded
 from solvers.design_follower import PathTask
 from solvers.execution.workers import Workers
 from solvers.motions.control_problem import ControlOutcome

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from compiler.grammars.derivation import Derivation
+from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from srgc.render.html_text import name_in_picture, text
 

@@ -12,12 +12,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from compiler.grammars.derivation import Derivation, DerivationNode
-from compiler.graphs.frame_attributes import frame_attributes
-from compiler.graphs.frame_paths import attribute
+from compiler.robots.attributes import evaluate
+from compiler.robots.frame_parents import frame_attributes
+from compiler.robots.frame_paths import attribute
 from compiler.robots.robot import RobotModel
-from compiler.semantics.attributes import evaluate
-from compiler.semantics.emission_order import emission_order
+from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
 
 

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.geometry.abstraction import Abstraction, Cell
-from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.geometry.volume import around
+from compiler.workspaces.abstraction import Abstraction, Cell
+from compiler.workspaces.hull import around
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang.ir import Workspace
 from srgc.render.axes import Plot, Scale, axes, labelled, titles
 from srgc.render.html_text import name_in_picture, number, text

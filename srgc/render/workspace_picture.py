@@ -10,8 +10,8 @@ from collections.abc import Container, Sequence
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.geometry.abstraction import Abstraction, Cell
 from compiler.views.workspace_view import cell_label
+from compiler.workspaces.abstraction import Abstraction, Cell
 from grammar_lang.ir import Workspace
 from srgc.render.html_text import name_in_picture, text
 from srgc.render.svg import SAMPLE, SHAPES, document, line_path, moved, place

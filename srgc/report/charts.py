@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.maps.obstacle_pieces import expanded
 from compiler.robots.input_bounds import InputBound, input_bounds
 from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
+from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
 from srgc.render.html_text import json_script, number, text

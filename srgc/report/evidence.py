@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from compiler.geometry.abstraction import Abstraction
+from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.explanation.conflict import Conflict
 from solvers.verifier.claims.certificate import Claim

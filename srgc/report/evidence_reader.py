@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from compiler.geometry.abstraction import abstract
-from compiler.maps.map_fault import MapFault
-from compiler.maps.obstacle_pieces import expanded
+from compiler.tasks.obstacle_pieces import expanded
+from compiler.workspaces.abstraction import abstract
+from compiler.workspaces.map_fault import MapFault
 from solvers.explanation.conflict import Conflict
 from solvers.explanation.explanation import foremost, quick_conflict
 from solvers.progress import Conduct

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from math import degrees
 
-from compiler.grammars.derivation import Derivation
+from compiler.robots.frame_table import SemanticsError
 from compiler.robots.robot import RobotDof
-from compiler.semantics.semantics_error import SemanticsError
+from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
 from srgc.render.derivation_tree import derivation_tree

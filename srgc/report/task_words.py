@@ -8,7 +8,7 @@ from math import degrees
 
 from compiler.descriptions.domain_text import closed_text
 from compiler.robots.input_bounds import EFFORT_UNITS
-from compiler.specifications.formula_text import formula_text
+from compiler.tasks.formula_text import formula_text
 from grammar_lang import ir
 from srgc.render.html_text import many, number, with_unit
 

@@ -9,11 +9,11 @@ from fractions import Fraction
 from math import isfinite
 from typing import Any
 
-from compiler.candidates.reconfiguration import Reconfiguration
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.exact_numbers import decimal, exact_decimal
 from compiler.robots.input_bounds import input_bounds
+from compiler.robots.reconfiguration import Reconfiguration
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord

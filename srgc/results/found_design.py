@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.candidates.kept_parameters import robot_in_task
-from compiler.grammars.derivation import BadDerivation, Derivation
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.candidate import robot_in_task
+from compiler.robots.family import family_of
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
-from compiler.semantics.attributes import SemanticsError
-from compiler.semantics.family import family_of
+from compiler.words.derivation import BadDerivation, Derivation
 from grammar_lang import ir
 from solvers.verifier.claims.bounded_file import bounded_text
 from solvers.verifier.claims.certificate import (

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.geometry.refinement import Cut
-from compiler.maps.map_fault import MapFault
-from compiler.maps.obstacle_pieces import expanded
+from compiler.tasks.obstacle_pieces import expanded
+from compiler.workspaces.abstraction import Abstraction, abstract
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.refinement import Cut
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import CertificateError, exact_cuts
 from solvers.verifier.claims.design_agreement import disagreement

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from compiler.discretisation.total_length import total_length
-from compiler.semantics.family import RobotFamily, family_of
+from compiler.robots.family import RobotFamily, family_of
 from grammar_lang import ir
 from solvers.design import Design
 from solvers.synthesis import Proved, Synthesis

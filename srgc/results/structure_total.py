@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from itertools import islice
 
-from compiler.languages.structures import InfiniteAmbiguityError, structures
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 

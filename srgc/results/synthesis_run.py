@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from compiler.maps.obstacle_pieces import expanded
+from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
 from solvers.design import Design
 from solvers.execution.workers import Workers

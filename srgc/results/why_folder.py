@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from compiler.grammars.derivation import BadDerivation
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.words.derivation import BadDerivation
 from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried
 from solvers.explanation.posed_task import PosedTask

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from compiler.automata.pushdown_automaton import Pda, Transition, run_along, sra
-from compiler.automata.pushdown_runs import accepting_run
-from compiler.grammars.derivation import Derivation, replay
-from compiler.grammars.grammar import cyclic, trimmed
-from compiler.languages.language import Language, language
-from compiler.languages.structures import derivations_of
-from compiler.reading.pushdown_reader import PushdownReader
-from compiler.reading.viable_prefix import viable_prefix
+from compiler.words.derivation import Derivation, replay
+from compiler.words.grammar import cyclic, trimmed
+from compiler.words.language import Language, language
+from compiler.words.pushdown_automaton import Pda, Transition, run_along, sra
+from compiler.words.pushdown_runs import accepting_run
+from compiler.words.recogniser import PushdownReader
+from compiler.words.structures import derivations_of
+from compiler.words.word_reader import viable_prefix
 from grammar_lang import ir
 
 SHOWN_STACK = 8

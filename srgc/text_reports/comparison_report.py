@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from compiler.languages.equivalence import compare
-from compiler.languages.language import language
+from compiler.words.equivalence import compare
+from compiler.words.language import language
 from grammar_lang import ir
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from compiler.automata.deterministic_pushdown import deterministic_pushdown
-from compiler.automata.lr_automaton import LrAutomaton, LrConflict, LrTooLarge
-from compiler.automata.pushdown_automaton import sra
-from compiler.grammars.grammar import cyclic, linearity, trimmed, useful_rules
-from compiler.grammars.transition_network import transition_network
-from compiler.languages.ambiguity import ambiguity
-from compiler.languages.language import Language, language
-from compiler.languages.structures import derivations_of
+from compiler.words.ambiguity import ambiguity
+from compiler.words.deterministic_pushdown import deterministic_pushdown
+from compiler.words.grammar import cyclic, linearity, trimmed, useful_rules
+from compiler.words.language import Language, language
+from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge
+from compiler.words.pushdown_automaton import sra
+from compiler.words.structures import derivations_of
+from compiler.words.transition_network import transition_network
 from grammar_lang import ir
 
 MOST_TRANSITIONS = 20_000

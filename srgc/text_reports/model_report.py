@@ -13,9 +13,9 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.model_script import model_script
 from compiler.expressions.tape import UndefinedValueError
 from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
+from compiler.neutral_modules.neutral_parameters import neutral_parameters
 from compiler.robots.defined_scalars import scalars_are_defined
 from compiler.robots.robot import RodBody, SolidBody
-from compiler.semantics.neutral_parameters import neutral_parameters
 from grammar_lang import ir
 from srgc.chosen_robot import ChosenRobot, RobotRequest, chosen_robot
 from srgc.session import UsageFault

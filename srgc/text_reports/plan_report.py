@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.geometry.bisection import bisections
-from compiler.maps.obstacle_pieces import expanded
-from compiler.planning.plan_script import dimacs, smt2
-from compiler.planning.specification import PlanningProblem, planning_problem
-from compiler.specifications.task_formula import recorded_effector
-from compiler.specifications.word_formula import holds
+from compiler.tasks.obstacle_pieces import expanded
+from compiler.tasks.plan_script import dimacs, smt2
+from compiler.tasks.specification import PlanningProblem, planning_problem
+from compiler.tasks.task_formula import recorded_effector
+from compiler.tasks.word_formula import holds
+from compiler.workspaces.abstraction import Abstraction, abstract
+from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
 from solvers.motions.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner

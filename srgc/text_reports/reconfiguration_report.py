@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from compiler.candidates.reconfiguration import Reconfiguration, reconfiguration
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from grammar_lang import ir
 from solvers.design import Design
 

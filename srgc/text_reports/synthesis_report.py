@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compiler.candidates.reconfiguration import Reconfiguration
+from compiler.robots.reconfiguration import Reconfiguration
 from grammar_lang import ir
 from solvers.design import Design
 from solvers.synthesis import OUT_OF_TIME, Synthesis

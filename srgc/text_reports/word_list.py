@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from itertools import islice
 from random import Random
 
-from compiler.languages.language import language
-from compiler.languages.sampling import WordSampler
+from compiler.words.language import language
+from compiler.words.sampling import WordSampler
 from grammar_lang import ir
 from srgc.session import UsageFault
 

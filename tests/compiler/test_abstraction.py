@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.geometry.abstraction import abstract
-from compiler.geometry.polytope import polytope_of
+from compiler.workspaces.abstraction import abstract
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang.ir import Inequalities, Region, Workspace
 from tests.oracles.planes import (
     bench,
@@ -258,7 +258,7 @@ def test_two_hundred_obstacles():
 
 
 SCRIPT = """
-from compiler.geometry.abstraction import abstract
+from compiler.workspaces.abstraction import abstract
 from compiler.views.dot import to_dot
 from compiler.views.workspace_view import workspace_view
 from grammar_lang.ir import Workspace

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.automata.acceptance import accept_dfa, at_most
-from compiler.automata.finite_automaton import AutomatonTooLargeError, Dfa
+from compiler.words.acceptance import accept_dfa, at_most
+from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies
 from tests.oracles.grammars import ARM_ACCEPT, ARM_TERMINALS, accepts
@@ -133,7 +133,7 @@ def test_exponential_expressions_are_refused() -> None:
 
 
 def test_different_alphabets_do_not_mix() -> None:
-    from compiler.automata.finite_automaton import union
+    from compiler.words.finite_automaton import union
 
     with pytest.raises(ValueError, match="different alphabets"):
         union(Dfa(AB, (0, 0), (True,)), Dfa(ABC, (0, 0, 0), (True,)))

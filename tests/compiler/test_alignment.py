@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.candidates.alignment import Alignment, alignment
+from compiler.robots.alignment import Alignment, alignment
 from tests.oracles.word_changes import cheapest
 
 MODULES = frozenset("abc")

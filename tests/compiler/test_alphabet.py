@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from hypothesis import given
 
-from compiler.grammars.alphabet import alphabet_of
-from compiler.languages.language import language
+from compiler.words.grammar import alphabet_of
+from compiler.words.language import language
 from grammar_lang import ir
 from tests.oracles.grammars import ALPHABET, grammar, random_grammars
 

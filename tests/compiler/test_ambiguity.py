@@ -3,11 +3,10 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from compiler.grammars.grammar import cyclic, trimmed
-from compiler.languages.ambiguity import LENGTH_LIMIT, Ambiguity
-from compiler.languages.ambiguity import ambiguity as ambiguity_of
-from compiler.languages.finite_language import longest_word
-from compiler.languages.language import Language, language
+from compiler.words.ambiguity import LENGTH_LIMIT, Ambiguity
+from compiler.words.ambiguity import ambiguity as ambiguity_of
+from compiler.words.grammar import cyclic, trimmed
+from compiler.words.language import Language, language, longest_word
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, arm, grammar, random_grammars

@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 
 from compiler.checks.grammar_checks import grammar_diagnostics
-from compiler.languages.ambiguity import ambiguity
-from compiler.languages.finite_language import longest_word
-from compiler.languages.language import language
-from compiler.languages.structures import derivations_of
+from compiler.words.ambiguity import ambiguity
+from compiler.words.language import language, longest_word
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink

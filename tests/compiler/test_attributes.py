@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.grammars.derivation import Derivation, DerivationNode
+from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
-from compiler.semantics.attributes import SemanticsError, evaluate
+from compiler.words.derivation import Derivation, DerivationNode
 from grammar_lang import ir
 from tests.oracles.robots import evaluate as reading
 from tests.oracles.robots import interval, rod_chain

@@ -5,9 +5,10 @@ from itertools import islice
 import pytest
 from hypothesis import assume, given, settings
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.automata.linear_automaton import linear_automaton
-from compiler.automata.pushdown_automaton import (
+from compiler.words.acceptance import accept_dfa
+from compiler.words.grammar import cyclic, linearity, srg, trimmed
+from compiler.words.language import language
+from compiler.words.pushdown_automaton import (
     Configuration,
     Pda,
     Transition,
@@ -15,10 +16,9 @@ from compiler.automata.pushdown_automaton import (
     run_along,
     sra,
 )
-from compiler.automata.pushdown_runs import accepting_run, accepts
-from compiler.grammars.grammar import cyclic, linearity, srg, trimmed
-from compiler.languages.language import language
-from compiler.languages.structures import derivations_of
+from compiler.words.pushdown_runs import accepting_run, accepts
+from compiler.words.regular_automaton import linear_automaton
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import (

@@ -9,13 +9,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.encodings.body_demands import MOST, BodyDemands, body_demands
+from compiler.encodings.body_conditions import MOST, BodyDemands, body_demands
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
 from compiler.encodings.pose_questions import PoseQuestion
 from compiler.encodings.region_terms import PolygonTerms, polygon_terms
-from compiler.geometry.polytope import Polytope
-from compiler.robots.normalise import normalise
+from compiler.robots.normal_form import normalise
 from compiler.robots.robot import PointBody, RobotModel, RodBody, SolidBody
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
 from solvers.verifier.refutations.z3_process import run_z3_subprocess

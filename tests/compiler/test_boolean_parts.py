@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.specifications.boolean_parts import boolean_parts, boolean_value
-from compiler.specifications.subformulas import atoms, subformulas
+from compiler.tasks.formula_parts import atoms, subformulas
+from compiler.tasks.monitor import boolean_parts, boolean_value
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning
 from tests.oracles.formulas import formulas

@@ -8,18 +8,19 @@ from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.coverings.box_tree import (
+from compiler.unreachability.box_tree import (
     LEAF,
     MOST_HALVINGS,
     BoxTreeError,
+    ChoiceSide,
     ParameterLeaf,
     Part,
+    RangeSide,
     coordinate_boxes,
     parameter_boxes,
     parse,
     text,
 )
-from compiler.coverings.sides import ChoiceSide, RangeSide
 from tests.oracles.coverings import covering
 
 coordinate_trees = st.recursive(

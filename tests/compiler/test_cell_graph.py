@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.planning.cell_graph import UNREACHABLE, distances, edges
+from compiler.tasks.cell_graph import UNREACHABLE, distances, edges
 from tests.oracles.plans import Cells, graphs
 from tests.oracles.some_cases import examples
 

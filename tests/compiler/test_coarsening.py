@@ -5,10 +5,9 @@ from itertools import combinations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.geometry.coarsening import coarsened, is_division
-from compiler.geometry.partition import divide, glue
-from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.geometry.reflex_cuts import convex_pieces
+from compiler.workspaces.convex_pieces import coarsened, convex_pieces, is_division
+from compiler.workspaces.partition import divide, glue
+from compiler.workspaces.polytope import Polytope, polytope_of
 from tests.oracles.planes import box_rows, in_shape, points, polygons
 from tests.oracles.some_cases import examples
 

@@ -8,10 +8,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from compiler.candidates.alignment import alignment
-from compiler.candidates.configurations import configurations
-from compiler.candidates.reconfiguration import reconfiguration
-from compiler.grammars.grammar import srg
+from compiler.robots.alignment import alignment
+from compiler.robots.reconfiguration import configurations, reconfiguration
+from compiler.words.grammar import srg
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import words_of
 from tests.oracles.grammars import arm, grammar, random_grammars
@@ -126,7 +125,7 @@ def _is_new(state, kept, word, modules) -> bool:
 
 
 def test_a_limit_of_trials_is_one_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("compiler.candidates.configurations.MOST_TRIALS", 0)
+    monkeypatch.setattr("compiler.robots.reconfiguration.MOST_TRIALS", 0)
     assert way(CHAIN, "B", "B eps J eps L eps L") == ["B", "B eps J eps L eps L"]
 
 

@@ -5,10 +5,10 @@ from itertools import islice
 import pytest
 from hypothesis import assume, given, settings
 
-from compiler.grammars.derivation import BadDerivation, Derivation, replay
-from compiler.grammars.grammar import cyclic, trimmed
-from compiler.languages.language import language
-from compiler.languages.structures import InfiniteAmbiguityError, derivations_of, structures
+from compiler.words.derivation import BadDerivation, Derivation, replay
+from compiler.words.grammar import cyclic, trimmed
+from compiler.words.language import language
+from compiler.words.structures import InfiniteAmbiguityError, derivations_of, structures
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, derivations, satisfies, words_of
 from tests.oracles.grammars import (

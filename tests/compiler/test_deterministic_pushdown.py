@@ -3,19 +3,19 @@ from __future__ import annotations
 import pytest
 from hypothesis import assume, given, settings
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.automata.deterministic_pushdown import deterministic_pushdown, is_deterministic
-from compiler.automata.lr_automaton import (
+from compiler.words.acceptance import accept_dfa
+from compiler.words.deterministic_pushdown import deterministic_pushdown, is_deterministic
+from compiler.words.grammar import Srg, srg, useful_rules
+from compiler.words.lr_automaton import (
     LrAutomaton,
     LrTooLarge,
     accepts,
     lr_automaton,
     right_parse,
 )
-from compiler.automata.pushdown_automaton import Configuration, Pda, Transition, configurations, sra
-from compiler.automata.pushdown_runs import accepting_run
-from compiler.automata.pushdown_runs import accepts as some_run_accepts
-from compiler.grammars.grammar import Srg, srg, useful_rules
+from compiler.words.pushdown_automaton import Configuration, Pda, Transition, configurations, sra
+from compiler.words.pushdown_runs import accepting_run
+from compiler.words.pushdown_runs import accepts as some_run_accepts
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import (

@@ -15,15 +15,14 @@ import networkx as nx
 import pydot
 import pytest
 
-from compiler.automata.pushdown_automaton import sra
-from compiler.languages.language import Language, language
-from compiler.views.dfa_view import family_dfa_view
+from compiler.views.automaton_views import family_dfa_view, sra_view
 from compiler.views.dot import to_dot
 from compiler.views.grammar_view import grammar_view
 from compiler.views.networkx_graph import to_networkx
 from compiler.views.picture import Arrow, Edge, Node, Picture
-from compiler.views.sra_view import sra_view
 from compiler.views.words_view import words_view
+from compiler.words.language import Language, language
+from compiler.words.pushdown_automaton import sra
 from grammar_lang import ir
 from tests.oracles.grammars import ALPHABET, ARM_MODULES, ARM_TERMINALS, TRAPS, arm, grammar
 from tests.oracles.some_cases import some

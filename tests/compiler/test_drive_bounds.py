@@ -11,15 +11,15 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
 from compiler.expressions.evaluators.intervals import Ends, around
-from compiler.motion_bounds.drive_budget import Ramp, RateBounds, budget
-from compiler.motion_bounds.drive_metric import (
+from compiler.unreachability.actuation_budget import Ramp, RateBounds, budget
+from compiler.unreachability.actuation_metric import (
     EffortGroup,
     EnclosedMass,
     kinetic_speed,
     metric,
     most_power,
 )
-from compiler.motion_bounds.drive_touching import Neighbourhood
+from compiler.unreachability.actuation_region import Neighbourhood
 
 
 def enclosed(matrix, radius=0.0):

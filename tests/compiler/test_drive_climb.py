@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from compiler.motion_bounds.drive_climb import Side, climb
+from compiler.unreachability.actuation_levels import Side, climb
 from tests.oracles.driven_chains import Segment, answer, problem, spot
 
 WEIGHT = "gravity (0, -9.8) m/s^2;"

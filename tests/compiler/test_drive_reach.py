@@ -7,10 +7,10 @@ from math import acos, cos, pi, sin
 import pytest
 from flint import arb
 
-from compiler.coverings.box_tree import Part
-from compiler.coverings.leaf_box import LeafBox
-from compiler.coverings.motion_demands import motion_demands
-from compiler.motion_bounds.drive_reach import drive_reach, out_of_reach
+from compiler.unreachability.actuation_bounds import LeafBox
+from compiler.unreachability.actuation_reach import drive_reach, out_of_reach
+from compiler.unreachability.box_tree import Part
+from compiler.unreachability.motion_conditions import motion_demands
 from tests.oracles.driven_chains import (
     LIMITED,
     Segment,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.semantics.effector_counts import several_effectors
+from compiler.robots.effector_counts import several_effectors
 from grammar_lang import ir
 from grammar_lang.load import load_text
 from tests.oracles.some_cases import examples

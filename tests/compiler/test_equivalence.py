@@ -3,10 +3,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from compiler.languages.budget import BudgetExceededError
-from compiler.languages.difference import first_difference
-from compiler.languages.equivalence import Comparison, compare
-from compiler.languages.language import Language, language
+from compiler.words.budget import BudgetExceededError
+from compiler.words.equivalence import Comparison, compare, first_difference
+from compiler.words.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import Word, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars

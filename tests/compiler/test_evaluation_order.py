@@ -8,11 +8,11 @@ from fractions import Fraction
 import pytest
 
 from compiler.expressions.scalars import Constant
-from compiler.grammars.derivation import Derivation, replay
+from compiler.robots.attributes import SemanticsError, evaluate
+from compiler.robots.evaluation_order import EvaluationOrder, Visit
+from compiler.robots.family import RobotFamily
 from compiler.robots.robot import PointBody, RobotModel
-from compiler.semantics.attributes import SemanticsError, evaluate
-from compiler.semantics.evaluation_order import EvaluationOrder, Visit
-from compiler.semantics.family import RobotFamily
+from compiler.words.derivation import Derivation, replay
 from grammar_lang import ir
 from grammar_lang.elaboration.circularity import cycle
 from grammar_lang.load import load_text

@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 
-from compiler.languages.finite_language import longest_word, number_of_words
-from compiler.languages.language import language
+from compiler.words.language import language, longest_word, number_of_words
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import satisfies, words_of
 from tests.oracles.grammars import ALPHABET, grammar, random_grammars

@@ -8,9 +8,9 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from compiler.planning.cell_graph import UNREACHABLE
-from compiler.planning.formula_distances import formula_distances
-from compiler.specifications.sampled_formula import Literal, sampled
+from compiler.tasks.cell_graph import UNREACHABLE
+from compiler.tasks.effector_distances import formula_distances
+from compiler.tasks.sampled_formula import Literal, sampled
 from grammar_lang import ir
 
 A, C = ir.Atom("A", 1), ir.Atom("C", 1)

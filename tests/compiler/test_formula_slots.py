@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.demands.formula_slots import TRUE, Slots, TooManySlotsError, common_step
+from compiler.tasks.formula_slots import TRUE, Slots, TooManySlotsError, common_step
 
 TIMES = st.fractions(min_value=Fraction(1, 50), max_value=20, max_denominator=50)
 

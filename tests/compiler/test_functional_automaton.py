@@ -9,17 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from compiler.automata.functional_automaton import Fra, fra, functional_run, production_labels
-from compiler.automata.pushdown_automaton import sra
-from compiler.grammars.derivation import Derivation, replay
-from compiler.languages.language import Language, language
-from compiler.languages.structures import derivations_of
+from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
-from compiler.semantics.attributes import SemanticsError, evaluate
+from compiler.views.automaton_views import functional_view, sra_view
 from compiler.views.dot import to_dot
-from compiler.views.functional_view import functional_view
-from compiler.views.highlighted_run import HighlightError
-from compiler.views.sra_view import sra_view
+from compiler.views.picture import HighlightError
+from compiler.words.derivation import Derivation, replay
+from compiler.words.functional_automaton import Fra, fra, functional_run, production_labels
+from compiler.words.language import Language, language
+from compiler.words.pushdown_automaton import sra
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from grammar_lang.load import load, load_text
 from tests.oracles.grammars import EVERY, arm

@@ -11,10 +11,9 @@ import pytest
 import shapely
 import shapely.geometry
 
-from compiler.maps.geojson import CORNER_LIMIT, geojson_pieces
-from compiler.maps.json_places import place_of
-from compiler.maps.map_fault import MapFault
-from compiler.maps.pieces import area
+from compiler.workspaces.geojson import CORNER_LIMIT, geojson_pieces, place_of
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.pieces import area
 from grammar_lang.diagnostics.codes import Code
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
@@ -153,9 +152,9 @@ def test_many_positions() -> None:
 
 def test_many_polygons(monkeypatch: pytest.MonkeyPatch) -> None:
     text = json.dumps({"type": "MultiPolygon", "coordinates": [[SQUARE]] * 3})
-    monkeypatch.setattr("compiler.maps.geojson.TOTAL_LIMIT", 15)
+    monkeypatch.setattr("compiler.workspaces.geojson.TOTAL_LIMIT", 15)
     assert len(geojson_pieces(text).polygons) == 3
-    monkeypatch.setattr("compiler.maps.geojson.TOTAL_LIMIT", 14)
+    monkeypatch.setattr("compiler.workspaces.geojson.TOTAL_LIMIT", 14)
     with pytest.raises(MapFault, match="more than 14 positions") as caught:
         geojson_pieces(text)
     assert caught.value.code is Code.TOO_LARGE
@@ -178,7 +177,7 @@ def test_edges_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     teeth = [place for i in range(100) for place in ([0, 2 * i], [900 + i, 2 * i + 1])]
     comb = RINGS % [[-1, 0], *teeth, [-1, 200], [-1, 0]]
     assert len(geojson_pieces(comb).polygons) > 50
-    monkeypatch.setattr("compiler.maps.polygon_pieces.SIDE_BY_SIDE", 10**4)
+    monkeypatch.setattr("compiler.workspaces.polygon_pieces.SIDE_BY_SIDE", 10**4)
     with pytest.raises(MapFault, match="too many edges side by side"):
         geojson_pieces(comb)
 

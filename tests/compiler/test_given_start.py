@@ -11,12 +11,12 @@ import pytest
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.languages.structures import structures
+from compiler.robots.family import family_of
 from compiler.robots.given_start import GivenStart, given_start
-from compiler.robots.normalise import normalise
+from compiler.robots.normal_form import normalise
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key, robot_key_in_task
-from compiler.semantics.family import family_of
+from compiler.words.structures import structures
 from grammar_lang import ir
 from grammar_lang.ir.constants import rational, to_float
 from tests.oracles.formulas import program

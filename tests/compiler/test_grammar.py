@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.grammars.grammar import (
+from compiler.words.grammar import (
     components,
     cyclic,
     is_finite,
@@ -17,7 +17,7 @@ from compiler.grammars.grammar import (
     srg,
     trimmed,
 )
-from compiler.languages.language import language
+from compiler.words.language import language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import word_sets
 from tests.oracles.grammars import (

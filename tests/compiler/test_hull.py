@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
-from compiler.geometry.hull import hull_rows
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.hull import hull_rows
+from compiler.workspaces.polytope import Polytope
 from tests.oracles.some_cases import examples
 
 coordinate = st.integers(-6, 6).map(lambda n: Fraction(n, 3))

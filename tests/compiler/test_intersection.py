@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.grammars.binary_normal_form import binary_normal_form
-from compiler.grammars.grammar import srg
-from compiler.languages.intersection import IntersectionTooLargeError, intersect
+from compiler.words.acceptance import accept_dfa
+from compiler.words.binary_normal_form import binary_normal_form
+from compiler.words.grammar import srg
+from compiler.words.intersection import IntersectionTooLargeError, intersect
 from grammar_lang import ir
 from tests.oracles.grammars import grammar
 

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from compiler.geometry.irreducible_rows import irreducible_rows
-from compiler.geometry.polytope import Polytope
+from compiler.checks.shape_checks import irreducible_rows
+from compiler.workspaces.polytope import Polytope
 from tests.oracles.planes import box_rows, row
 from tests.oracles.some_cases import examples
 

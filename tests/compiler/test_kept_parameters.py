@@ -6,12 +6,11 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.candidates.candidate import candidates
-from compiler.candidates.kept_parameters import robot_in_task
-from compiler.grammars.derivation import Derivation
+from compiler.robots.candidate import candidates, robot_in_task
+from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
-from compiler.semantics.family import RobotFamily, family_of
+from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from grammar_lang.ir.constants import rational
 from tests.oracles.formulas import program

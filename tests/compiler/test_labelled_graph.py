@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 from compiler.expressions.scalars import ParameterLeaf
-from compiler.grammars.derivation import Derivation, replay
-from compiler.graphs.labelled_graph import LabelledGraph, labelled_graph
-from compiler.languages.language import language
-from compiler.languages.structures import derivations_of, structures
+from compiler.robots.attributes import evaluate
+from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
 from compiler.robots.robot import Joint, Offset, RobotModel
-from compiler.semantics.attributes import evaluate
 from compiler.views.dot import to_dot
 from compiler.views.robot_view import robot_view
+from compiler.words.derivation import Derivation, replay
+from compiler.words.language import language
+from compiler.words.structures import derivations_of, structures
 from grammar_lang import ir
 from grammar_lang.load import load, load_text
 

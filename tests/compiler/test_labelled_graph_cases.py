@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from compiler.graphs.labelled_graph import LabelledGraph, labelled_graph
-from compiler.languages.language import language
-from compiler.languages.structures import derivations_of, structures
+from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
+from compiler.words.language import language
+from compiler.words.structures import derivations_of, structures
 from grammar_lang import ir
 from grammar_lang.load import load, load_text
 

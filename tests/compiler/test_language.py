@@ -5,10 +5,10 @@ from itertools import islice
 import pytest
 from hypothesis import given, settings
 
-from compiler.automata.pushdown_automaton import sra
-from compiler.automata.pushdown_runs import accepts
-from compiler.languages.language import Language, language
-from compiler.reading import residuals
+from compiler.words import residuals
+from compiler.words.language import Language, language
+from compiler.words.pushdown_automaton import sra
+from compiler.words.pushdown_runs import accepts
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, sentential_words, words_of
 from tests.oracles.grammars import (

@@ -9,10 +9,10 @@ from itertools import islice
 
 import pytest
 
-from compiler.languages import language as language_module
-from compiler.languages.budget import LENGTH_LIMIT, WordsTooLongError
-from compiler.languages.language import Language, language
-from compiler.reading.residuals import Residuals
+from compiler.words import language as language_module
+from compiler.words.budget import LENGTH_LIMIT, WordsTooLongError
+from compiler.words.language import Language, language
+from compiler.words.residuals import Residuals
 from grammar_lang import ir
 from tests.oracles.grammars import EVERY, grammar
 

@@ -9,19 +9,18 @@ from unittest.mock import patch
 import pytest
 from hypothesis import given, settings
 
-from compiler.automata import lr_automaton as lr
-from compiler.automata import pushdown_runs
-from compiler.automata.deterministic_pushdown import deterministic_pushdown, is_deterministic
-from compiler.automata.lr_automaton import LrAutomaton
-from compiler.automata.pushdown_automaton import Pda, sra
-from compiler.grammars.binary_normal_form import BinaryGrammar
-from compiler.grammars.grammar import cyclic, trimmed
-from compiler.languages.language import Language, language
-from compiler.languages.structures import derivations_of
-from compiler.reading import pushdown_reader, residuals
-from compiler.reading.finite_reader import FiniteReader
-from compiler.reading.pushdown_reader import PushdownReader
-from compiler.reading.residuals import Residuals
+from compiler.words import lr_automaton as lr
+from compiler.words import pushdown_runs, residuals
+from compiler.words import recogniser as pushdown_reader
+from compiler.words.binary_normal_form import BinaryGrammar
+from compiler.words.deterministic_pushdown import deterministic_pushdown, is_deterministic
+from compiler.words.grammar import cyclic, trimmed
+from compiler.words.language import Language, language
+from compiler.words.lr_automaton import LrAutomaton
+from compiler.words.pushdown_automaton import Pda, sra
+from compiler.words.recogniser import FiniteReader, PushdownReader
+from compiler.words.residuals import Residuals
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, ARM_MODULES, ARM_TERMINALS, TRAPS, arm, grammar

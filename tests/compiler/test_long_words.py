@@ -9,14 +9,14 @@ from itertools import islice
 
 import pytest
 
-from compiler.automata.lr_automaton import LrAutomaton, right_parse
-from compiler.automata.pushdown_automaton import sra
-from compiler.automata.pushdown_runs import accepting_run
-from compiler.automata.pushdown_runs import accepts as some_run_accepts
-from compiler.grammars.derivation import replay
-from compiler.languages.enumeration import words_of_length
-from compiler.languages.language import Language, language
-from compiler.languages.structures import derivations_of
+from compiler.words.derivation import replay
+from compiler.words.enumeration import words_of_length
+from compiler.words.language import Language, language
+from compiler.words.lr_automaton import LrAutomaton, right_parse
+from compiler.words.pushdown_automaton import sra
+from compiler.words.pushdown_runs import accepting_run
+from compiler.words.pushdown_runs import accepts as some_run_accepts
+from compiler.words.structures import derivations_of
 from tests.oracles.grammars import ALPHABET, ARM_TERMINALS, grammar
 from tests.oracles.some_cases import examples
 

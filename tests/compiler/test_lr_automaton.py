@@ -6,19 +6,19 @@ import lark
 import pytest
 from hypothesis import assume, given, settings
 
-from compiler.automata import pushdown_runs
-from compiler.automata.acceptance import accept_dfa
-from compiler.automata.lr_automaton import (
+from compiler.words import pushdown_runs
+from compiler.words.acceptance import accept_dfa
+from compiler.words.grammar import Cfg, Rule, Srg, srg, useful_rules
+from compiler.words.lr_automaton import (
     LrAutomaton,
     LrConflict,
     LrTooLarge,
     accepts,
+    leftmost_derivation,
     lr_automaton,
     right_parse,
 )
-from compiler.automata.lr_derivation import leftmost_derivation
-from compiler.automata.pushdown_automaton import sra
-from compiler.grammars.grammar import Cfg, Rule, Srg, srg, useful_rules
+from compiler.words.pushdown_automaton import sra
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, derivations, words_of
 from tests.oracles.grammars import (

@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.maps.decimals import decimal
-from compiler.maps.map_fault import MapFault
-from compiler.maps.map_header import TEXT_LIMIT, MapHeader, map_header
+from compiler.workspaces.decimals import decimal
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.map_header import TEXT_LIMIT, MapHeader, map_header
 from grammar_lang.diagnostics.codes import Code
 
 TEXT = """\

@@ -14,11 +14,10 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from compiler.maps.grey_image import grey_image
-from compiler.maps.image_fault import PIXEL_LIMIT
-from compiler.maps.map_fault import MapFault
-from compiler.maps.map_header import MapHeader, Mode
-from compiler.maps.occupancy import obstacles
+from compiler.workspaces.grey_image import grey_image
+from compiler.workspaces.map_fault import PIXEL_LIMIT, MapFault
+from compiler.workspaces.map_header import MapHeader, Mode
+from compiler.workspaces.map_server import obstacles
 from grammar_lang.diagnostics.codes import Code
 
 OCCUPIED, FREE = Fraction("0.65"), Fraction("0.196")

@@ -14,12 +14,10 @@ import shapely
 from numpy.typing import NDArray
 from PIL import Image
 
-from compiler.maps.map_fault import MapFault
-from compiler.maps.map_header import MapHeader
-from compiler.maps.map_server import map_server_pieces, placed
-from compiler.maps.pieces import Polygon, area, cross
-from compiler.maps.rational_rotation import rational_rotation
-from compiler.maps.rectangles import rectangles
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.map_header import MapHeader
+from compiler.workspaces.map_server import map_server_pieces, placed, rational_rotation, rectangles
+from compiler.workspaces.pieces import Polygon, area, cross
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.ir import MapImage
 
@@ -86,7 +84,7 @@ def test_lines_looked_at_apart_make_the_same(monkeypatch: pytest.MonkeyPatch) ->
         whole = rectangles(pixels, MOST)
         assert whole is not None
         for at_once in (1, 20, 50):
-            monkeypatch.setattr("compiler.maps.rectangles._AT_ONCE", at_once)
+            monkeypatch.setattr("compiler.workspaces.map_server._AT_ONCE", at_once)
             assert np.array_equal(rectangles(pixels, len(whole)), whole)
             assert len(whole) == 0 or rectangles(pixels, len(whole) - 1) is None
         monkeypatch.undo()

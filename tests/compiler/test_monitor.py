@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.specifications.monitor import Verdicts, monitor, satisfied
-from compiler.specifications.time_set import TimeSet
+from compiler.tasks.monitor import TimeSet, Verdicts, monitor, satisfied
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning
 from tests.oracles.formulas import formulas

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.specifications.necessary import (
+from compiler.tasks.necessary import (
     Place,
     necessary_visits,
     permanently_avoided,

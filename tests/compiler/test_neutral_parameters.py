@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.languages.language import language
-from compiler.languages.structures import derivations_of
+from compiler.neutral_modules.neutral_parameters import NeutralParameters, neutral_parameters
+from compiler.neutral_modules.parameter_domains import Value
+from compiler.robots.attributes import evaluate
 from compiler.robots.robot import RobotModel
-from compiler.semantics.attributes import evaluate
-from compiler.semantics.neutral_parameters import NeutralParameters, neutral_parameters
-from compiler.semantics.parameter_domains import Value
+from compiler.words.language import language
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from grammar_lang.load import load, load_text
 from tests.oracles import robots

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import closed_ball
-from compiler.robots.normalise import normalise
+from compiler.robots.normal_form import normalise
 from compiler.robots.robot import WORLD, FrameNode, Joint, RobotModel
 from compiler.robots.robot_key import robot_key
 from grammar_lang import ir

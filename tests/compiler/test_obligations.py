@@ -7,9 +7,16 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.specifications.obligations import Obligation, obligations
-from compiler.specifications.sampled_formula import sampled
-from compiler.specifications.word_formula import Literal, Throughout, Until, Word, holds
+from compiler.tasks.sampled_formula import sampled
+from compiler.tasks.word_formula import (
+    Literal,
+    Obligation,
+    Throughout,
+    Until,
+    Word,
+    holds,
+    obligations,
+)
 from grammar_lang import ir
 from tests.oracles.formulas import formulas
 

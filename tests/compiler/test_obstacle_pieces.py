@@ -11,11 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from compiler.geometry.abstraction import abstract
-from compiler.geometry.polytope import polytope_of
-from compiler.maps import map_server, obstacle_pieces
-from compiler.maps.map_fault import MapFault
-from compiler.maps.obstacle_pieces import (
+from compiler.tasks import obstacle_pieces
+from compiler.tasks.obstacle_pieces import (
     expanded,
     expanded_workspace,
     pieces_of,
@@ -23,6 +20,10 @@ from compiler.maps.obstacle_pieces import (
     polytopes_within,
     task_by_task,
 )
+from compiler.workspaces import map_server
+from compiler.workspaces.abstraction import abstract
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.source import Span

@@ -4,9 +4,9 @@ from itertools import combinations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.geometry.hull import hull_rows
-from compiler.geometry.partition import divide, glue, remainder
-from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.workspaces.hull import hull_rows
+from compiler.workspaces.partition import divide, glue, remainder
+from compiler.workspaces.polytope import Polytope, polytope_of
 from tests.oracles.planes import box_rows, in_shape, points, polygons
 from tests.oracles.some_cases import examples
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from pysmt.shortcuts import Not, Or, Solver, Symbol
 from pysmt.smtlib.parser import SmtLibParser
 
-from compiler.planning.plan_script import dimacs, smt2
-from compiler.planning.specification import PlannedEffector, PlanningProblem
+from compiler.tasks.plan_script import dimacs, smt2
+from compiler.tasks.specification import PlannedEffector, PlanningProblem
 from tests.oracles.plans import Case, brute_force, cases
 from tests.oracles.some_cases import examples
 

@@ -5,12 +5,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.coverings.box_tree import Part
-from compiler.coverings.motion_demands import body_points
-from compiler.coverings.point_enclosure import PointTapes, ball_row
-from compiler.coverings.sides import coordinate_sides, enclosures, parameter_sides
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import working_precision
+from compiler.unreachability.box_tree import Part, coordinate_sides, enclosures, parameter_sides
+from compiler.unreachability.motion_conditions import body_points
+from compiler.unreachability.point_enclosure import PointTapes, ball_row
 from tests.oracles import random_robots
 from tests.oracles.arms import ArmBuilder, frames_of, scalar_values
 from tests.oracles.planes import row

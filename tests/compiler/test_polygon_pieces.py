@@ -11,9 +11,9 @@ from fractions import Fraction
 import pytest
 import shapely
 
-from compiler.maps.pieces import Corner, Polygon, apart, area, cross
-from compiler.maps.polygon_pieces import polygon_pieces
-from compiler.maps.rings import BadRing
+from compiler.workspaces.pieces import Corner, Polygon, apart, area, cross
+from compiler.workspaces.polygon_pieces import polygon_pieces
+from compiler.workspaces.rings import BadRing
 
 Ring = list[Corner]
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from compiler.geometry.polytope import Polytope, half_space_complement, polytope_of
+from compiler.workspaces.polytope import Polytope, half_space_complement, polytope_of
 from grammar_lang.ir import HalfSpace, Hull, Inequalities
 from tests.oracles.planes import box_rows, in_hull, points, polygons, row, turn
 from tests.oracles.some_cases import examples

@@ -6,7 +6,7 @@ import pytest
 
 from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.normalise import normalise
+from compiler.robots.normal_form import normalise
 from compiler.robots.robot import RobotModel
 from solvers.backends.smt import solve_script
 from solvers.verdict import Fails

@@ -7,12 +7,11 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.planning.cell_graph import distances, edges
-from compiler.planning.clauses import Clauses
-from compiler.planning.entry_samples import EntrySamples
-from compiler.planning.ladders import Ladders
-from compiler.planning.position_paths import PositionPaths
-from compiler.planning.total_changes import TotalChanges
+from compiler.tasks.cell_graph import distances, edges
+from compiler.tasks.clauses import Clauses
+from compiler.tasks.plan_encoding import TotalChanges
+from compiler.tasks.position_paths import Ladders, PositionPaths
+from compiler.tasks.sample_times import EntrySamples
 
 
 def line(count: int) -> tuple[tuple[int, ...], ...]:

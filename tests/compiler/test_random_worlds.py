@@ -11,9 +11,9 @@ import pytest
 import shapely
 from scipy.spatial import ConvexHull
 
-from compiler.geometry.abstraction import abstract
-from compiler.geometry.bisection import bisections
-from compiler.geometry.polytope import polytope_of
+from compiler.workspaces.abstraction import abstract
+from compiler.workspaces.bisection import bisections
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import box, hull, in_shape
 from tests.oracles.random_worlds import (

@@ -16,7 +16,7 @@ from pysmt.smtlib.parser import SmtLibParser
 
 from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.normalise import normalise
+from compiler.robots.normal_form import normalise
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
 from tests.oracles.arms import ArmBuilder, number, planar_arm

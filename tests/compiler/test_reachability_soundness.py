@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.normalise import normalise
+from compiler.robots.normal_form import normalise
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
 from tests.oracles.arms import ArmBuilder, effector_positions, interval, planar_arm

@@ -6,8 +6,8 @@ from itertools import product
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.demands.region_signatures import region_signatures
-from compiler.geometry.polytope import Polytope
+from compiler.tasks.necessary_conditions import region_signatures
+from compiler.workspaces.polytope import Polytope
 from grammar_lang.ir import HalfSpace
 
 SIDE = 4

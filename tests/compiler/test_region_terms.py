@@ -18,7 +18,7 @@ from compiler.encodings.region_terms import (
     polygon_terms,
     segment_clear,
 )
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from tests.oracles.planar_bodies import random_polygon
 from tests.oracles.planes import row
 

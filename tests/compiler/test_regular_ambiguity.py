@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.grammars.grammar import srg, trimmed
-from compiler.grammars.transition_network import transition_network
-from compiler.languages.regular_ambiguity import STEP_LIMIT, Decision, decide_ambiguity
+from compiler.words.acceptance import accept_dfa
+from compiler.words.grammar import srg, trimmed
+from compiler.words.regular_ambiguity import STEP_LIMIT, Decision, decide_ambiguity
+from compiler.words.transition_network import transition_network
 from grammar_lang import ir
 from tests.oracles.grammars import ALPHABET, EVERY, grammar
 

@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from compiler.automata.acceptance import accept_dfa
-from compiler.automata.finite_automaton import Dfa
-from compiler.automata.regular_automaton import SUBSET_LIMIT, regular_automaton
-from compiler.grammars.grammar import srg
+from compiler.words.acceptance import accept_dfa
+from compiler.words.finite_automaton import Dfa
+from compiler.words.grammar import srg
+from compiler.words.regular_automaton import SUBSET_LIMIT, regular_automaton
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars

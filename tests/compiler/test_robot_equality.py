@@ -15,7 +15,7 @@ from compiler.robots.robot import (
     RobotModel,
     RobotParameter,
 )
-from compiler.robots.robot_equality import provably_different
+from compiler.robots.robot_key import provably_different
 from grammar_lang import ir
 
 

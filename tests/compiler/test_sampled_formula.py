@@ -9,8 +9,8 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from compiler.specifications.sampled_formula import holds, is_timed, sampled
-from compiler.specifications.word_formula import nodes
+from compiler.tasks.sampled_formula import holds, is_timed, sampled
+from compiler.tasks.word_formula import nodes
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning, Signal
 from tests.oracles.formulas import KINDS, formulas

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from scipy.stats import chisquare
 
-from compiler.languages.budget import BudgetExceededError
-from compiler.languages.language import Language, language
-from compiler.languages.sampling import WordSampler
+from compiler.words.budget import BudgetExceededError
+from compiler.words.language import Language, language
+from compiler.words.sampling import WordSampler
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from compiler.grammars.grammar import cyclic, srg, trimmed
-from compiler.grammars.short_words import short_words
+from compiler.words.ambiguity import short_words
+from compiler.words.grammar import cyclic, srg, trimmed
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars

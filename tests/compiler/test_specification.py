@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.planning.specification import planning_problem
-from compiler.specifications.sampled_formula import sampled
+from compiler.tasks.sampled_formula import sampled
+from compiler.tasks.specification import planning_problem
+from compiler.workspaces.abstraction import Abstraction, abstract
 from grammar_lang import ir
 from grammar_lang.ir import Num, Satisfy, StartAt, StartIn, Workspace
 from tests.oracles.planes import bench, box

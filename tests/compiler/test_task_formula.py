@@ -7,14 +7,13 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.specifications.attained_until import attained
-from compiler.specifications.monitor import satisfied
-from compiler.specifications.task_formula import (
+from compiler.tasks.attained_until import attained
+from compiler.tasks.monitor import TimeSet, satisfied
+from compiler.tasks.task_formula import (
     missing_effector,
     recorded_effector,
     task_formula,
 )
-from compiler.specifications.time_set import TimeSet
 from grammar_lang import ir
 from tests.oracles.tasks import avoid, task
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from compiler.discretisation.total_length import total_length
-from compiler.languages.structures import derivations_of
-from compiler.semantics.family import RobotFamily
+from compiler.robots.family import RobotFamily
+from compiler.words.structures import derivations_of
 from grammar_lang.load import load_text
 
 FAMILY = """

@@ -7,8 +7,8 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from compiler.coverings.box_tree import Part
-from compiler.coverings.touching import TouchingBoxes
+from compiler.unreachability.box_tree import Part
+from compiler.unreachability.covered_poses import TouchingBoxes
 
 
 def random_boxes(choose, sides):

@@ -5,8 +5,8 @@ from collections import Counter
 import pytest
 from hypothesis import given, settings
 
-from compiler.grammars.grammar import cyclic, srg, trimmed
-from compiler.grammars.transition_network import WORK_LIMIT, Network, transition_network
+from compiler.words.grammar import cyclic, srg, trimmed
+from compiler.words.transition_network import WORK_LIMIT, Network, transition_network
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars

@@ -13,18 +13,18 @@ from itertools import islice
 import lark
 import pytest
 
-from compiler.automata.lr_automaton import LrConflict
-from compiler.automata.pushdown_automaton import configurations, sra
-from compiler.automata.pushdown_runs import accepting_run
-from compiler.automata.pushdown_runs import accepts as some_run_accepts
-from compiler.grammars.derivation import replay
-from compiler.languages.budget import BudgetExceededError
-from compiler.languages.derivation_counts import DerivationCounts
-from compiler.languages.language import Language, language
-from compiler.languages.structures import InfiniteAmbiguityError, derivations_of
-from compiler.reading import pushdown_reader, residuals
-from compiler.reading.pushdown_reader import PushdownReader
-from compiler.reading.recogniser import Recogniser
+from compiler.words import recogniser as pushdown_reader
+from compiler.words import residuals
+from compiler.words.budget import BudgetExceededError
+from compiler.words.counting import DerivationCounts
+from compiler.words.derivation import replay
+from compiler.words.language import Language, language
+from compiler.words.lr_automaton import LrConflict
+from compiler.words.pushdown_automaton import configurations, sra
+from compiler.words.pushdown_runs import accepting_run
+from compiler.words.pushdown_runs import accepts as some_run_accepts
+from compiler.words.recogniser import PushdownReader, Recogniser
+from compiler.words.structures import InfiniteAmbiguityError, derivations_of
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, derivations, satisfies, words_of
 from tests.oracles.grammars import (

@@ -6,16 +6,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.automata.pushdown_automaton import configurations, sra
-from compiler.languages.language import Language, language
-from compiler.views.dfa_view import dfa_view, family_dfa_view
+from compiler.views.automaton_views import dfa_view, family_dfa_view, sra_view
 from compiler.views.grammar_view import grammar_view
-from compiler.views.highlighted_run import HighlightError
-from compiler.views.near_run import near_run
-from compiler.views.picture import Picture
-from compiler.views.sra_view import sra_view
-from compiler.views.word_transitions import added
-from compiler.views.words_view import words_view
+from compiler.views.picture import HighlightError, Picture
+from compiler.views.words_view import added, near_run, words_view
+from compiler.words.language import Language, language
+from compiler.words.pushdown_automaton import configurations, sra
 from tests.oracles.grammars import (
     ALPHABET,
     ARM_MODULES,

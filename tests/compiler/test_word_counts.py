@@ -5,11 +5,10 @@ from math import comb
 import pytest
 from hypothesis import given, settings
 
-from compiler.grammars.binary_normal_form import binary_normal_form
-from compiler.languages.budget import BudgetExceededError
-from compiler.languages.derivation_counts import DerivationCounts
-from compiler.languages.language import Language, language
-from compiler.languages.prefix_counts import WordsOfLength, count_by_length
+from compiler.words.binary_normal_form import binary_normal_form
+from compiler.words.budget import BudgetExceededError
+from compiler.words.counting import DerivationCounts, WordsOfLength, count_by_length
+from compiler.words.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of
 from tests.oracles.grammars import ALPHABET, EVERY, TRAPS, grammar, random_grammars
@@ -200,7 +199,7 @@ def test_the_budget_counts_moves_before_the_last_symbol_only() -> None:
 def test_what_can_be_counted_in_polynomial_time_has_no_budget(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("compiler.languages.language.MOVE_BUDGET", 10)
+    monkeypatch.setattr("compiler.words.language.MOVE_BUDGET", 10)
     assert over("S -> a S | b S | empty").count_words(200)[-1] == 2**200
     assert over("S -> a S b S | empty").count_words(LENGTH)[-1] == catalan()[-1]
     with pytest.raises(BudgetExceededError, match="more than 10 moves"):

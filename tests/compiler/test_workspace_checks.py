@@ -258,7 +258,7 @@ def test_hundreds_of_regions_are_no_trouble():
 
 
 def test_numpy_is_not_loaded():
-    program = "import sys, compiler.checks.workspace_checks, compiler.geometry.polytope\n"
+    program = "import sys, compiler.checks.workspace_checks, compiler.workspaces.polytope\n"
     program += "import compiler.checks.grammar_checks\n"
     program += "sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=False).returncode == 0

@@ -1,9 +1,9 @@
 import re
 
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.geometry.bisection import bisections
 from compiler.views.dot import to_dot
 from compiler.views.workspace_view import workspace_view
+from compiler.workspaces.abstraction import Abstraction, abstract
+from compiler.workspaces.bisection import bisections
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import bench, box
 

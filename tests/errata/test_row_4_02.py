@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from compiler.languages.language import language
+from compiler.words.language import language
 from grammar_lang import ir
 from srgc.cli import run
 from tests.oracles.brute_force_grammar import words_of

@@ -6,7 +6,7 @@ from math import hypot
 
 import numpy as np
 
-from compiler.languages.language import language
+from compiler.words.language import language
 from grammar_lang import ir
 from tests.oracles.arms import ArmBuilder, planar_arm
 from tests.oracles.grammars import ARM_ACCEPT, ARM_MODULES, ARM_TERMINALS, arm

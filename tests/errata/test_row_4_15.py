@@ -7,7 +7,7 @@ from math import dist
 
 import numpy as np
 
-from compiler.geometry.abstraction import abstract
+from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter, alter_spec, read

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise, product
 
-from compiler.planning.specification import PlannedEffector, PlanningProblem
+from compiler.tasks.specification import PlannedEffector, PlanningProblem
 from solvers.planner import Planner
 from solvers.verdict import Holds
 

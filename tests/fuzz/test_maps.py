@@ -11,13 +11,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from compiler.maps.decimals import MAX_DIGITS
-from compiler.maps.geojson import geojson_pieces
-from compiler.maps.grey_image import GreyImage, grey_image
-from compiler.maps.image_fault import PIXEL_LIMIT
-from compiler.maps.map_fault import MapFault
-from compiler.maps.map_header import map_header
-from compiler.maps.map_server import map_server_pieces
+from compiler.workspaces.decimals import MAX_DIGITS
+from compiler.workspaces.geojson import geojson_pieces
+from compiler.workspaces.grey_image import GreyImage, grey_image
+from compiler.workspaces.map_fault import PIXEL_LIMIT, MapFault
+from compiler.workspaces.map_header import map_header
+from compiler.workspaces.map_server import map_server_pieces
 from grammar_lang.ir import MapImage
 from tests.oracles.png_files import png_of, sound_chunks, spoilt, spoilt_png
 from tests.oracles.survival import time_bound

@@ -7,8 +7,8 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from compiler.expressions.scalars import evaluate_scalars
-from compiler.grammars.derivation import Derivation, tree
 from compiler.robots.robot import Joint, Offset, PointBody, RobotModel, Turn
+from compiler.words.derivation import Derivation, tree
 from grammar_lang import ir
 from tests.oracles.exact_chain import Rationals
 from tests.oracles.robots import interval

@@ -8,8 +8,8 @@ from fractions import Fraction
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.geometry.polytope import polytope_of
 from compiler.robots.robot import RobotModel, RodBody, SolidBody
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from tests.oracles.arms import frames_of, scalar_values
 from tests.oracles.planes import box

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from compiler.coverings.box_tree import LEAF, CoordinateTree, Part
-from compiler.coverings.covered_poses import CoveredPoses
-from compiler.coverings.motion_demands import motion_demands
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.languages.structures import structures
-from compiler.motion_bounds.drive_reach import DriveBound, drive_reach, out_of_reach
+from compiler.robots.family import family_of
 from compiler.robots.robot import RobotModel
-from compiler.semantics.family import family_of
+from compiler.unreachability.actuation_reach import DriveBound, drive_reach, out_of_reach
+from compiler.unreachability.box_tree import LEAF, CoordinateTree, Part
+from compiler.unreachability.covered_poses import CoveredPoses
+from compiler.unreachability.motion_conditions import motion_demands
+from compiler.words.structures import structures
 from grammar_lang import ir
 from tests.oracles.formulas import program
 

@@ -15,9 +15,9 @@ from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import ball, constant_ball
 from compiler.expressions.tape import tape
-from compiler.geometry.polytope import Polytope
 from compiler.robots.robot import WORLD, RobotModel
-from compiler.specifications.monitor import AtomKey
+from compiler.tasks.monitor import AtomKey
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
@@ -104,7 +104,7 @@ def tilted_square(centre: Array, size: Fraction) -> Corners:
 
 
 def polytope(corners: Corners) -> Polytope:
-    from compiler.geometry.polytope import polytope_of
+    from compiler.workspaces.polytope import polytope_of
 
     return polytope_of(ir.Hull(tuple(tuple(corner) for corner in corners)), 2)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from compiler.languages.structures import derivations_of
+from compiler.robots.family import family_of
 from compiler.robots.state_and_input import robot_inputs
-from compiler.semantics.family import family_of
+from compiler.words.structures import derivations_of
 from grammar_lang.load import load
 from tests.oracles import result_files
 

@@ -10,8 +10,8 @@ import numpy as np
 import shapely
 
 from compiler.arrays import Array
-from compiler.geometry.polytope import Polytope, polytope_of
 from compiler.robots.robot import RobotModel, RodBody, SolidBody
+from compiler.workspaces.polytope import Polytope, polytope_of
 from tests.oracles.arms import frames_of, scalar_values
 from tests.oracles.planes import hull
 

@@ -7,7 +7,7 @@ from itertools import combinations, pairwise
 
 from hypothesis import strategies as st
 
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Inequalities, Region, Workspace
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.geometry.abstraction import abstract
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.motions.path_following import Follower
 from solvers.search.evaluation import evaluate

@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 from hypothesis import strategies as st
 
-from compiler.planning.specification import PlannedEffector, PlanningProblem
-from compiler.specifications.sampled_formula import is_timed, sampled
+from compiler.tasks.sampled_formula import is_timed, sampled
+from compiler.tasks.specification import PlannedEffector, PlanningProblem
 from grammar_lang import ir
 from tests.oracles.formulas import formulas
 from tests.oracles.word_semantics import true_at

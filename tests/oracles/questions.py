@@ -8,7 +8,7 @@ import numpy as np
 
 from compiler.encodings.pose_questions import PoseQuestion
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.normalise import normalise
+from compiler.robots.normal_form import normalise
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
 from solvers.verdict import Fails, Holds

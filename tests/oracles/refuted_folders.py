@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from compiler.candidates.candidate import candidates
+from compiler.robots.candidate import candidates
+from compiler.robots.family import family_of
 from compiler.robots.robot_key import robot_key
-from compiler.semantics.family import family_of
 from grammar_lang.load import load
 from tests.oracles import result_files
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from itertools import product
 
-from compiler.specifications import sampled_formula as sf
+from compiler.tasks import sampled_formula as sf
 from tests.oracles.formula_semantics import Signal
 
 Cells = Sequence[Mapping[int, frozenset[str]]]

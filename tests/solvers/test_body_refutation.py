@@ -9,13 +9,13 @@ import pytest
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.body_demands import body_demands
+from compiler.encodings.body_conditions import body_demands
 from compiler.encodings.body_smt import body_script
 from compiler.encodings.pose_questions import pose_questions
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.languages.structures import structures
+from compiler.robots.family import family_of
 from compiler.robots.robot import RobotModel
-from compiler.semantics.family import family_of
+from compiler.words.structures import structures
 from grammar_lang import ir
 from solvers.progress import Conduct
 from solvers.refutation import structure_refutation

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 import shapely
 
-from compiler.coverings.box_tree import Part, coordinate_boxes
-from compiler.coverings.covered_poses import CoveredPoses
-from compiler.coverings.motion_demands import motion_demands
-from compiler.coverings.sides import ChoiceSide, coordinate_sides
 from compiler.expressions.evaluators.balls import working_precision
+from compiler.unreachability.box_tree import ChoiceSide, Part, coordinate_boxes, coordinate_sides
+from compiler.unreachability.covered_poses import CoveredPoses
+from compiler.unreachability.motion_conditions import motion_demands
 from grammar_lang import ir
 from solvers.verifier.refutations.box_check import why_not
 from tests.oracles.arms import ArmBuilder
@@ -180,7 +179,7 @@ def flood_finds_a_way(workspace, names, limits):
 
 
 def polygon(region):
-    from compiler.geometry.polytope import polytope_of
+    from compiler.workspaces.polytope import polytope_of
 
     corners = polytope_of(region.shape, 2).vertices
     return shapely.Polygon([[float(x) for x in corner] for corner in corners])

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compiler.coverings.box_tree import text
-from compiler.coverings.motion_demands import motion_demands
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.languages.structures import structures
+from compiler.robots.family import family_of
 from compiler.robots.robot import RobotModel
-from compiler.semantics.family import family_of
+from compiler.unreachability.box_tree import text
+from compiler.unreachability.motion_conditions import motion_demands
+from compiler.words.structures import structures
 from grammar_lang import ir
 from solvers.progress import Conduct
 from solvers.refutation.box_search import Effort, find_covering

@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 from compiler.encodings.refutation_scripts import refutation_scripts
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
 from grammar_lang.load import load
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
@@ -178,7 +178,7 @@ def test_the_design_has_to_agree_on_the_coverings(folder):
 
 
 def cells_of(folder):
-    from compiler.geometry.abstraction import abstract
+    from compiler.workspaces.abstraction import abstract
 
     program = load(folder / "spec" / "robot.srg").program
     return abstract(program.workspaces["Table"]).describe()

@@ -6,8 +6,8 @@ from itertools import combinations
 
 import pytest
 
-from compiler.languages.structures import derivations_of, structures
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.words.structures import derivations_of, structures
 from grammar_lang.load import load_text
 from solvers.explanation import explanation
 from solvers.explanation.change import Change

@@ -9,7 +9,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
-from compiler.coverings.box_tree import Part, Parts, coordinate_boxes
+from compiler.unreachability.box_tree import Part, Parts, coordinate_boxes
 from solvers.refutation.coordinate_cover import MOST_HALVINGS, UNREACHED, CoordinateCover, Side
 
 CIRCLES = [(False, False), (True, False), (True, True)]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from compiler.geometry.abstraction import abstract
+from compiler.workspaces.abstraction import abstract
 from solvers.refutation.disconnection import disconnected, separation_text
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, from_text, to_text
 from solvers.verifier.refutations.separation_check import misstated_separation

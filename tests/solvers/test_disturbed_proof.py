@@ -14,9 +14,9 @@ from scipy.integrate import solve_ivp
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.geometry.abstraction import abstract
-from compiler.semantics.family import family_of
-from compiler.specifications.rest import REST_RATE
+from compiler.robots.family import family_of
+from compiler.tasks.stops import REST_RATE
+from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from grammar_lang.load import load
 from solvers.verifier.proofs.disturbed_proof import disturbed_start

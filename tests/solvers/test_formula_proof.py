@@ -16,8 +16,8 @@ import pytest
 from hypothesis import given, settings
 
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.specifications.monitor import AtomKey
-from compiler.specifications.task_formula import task_formula
+from compiler.tasks.monitor import AtomKey
+from compiler.tasks.task_formula import task_formula
 from grammar_lang import ir
 from solvers.verifier.proofs.formula_proof import FormulaProof, FormulaVerdict
 from solvers.verifier.proofs.tube_checks import Status

@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from compiler.candidates.candidate import candidates
+from compiler.robots.candidate import candidates
+from compiler.robots.family import family_of
 from compiler.robots.robot_key import robot_key
-from compiler.semantics.family import family_of
 from grammar_lang.load import load
 from solvers import look_ahead
 from solvers.examination import examination_of

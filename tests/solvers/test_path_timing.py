@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.geometry.abstraction import abstract
+from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from solvers.motions.path_timing import (
     Polyline,

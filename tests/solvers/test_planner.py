@@ -12,13 +12,13 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from compiler.geometry.abstraction import abstract
-from compiler.planning.specification import (
+from compiler.tasks.sampled_formula import sampled
+from compiler.tasks.specification import (
     PlannedEffector,
     PlanningProblem,
     planning_problem,
 )
-from compiler.specifications.sampled_formula import sampled
+from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Exhaustion, Plan, Planner
 from solvers.verdict import Fails, Holds, Reason, Unknown

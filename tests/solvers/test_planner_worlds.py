@@ -9,9 +9,9 @@ from itertools import pairwise
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from compiler.geometry.abstraction import abstract
-from compiler.planning.specification import planning_problem
-from compiler.specifications.sampled_formula import is_timed
+from compiler.tasks.sampled_formula import is_timed
+from compiler.tasks.specification import planning_problem
+from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from solvers.planner import Planner
 from solvers.verdict import Fails, Holds

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.verifier.proofs.region_cover import box_around, may_be
 from solvers.verifier.proofs.tube_checks import Slice

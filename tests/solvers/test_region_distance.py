@@ -12,7 +12,7 @@ from flint import arb
 from scipy.optimize import nnls
 
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.geometry.polytope import Polytope, polytope_of
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.verifier.proofs.region_distance import Gap, region_distance
 from solvers.verifier.proofs.tube_checks import Slice

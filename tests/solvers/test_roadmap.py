@@ -12,7 +12,7 @@ import shapely
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.geometry.polytope import polytope_of
+from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from solvers.motions.avoidances import Avoidances, convex_set
 from solvers.motions.body_clearance import body_clearance

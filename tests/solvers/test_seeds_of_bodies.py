@@ -12,8 +12,8 @@ import shapely
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.geometry.abstraction import abstract
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.motions.path_following import Follower
 

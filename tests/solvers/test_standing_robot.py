@@ -9,8 +9,8 @@ import pytest
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.geometry.abstraction import abstract
 from compiler.robots.robot import WORLD
+from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from solvers.search.sampled_cells import standing_configurations
 from tests.oracles.robots import Builder

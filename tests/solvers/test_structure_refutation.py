@@ -8,8 +8,8 @@ import pytest
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.languages.structures import structures
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.words.structures import structures
 from grammar_lang import ir
 from solvers.progress import Conduct
 from solvers.refutation import structure_refutation

@@ -13,12 +13,12 @@ import z3
 import solvers.synthesis
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.geometry.abstraction import abstract
-from compiler.geometry.bisection import bisections
-from compiler.languages.structures import structures
-from compiler.planning.specification import planning_problem
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.tasks.specification import planning_problem
 from compiler.time_limits.time_limit import OutOfTimeError, check_time, is_late, time_limit
+from compiler.words.structures import structures
+from compiler.workspaces.abstraction import abstract
+from compiler.workspaces.bisection import bisections
 from solvers.backends.smt import solve_script
 from solvers.execution.in_order import in_order
 from solvers.motions.fine_motion import fine_motion

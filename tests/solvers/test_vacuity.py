@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.demands.task_demands import conjuncts, task_demands
-from compiler.specifications.occurrences import occurrences, strengthened
+from compiler.tasks.formula_parts import occurrences, strengthened
+from compiler.tasks.necessary_conditions import conjuncts, task_demands
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Severity, Sink

@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from compiler.geometry.abstraction import Abstraction, abstract
-from compiler.geometry.refinement import Cut
+from compiler.workspaces.abstraction import Abstraction, abstract
+from compiler.workspaces.refinement import Cut
 from grammar_lang import ir
 from grammar_lang.load import load
 from solvers.verifier.proofs.tube_checks import Status

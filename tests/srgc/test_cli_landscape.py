@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from compiler.languages.structures import derivations_of
+from compiler.robots.family import RobotFamily
 from compiler.robots.robot import RobotModel
-from compiler.semantics.family import RobotFamily
+from compiler.words.structures import derivations_of
 from grammar_lang.load import load_text
 from srgc.cli.landscape import parsed_marks, parsed_ranges
 from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks

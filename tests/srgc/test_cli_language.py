@@ -6,9 +6,9 @@ from functools import partial, partialmethod
 
 import pytest
 
-from compiler.languages.equivalence import compare
-from compiler.languages.language import Language
-from compiler.languages.sampling import WordSampler
+from compiler.words.equivalence import compare
+from compiler.words.language import Language
+from compiler.words.sampling import WordSampler
 from grammar_lang.load import load
 from srgc.text_reports.language_report import language_text
 
@@ -114,7 +114,7 @@ def test_a_budget_that_is_used_up(srgc, file_of, monkeypatch):
     assert re.fullmatch("unknown: counting the words needs more than 500 moves: .*\n", ran.err)
     assert srgc("words", path, "--sample", "2", "--length", "5").status == 0
     counting = partialmethod(Language.count_words, budget=500)
-    monkeypatch.setattr("compiler.languages.language.Language.count_words", counting)
+    monkeypatch.setattr("compiler.words.language.Language.count_words", counting)
     ran = srgc("words", path, "--count", "--max-length", "41")
     assert (ran.status, ran.out) == (4, "")
     assert ran.err.startswith("unknown: ")

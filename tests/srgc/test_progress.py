@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import pytest
 
-from compiler.languages.structures import structures
-from compiler.maps.obstacle_pieces import expanded
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.tasks.obstacle_pieces import expanded
+from compiler.words.structures import structures
 from srgc.results import progress_display
 from srgc.results.estimate import NO_ESTIMATE, duration_text, estimate_text, remaining
 from srgc.results.progress_display import LiveProgress, PlainProgress, QuietProgress, progress

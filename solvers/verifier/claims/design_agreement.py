@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from compiler.candidates.reconfiguration import reconfiguration
-from compiler.geometry.abstraction import Abstraction
+from compiler.robots.family import family_of
+from compiler.robots.reconfiguration import reconfiguration
 from compiler.robots.robot import RobotModel
-from compiler.semantics.family import family_of
+from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.verifier.claims.bounded_file import bounded_bytes
 from solvers.verifier.claims.certificate import (

@@ -8,7 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from compiler.specifications.formula_text import formula_text
+from compiler.tasks.formula_text import formula_text
 from grammar_lang import ir
 from solvers.verifier.claims.bounded_file import bounded_bytes
 from solvers.verifier.proofs.finding import Finding

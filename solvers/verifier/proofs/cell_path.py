@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from flint import arb
 
-from compiler.geometry.abstraction import Abstraction
+from compiler.workspaces.abstraction import Abstraction
 from solvers.verifier.proofs.finding import NO_MARGIN, Finding, inside
 from solvers.verifier.proofs.tube_checks import Status
 

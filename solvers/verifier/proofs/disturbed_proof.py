@@ -13,7 +13,7 @@ from fractions import Fraction
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.specifications.disturbance_radii import disturbance_radii
+from compiler.tasks.disturbance_radii import disturbance_radii
 from grammar_lang import ir
 from solvers.verifier.proofs.counterexample import counterexample
 from solvers.verifier.proofs.enclosure import Accuracy

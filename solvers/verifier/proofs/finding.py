@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.tube_checks import Status, rows_of
 
 NO_MARGIN = float("inf")

@@ -15,12 +15,10 @@ from itertools import pairwise, product
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
-from compiler.specifications.attained_until import attained
-from compiler.specifications.boolean_parts import boolean_parts, boolean_value
-from compiler.specifications.monitor import AtomKey, Verdicts, key
-from compiler.specifications.subformulas import atoms
-from compiler.specifications.time_set import TimeSet
-from compiler.specifications.trace_robustness import Monitored, Piece, Trace
+from compiler.tasks.attained_until import attained
+from compiler.tasks.formula_parts import atoms
+from compiler.tasks.monitor import AtomKey, TimeSet, Verdicts, boolean_parts, boolean_value, key
+from compiler.tasks.trace_robustness import Monitored, Piece, Trace
 from grammar_lang import ir
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.region_cover import box_around, may_be

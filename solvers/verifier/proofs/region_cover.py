@@ -11,8 +11,8 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.geometry.partition import remainder
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.partition import remainder
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.verifier.proofs.tube_checks import Slice
 

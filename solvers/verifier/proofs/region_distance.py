@@ -15,7 +15,7 @@ from math import inf, isnan, nextafter
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.tube_checks import Row, Slice, rows_of
 
 

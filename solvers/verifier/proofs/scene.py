@@ -8,12 +8,11 @@ from fractions import Fraction
 
 from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.polytope import Polytope, polytope_of
-from compiler.grammars.derivation import Derivation
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
-from compiler.semantics.emission_order import body_symbols
+from compiler.words.derivation import Derivation, body_symbols
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 
 

@@ -12,7 +12,7 @@ from compiler.expressions.evaluators.balls import BALLS, ball, closed_ball, scal
 from compiler.expressions.tape import tape
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
-from compiler.specifications.rest import REST_RATE
+from compiler.tasks.stops import REST_RATE
 from grammar_lang import ir
 from solvers.verifier.proofs.finding import NO_MARGIN, Finding, inside, least
 from solvers.verifier.proofs.scene import Motion, Scene

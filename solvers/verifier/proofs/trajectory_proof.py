@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.expressions.tape import UndefinedValueError
-from compiler.specifications.task_formula import missing_effector
+from compiler.tasks.task_formula import missing_effector
 from solvers.verifier.proofs.cell_path import cell_path
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
 from solvers.verifier.proofs.enclosure import Accuracy

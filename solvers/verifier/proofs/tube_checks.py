@@ -22,7 +22,7 @@ from flint import arb, arb_series, ctx
 from compiler.expressions.evaluators.balls import BALLS, ball
 from compiler.expressions.evaluators.series import SERIES
 from compiler.expressions.tape import Tape
-from compiler.geometry.polytope import Polytope
+from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.vector_field import VectorField
 

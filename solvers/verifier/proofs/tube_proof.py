@@ -11,9 +11,9 @@ from flint import arb
 from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
 from compiler.expressions.tape import tape
 from compiler.robots.state_and_input import robot_states
-from compiler.specifications.formula_text import formula_text
-from compiler.specifications.monitor import key
-from compiler.specifications.subformulas import atoms
+from compiler.tasks.formula_parts import atoms
+from compiler.tasks.formula_text import formula_text
+from compiler.tasks.monitor import key
 from grammar_lang import ir
 from solvers.verifier.proofs.defined_checks import Defined
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, tube

@@ -7,18 +7,18 @@ touch one after the other.  No solver and no float is believed.
 
 from __future__ import annotations
 
-from compiler.coverings.box_tree import (
+from compiler.expressions.evaluators.balls import working_precision
+from compiler.robots.robot import RobotModel
+from compiler.unreachability.actuation_reach import DriveReach, drive_reach, out_of_reach
+from compiler.unreachability.box_tree import (
     MOST_VARIABLES,
     BoxTreeError,
     ParameterLeaf,
     parameter_boxes,
     parse,
 )
-from compiler.coverings.covered_poses import Cover, CoveredPoses
-from compiler.coverings.motion_demands import Passage, motion_demands
-from compiler.expressions.evaluators.balls import working_precision
-from compiler.motion_bounds.drive_reach import DriveReach, drive_reach, out_of_reach
-from compiler.robots.robot import RobotModel
+from compiler.unreachability.covered_poses import Cover, CoveredPoses
+from compiler.unreachability.motion_conditions import Passage, motion_demands
 from grammar_lang import ir
 
 PRECISION = 64

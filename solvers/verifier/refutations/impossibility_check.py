@@ -11,13 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from compiler.candidates.candidate import candidates
 from compiler.encodings.refutation_scripts import refutation_scripts
-from compiler.geometry.abstraction import abstract
-from compiler.languages.structures import InfiniteAmbiguityError
+from compiler.robots.candidate import candidates
+from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
-from compiler.semantics.family import RobotFamily, family_of
+from compiler.words.structures import InfiniteAmbiguityError
+from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
 from solvers.verdict import Fails, Holds

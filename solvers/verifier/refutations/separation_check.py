@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from compiler.geometry.abstraction import Abstraction
-from compiler.geometry.passable_cells import PassableCells
-from compiler.specifications.necessary import task_avoidance
-from compiler.specifications.stops import stops
+from compiler.tasks.necessary import task_avoidance
+from compiler.tasks.stops import stops
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.passable_cells import PassableCells
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import SeparationClaim
 

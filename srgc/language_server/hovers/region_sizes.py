@@ -17,7 +17,7 @@ def region_text(region: ir.Region, dimension: int) -> str:
     kind = f"A{'n' if region.kind == 'obstacle' else ''} {region.kind}"
     if size > _MOST_ROWS:
         return f"{kind} of {size} rows."
-    from compiler.geometry.polytope import polytope_of
+    from compiler.workspaces.polytope import polytope_of
 
     polytope = polytope_of(shape, dimension)
     if polytope.is_empty:

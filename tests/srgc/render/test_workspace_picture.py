@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from compiler.geometry.abstraction import abstract
-from compiler.geometry.bisection import bisections
+from compiler.workspaces.abstraction import abstract
+from compiler.workspaces.bisection import bisections
 from grammar_lang.ir import Workspace
 from srgc.render.workspace_picture import workspace_svg
 from tests.oracles.planes import bench, box

@@ -13,9 +13,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from compiler.grammars.derivation import Derivation
-from compiler.languages.structures import derivations_of
-from compiler.semantics.family import family_of
+from compiler.robots.family import family_of
+from compiler.words.derivation import Derivation
+from compiler.words.structures import derivations_of
 from grammar_lang.ir import Program, Task
 from grammar_lang.load import load
 from srgc.render.derivation_tree import derivation_tree

@@ -1,1 +1,0 @@
-"""Finite and pushdown automata: the accept condition, the SRA and the FRA."""

@@ -1,1 +1,0 @@
-"""Coverings of a robot's parameters and coordinates by boxes, and what a task asks on a box."""

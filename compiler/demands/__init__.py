@@ -1,1 +1,0 @@
-"""What a task asks of every motion whatever the robot, as clauses."""

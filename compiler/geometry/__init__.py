@@ -1,1 +1,0 @@
-"""Exact polytopes and the abstraction of a workspace into cells."""

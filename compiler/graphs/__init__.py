@@ -1,1 +1,0 @@
-"""Labelled graphs of robots (Definition 1)."""

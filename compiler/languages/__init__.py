@@ -1,1 +1,0 @@
-"""L(SRG) with its accept condition: membership, enumeration, counting, derivations, ambiguity."""

@@ -1,1 +1,0 @@
-"""Maps of obstacles, from map_server images and GeoJSON polygons to exact convex pieces."""

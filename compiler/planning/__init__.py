@@ -1,1 +1,0 @@
-"""Planning problems as clauses: paths of cells that satisfy a formula."""

@@ -1,1 +1,0 @@
-"""Reading words from left to right: automata as fast as Python reads, and residuals."""

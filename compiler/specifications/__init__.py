@@ -1,1 +1,0 @@
-"""What tasks say in temporal logic: one formula per task, its monitors, its sampled form."""

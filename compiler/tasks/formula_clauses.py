@@ -1,0 +1,187 @@
+"""A formula about samples as clauses.
+
+Source: Biere, Heljanko, Junttila, Latvala & Schuppan, *Linear encodings of bounded LTL model
+checking* (2006), for finite words.  Formulas are in negation normal form, so that a variable need
+only imply what its node asks (Plaisted & Greenbaum 1986).  Every node is encoded once per layer,
+when something asks for it there.  A variable of a layer that does not exist is false.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from compiler.tasks.clauses import TRUE, Clauses
+from compiler.tasks.sampled_formula import (
+    Eventually,
+    Every,
+    Literal,
+    SampledFormula,
+    Some,
+    SomewhereFrom,
+    Throughout,
+    ThroughoutFrom,
+    Until,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Layers:
+    """Layers 0 .. ``last``, of which words use those that exist.
+
+    ``exists(j)`` is the literal for that; ``open_end`` tells that words may end before ``last``.
+    """
+
+    last: int
+    exists: Callable[[int], int]
+    open_end: bool
+
+
+class Regions(Protocol):
+    """What gives the literals of a formula their meaning."""
+
+    def ask(self, literal: Literal, layer: int, variable: int) -> None:
+        """The variable is to imply the literal at that layer."""
+
+
+class FormulaClauses:
+    """The clauses of a formula that holds at layer 0.
+
+    Args:
+        clauses: what the clauses are added to.
+        formula: the formula.
+        layers: the layers of words.
+        regions: what is told of every literal and layer that matters.
+    """
+
+    def __init__(
+        self,
+        clauses: Clauses,
+        formula: SampledFormula,
+        layers: Layers,
+        regions: Regions,
+    ) -> None:
+        self._clauses = clauses
+        self._layers = layers
+        self._regions = regions
+        self._known: dict[tuple[Hashable, int], int] = {}
+        self._waiting: dict[int, list[tuple[SampledFormula, int]]] = {}
+        self._always: list[tuple[SampledFormula, int]] = []
+        self._laid_out = -1
+        self._numbers: dict[int, int] = {}
+        clauses.clause([self._literal(formula, 0)])
+
+    def lay_out(self, last: int) -> None:
+        """Define what is asked for up to layer ``last``."""
+        for layer in range(self._laid_out + 1, last + 1):
+            self._laid_out = layer
+            for node, literal in self._always:
+                self._at_last(node, literal, layer)
+            self._define_waiting(layer)
+
+    # --- variables -------------------------------------------------------------------------------
+
+    def _literal(self, node: SampledFormula, layer: int) -> int:
+        """The literal of a node at a layer; false beyond the last."""
+        if layer > self._layers.last:
+            return -TRUE
+        match node:
+            case Every(parts=()):
+                return self._layers.exists(layer)
+            case Some(parts=()):
+                return -TRUE
+            case SomewhereFrom() | ThroughoutFrom():
+                layer = 0
+            case _:
+                pass
+        key = (node if isinstance(node, Literal) else id(node), layer)
+        if key not in self._known:
+            self._known[key] = self._made(node, layer)
+        return self._known[key]
+
+    def _made(self, node: SampledFormula, layer: int) -> int:
+        variable = self._clauses.one(f"{self._text(node)} at {layer}")
+        self._clauses.clause([-variable, self._layers.exists(layer)])
+        if isinstance(node, Literal):
+            self._regions.ask(node, layer, variable)
+        elif layer <= self._laid_out:
+            self._waiting.setdefault(self._laid_out, []).append((node, layer))
+        else:
+            self._waiting.setdefault(layer, []).append((node, layer))
+        return variable
+
+    def _text(self, node: SampledFormula) -> str:
+        if isinstance(node, Literal):
+            sign = "" if node.positive else "not "
+            return f"{sign}{node.region} by effector {node.effector}"
+        number = self._numbers.setdefault(id(node), len(self._numbers))
+        return f"subformula {number} ({type(node).__name__.lower()})"
+
+    def _define_waiting(self, layer: int) -> None:
+        waiting = self._waiting.setdefault(layer, [])
+        while waiting:
+            node, at = waiting.pop()
+            for body in self._bodies(node, at):
+                self._clauses.clause([-self._literal(node, at), *body])
+
+    # --- definitions -----------------------------------------------------------------------------
+
+    def _bodies(self, node: SampledFormula, j: int) -> Iterator[list[int]]:
+        """What a node implies at a layer: clauses."""
+        match node:
+            case Every(parts=parts):
+                yield from ([self._literal(part, j)] for part in parts)
+            case Some(parts=parts):
+                yield [self._literal(part, j) for part in parts]
+            case Until(left=left, right=right):
+                now, later = self._literal(right, j), self._literal(node, j + 1)
+                yield [now, self._literal(left, j)]
+                yield [now, later]
+            case Eventually(part=part, first=first, last=None):
+                yield [self._literal(part, j + first), self._literal(node, j + 1)]
+            case Throughout(part=part, first=first, last=None):
+                yield self._if_there(part, j, first)
+                if j + first < self._layers.last:
+                    yield [self._literal(node, j + 1), -self._layers.exists(j + 1)]
+            case Eventually(part=part, first=first, last=int() as last):
+                yield [self._literal(part, i) for i in self._window(j + first, j + last)]
+            case Throughout(part=part, first=first, last=int() as last):
+                for i in self._window(j + first, j + last):
+                    yield self._if_there(part, i, 0)
+            case _:
+                yield from self._absolute(node)
+
+    def _window(self, first: int, last: int) -> Iterable[int]:
+        return range(first, min(last, self._layers.last) + 1)
+
+    def _if_there(self, part: SampledFormula, j: int, later: int) -> list[int]:
+        """``part`` at a later layer, if there is such a one."""
+        if j + later > self._layers.last:
+            return [TRUE]
+        return [self._literal(part, j + later), -self._layers.exists(j + later)]
+
+    def _absolute(self, node: SampledFormula) -> Iterator[list[int]]:
+        if self._layers.open_end:
+            # Of an untimed formula: about the last position, wherever that is.
+            literal = self._literal(node, 0)
+            self._always.append((node, literal))
+            for layer in range(self._laid_out + 1):
+                self._at_last(node, literal, layer)
+            return
+        match node:
+            case SomewhereFrom(part=part, sample=sample):
+                yield [self._literal(part, i) for i in self._window(sample, self._layers.last)]
+            case ThroughoutFrom(part=part, sample=sample):
+                for i in self._window(sample, self._layers.last):
+                    yield [self._literal(part, i)]
+            case _:
+                raise TypeError(node)
+
+    def _at_last(self, node: SampledFormula, literal: int, layer: int) -> None:
+        """The node's part holds at a layer if that is the last that exists."""
+        if not isinstance(node, SomewhereFrom | ThroughoutFrom):
+            raise TypeError(node)
+        following = -TRUE if layer == self._layers.last else self._layers.exists(layer + 1)
+        part = self._literal(node.part, layer)
+        self._clauses.clause([-literal, -self._layers.exists(layer), following, part])

@@ -1,0 +1,117 @@
+"""The parts of a formula, and their occurrences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import assert_never
+
+from grammar_lang import ir
+
+# --- The parts of a formula -----------------------------------------------------------------------
+
+
+def operands(formula: ir.Formula) -> tuple[ir.Formula, ...]:
+    """The direct subformulas, from left to right."""
+    match formula:
+        case ir.Atom():
+            return ()
+        case ir.And(operands=parts) | ir.Or(operands=parts):
+            return parts
+        case ir.Implies(left=left, right=right) | ir.Until(left=left, right=right):
+            return left, right
+        case (
+            ir.Not(operand=part)
+            | ir.Always(operand=part)
+            | ir.Eventually(operand=part)
+            | ir.Next(operand=part)
+            | ir.Last(operand=part)
+        ):
+            return (part,)
+        case _:
+            assert_never(formula)
+
+
+def subformulas(formula: ir.Formula) -> Iterator[ir.Formula]:
+    """The formula and all its parts, from the outside in and from left to right."""
+    pending = [formula]
+    while pending:
+        found = pending.pop()
+        yield found
+        pending += reversed(operands(found))
+
+
+def atoms(*formulas: ir.Formula) -> tuple[ir.Atom, ...]:
+    """The different atoms of formulas, in the order of their first occurrence."""
+    found = {
+        part: None
+        for formula in formulas
+        for part in subformulas(formula)
+        if isinstance(part, ir.Atom)
+    }
+    return tuple(found)
+
+
+# --- Occurrences of subformulas, and formulas in which one is replaced by a constant --------------
+#
+# Every operator is monotonic in an occurrence under an even number of negations (*positive*) and
+# antitonic in the others, so that false in place of a positive occurrence, or true in place of a
+# negative one, makes a formula stronger.
+
+
+@dataclass(frozen=True, slots=True)
+class Occurrence:
+    """A part of a formula; ``path`` are the numbers of the operands that lead to it."""
+
+    path: tuple[int, ...]
+    formula: ir.Formula
+    positive: bool
+
+
+def occurrences(formula: ir.Formula) -> Iterator[Occurrence]:
+    """All parts of a formula, itself the first, from the outside in and from left to right."""
+    pending = [Occurrence((), formula, positive=True)]
+    while pending:
+        found = pending.pop()
+        yield found
+        parts = [
+            Occurrence((*found.path, number), part, found.positive is not _turns(found, number))
+            for number, part in enumerate(operands(found.formula))
+        ]
+        pending += reversed(parts)
+
+
+def _turns(found: Occurrence, number: int) -> bool:
+    """Whether an operand of a part is negated by it."""
+    return isinstance(found.formula, ir.Not) or (
+        isinstance(found.formula, ir.Implies) and number == 0
+    )
+
+
+def strengthened(formula: ir.Formula, part: Occurrence) -> ir.Formula:
+    """The formula with the constant in place of one of its parts that makes it strongest."""
+    anywhere = atoms(formula)[0]
+    constant: ir.Formula = ir.Or((anywhere, ir.Not(anywhere)))
+    if part.positive:
+        constant = ir.Not(constant)
+    around = [formula]
+    for number in part.path[:-1]:
+        around.append(operands(around[-1])[number])
+    for whole, number in zip(reversed(around), reversed(part.path), strict=False):
+        constant = _with_operand(whole, number, constant)
+    return constant
+
+
+def _with_operand(formula: ir.Formula, number: int, part: ir.Formula) -> ir.Formula:
+    """The formula with another operand of that number."""
+    match formula:
+        case ir.And(operands=parts) | ir.Or(operands=parts):
+            return replace(formula, operands=(*parts[:number], part, *parts[number + 1 :]))
+        case ir.Implies() | ir.Until():
+            return replace(formula, left=part) if number == 0 else replace(formula, right=part)
+        case ir.Not() | ir.Always() | ir.Eventually() | ir.Next() | ir.Last():
+            return replace(formula, operand=part)
+        case ir.Atom():
+            raise ValueError("an atom has no operands")
+        case _:
+            assert_never(formula)

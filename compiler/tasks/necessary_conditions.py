@@ -1,0 +1,331 @@
+"""What a task asks of every motion whatever the robot, clause by clause, for a SAT solver.
+
+The demands of ``satisfy``, ``start in``, ``reach`` and ``avoid … with effector``; of everything
+else, and of the robot itself, nothing is assumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from compiler.robots.effector_counts import several_effectors
+from compiler.tasks.formula_parts import subformulas
+from compiler.tasks.formula_slots import Clause, Node, Slots, TooManySlotsError, common_step
+from compiler.workspaces.partition import remainder
+from compiler.workspaces.polytope import Polytope, polytope_of
+from grammar_lang import ir
+from grammar_lang.source import Span
+
+Temporal: TypeAlias = ir.Until | ir.Always | ir.Eventually | ir.Next | ir.Last
+
+SLOT_LIMIT = 1000
+SIGNATURE_LIMIT = 64
+SOME_EFFECTOR = 0
+"""The number of the effector that is recorded where a task with several names none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """A clause of a task, or a conjunct of a formula: the clauses hold if ``selector`` is true.
+
+    ``formula`` is the number of its ``satisfy`` in the task; ``text`` says what is asked.
+    """
+
+    selector: int
+    span: Span
+    text: str
+    formula: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Demands:
+    """The demands of a task; some motion may meet them only if the clauses are satisfiable."""
+
+    clauses: tuple[Clause, ...]
+    demands: tuple[Demand, ...]
+    _writer: _Writer
+
+    def denial(self, formula: ir.Formula) -> tuple[Demand, tuple[Clause, ...]]:
+        """The demand that a formula over the atoms of the task does not hold, and its clauses.
+
+        The clauses are those that no other call has returned.
+
+        Raises:
+            TooManySlotsError: there would be too many of them.
+        """
+        return self._writer.denial(formula)
+
+
+def conjuncts(formula: ir.Formula) -> Iterator[ir.Formula]:
+    """The parts of a conjunction, of conjunctions in it, too, as written; else the formula."""
+    stack = [formula]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, ir.And):
+            stack.extend(reversed(node.operands))
+        else:
+            yield node
+
+
+def _times(task: ir.Task) -> Iterator[Fraction]:
+    """The horizon, and every time before it at which a formula looks."""
+    total = task.steps * task.step
+    yield total
+    for clause in task.satisfy:
+        for node in subformulas(clause.formula):
+            match node:
+                case ir.Always(window=window) | ir.Eventually(window=window):
+                    found = (window.lower, window.upper or total)
+                case ir.Last(duration=duration):
+                    found = (duration, total)
+                case ir.Next():
+                    found = (task.step, total)
+                case _:
+                    continue
+            yield from (time for time in found if 0 < time < total)
+
+
+@dataclass(frozen=True, slots=True)
+class _Ends:
+    """The effectors that start and end in a region, by number; None where no region is named."""
+
+    start: int | None
+    reach: int | None
+
+
+def _ends(program: ir.Program, task: ir.Task) -> _Ends:
+    """Who starts and who reaches; ``SOME_EFFECTOR`` where that is left open."""
+    recorded = SOME_EFFECTOR if task.reach is None else task.reach.effector or SOME_EFFECTOR
+    start = None
+    if isinstance(task.start, ir.StartIn):
+        start = task.start.effector or recorded
+    reach = None if task.reach is None else recorded
+    if SOME_EFFECTOR not in (start, reach):
+        return _Ends(start, reach)
+    if several_effectors(program, program.grammars[task.grammar]) is False:
+        start, reach = (1 if number == SOME_EFFECTOR else number for number in (start, reach))
+    return _Ends(start, reach)
+
+
+def _mentioned(task: ir.Task, *, avoided: bool) -> frozenset[str]:
+    """The regions of the demands, or those of all but ``avoid``."""
+    names = {
+        node.region
+        for clause in task.satisfy
+        for node in subformulas(clause.formula)
+        if isinstance(node, ir.Atom)
+    }
+    if isinstance(task.start, ir.StartIn):
+        names.add(task.start.region)
+    if task.reach is not None:
+        names.add(task.reach.region)
+    if avoided:
+        names.update(name for avoid in _avoids(task) for name in avoid.regions)
+    return frozenset(names)
+
+
+def _avoids(task: ir.Task) -> Iterator[ir.Avoid]:
+    return (avoid for avoid in task.avoid if avoid.subject == "effector")
+
+
+@dataclass(frozen=True, slots=True)
+class _Regions:
+    """The regions that are looked at, numbered, and the signatures over these numbers."""
+
+    numbers: Mapping[str, int]
+    signatures: tuple[int, ...]
+
+
+def _regions(workspace: ir.Workspace, names: frozenset[str]) -> _Regions | None:
+    """None where there are too many signatures, or a shape that is wrong."""
+    bounds = polytope_of(workspace.bounds.shape, workspace.dimension)
+    if not bounds.is_bounded or not bounds.has_interior:
+        return None
+    chosen = [region for region in workspace.regions if region.name in names]
+    shapes: list[Polytope] = [polytope_of(r.shape, workspace.dimension) for r in chosen]
+    if any(shape.is_empty for shape in shapes):
+        return None
+    signatures = region_signatures(bounds, shapes, SIGNATURE_LIMIT)
+    if signatures is None:
+        return None
+    return _Regions({region.name: k for k, region in enumerate(chosen)}, signatures)
+
+
+@dataclass(slots=True)
+class _Writer:
+    slots: Slots
+    regions: _Regions
+    task: ir.Task
+    step: Fraction
+    demands: list[Demand]
+
+    def intervals(self, time: Fraction) -> int:
+        """A time in steps of the slots, one more than there are where it is beyond the end."""
+        return min(self.slots.count + 1, -(-time // self.step))
+
+    def atom(self, region: str, effector: int) -> Node:
+        return self.slots.region(effector, self.regions.numbers[region])
+
+    def node(self, formula: ir.Formula) -> Node:
+        slots = self.slots
+        match formula:
+            case ir.Atom(region=region, effector=effector):
+                return self.atom(region, effector)
+            case ir.Not(operand=operand):
+                return -self.node(operand)
+            case ir.And(operands=operands):
+                return slots.conjunction([self.node(part) for part in operands])
+            case ir.Or(operands=operands):
+                return slots.disjunction([self.node(part) for part in operands])
+            case ir.Implies(left=left, right=right):
+                return slots.disjunction([-self.node(left), self.node(right)])
+            case _:
+                return self.temporal(formula)
+
+    def temporal(self, formula: Temporal) -> Node:
+        slots = self.slots
+        match formula:
+            case ir.Until(left=left, right=right):
+                return slots.until(self.node(left), self.node(right))
+            case ir.Always(operand=operand, window=window):
+                return slots.always(self.node(operand), *self.window(window))
+            case ir.Eventually(operand=operand, window=window):
+                return slots.eventually(self.node(operand), *self.window(window))
+            case ir.Next(operand=operand):
+                one = self.intervals(self.task.step)
+                return slots.eventually(self.node(operand), one, one)
+            case ir.Last(operand=operand, duration=duration):
+                return slots.last_part(self.node(operand), self.intervals(duration))
+
+    def window(self, window: ir.Window) -> tuple[int, int]:
+        last = self.slots.count + 1
+        upper = last if window.upper is None else self.intervals(window.upper)
+        return self.intervals(window.lower), upper
+
+    def denial(self, formula: ir.Formula) -> tuple[Demand, tuple[Clause, ...]]:
+        """The demand that a formula does not hold, and the clauses that it adds."""
+        before = len(self.slots.clauses)
+        self.demand([-self.slots.row(self.node(formula)).some[0]], formula.span, "")
+        return self.demands.pop(), tuple(self.slots.clauses[before:])
+
+    def demand(
+        self, literals: Iterable[int], span: Span, text: str, formula: int | None = None
+    ) -> None:
+        """All the literals, if a new selector is true."""
+        selector = self.slots.variable()
+        self.slots.clauses += [(-selector, literal) for literal in literals]
+        self.demands.append(Demand(selector, span, text, formula))
+
+    def clauses(self, ends: _Ends, effectors: Iterable[int]) -> None:
+        start, reach, slots = self.task.start, self.task.reach, self.slots
+        for number, clause in enumerate(self.task.satisfy):
+            for part in conjuncts(clause.formula):
+                literal = slots.row(self.node(part)).some[0]
+                self.demand([literal], part.span, "this formula holds", number)
+        if isinstance(start, ir.StartIn) and ends.start is not None:
+            literal = slots.row(self.atom(start.region, ends.start)).some[0]
+            self.demand([literal], start.span, f"the effector starts in `{start.region}`")
+        if reach is not None and ends.reach is not None:
+            literal = slots.row(self.atom(reach.region, ends.reach)).some[-1]
+            self.demand([literal], reach.span, f"the effector ends in `{reach.region}`")
+        for avoid in _avoids(self.task):
+            for region in avoid.regions:
+                if region in self.regions.numbers:
+                    rows = [slots.row(-self.atom(region, effector)) for effector in effectors]
+                    literals = [literal for row in rows for literal in row.every]
+                    self.demand(literals, avoid.span, f"`{region}` is never entered")
+
+
+def task_demands(program: ir.Program, task: ir.Task) -> Demands | None:
+    """The demands of a task; None where they are too large to be looked at.
+
+    Where they are so with the regions that are only avoided, they are given without these.
+    """
+    step = common_step(_times(task))
+    if task.steps * task.step / step > SLOT_LIMIT:
+        return None
+    ends = _ends(program, task)
+    for avoided in (True, False):
+        names = _mentioned(task, avoided=avoided)
+        regions = _regions(program.workspaces[task.workspace], names)
+        found = None if regions is None else _demands(task, step, ends, regions)
+        if found is not None:
+            return found
+    return None
+
+
+def _demands(task: ir.Task, step: Fraction, ends: _Ends, regions: _Regions) -> Demands | None:
+    effectors = {
+        node.effector
+        for clause in task.satisfy
+        for node in subformulas(clause.formula)
+        if isinstance(node, ir.Atom)
+    }
+    ending = {number for number in (ends.start, ends.reach) if number is not None}
+    numbers = sorted(effectors | ending)
+    try:
+        slots = Slots(int(task.steps * task.step / step), regions.signatures, numbers)
+        writer = _Writer(slots, regions, task, step, [])
+        writer.clauses(ends, numbers)
+    except TooManySlotsError:
+        return None
+    return Demands(tuple(slots.clauses), tuple(writer.demands), writer)
+
+
+# --------------------------------------------------------------------------------------------------
+# Which sets of regions a point of the workspace can be in: the cells of an arrangement, by name.
+#
+# A *signature* is a set of closed regions that contain some point of the bounds that is in none of
+# the others.  Exact for sets with interior, as long as they are few; what cannot be excluded is
+# kept, so that an absent signature is impossible for certain.
+
+
+COVERING_LIMIT = 8
+"""A cell that more regions than these cut is not looked at for being covered by them together."""
+
+
+def region_signatures(
+    bounds: Polytope, regions: Sequence[Polytope], limit: int
+) -> tuple[int, ...] | None:
+    """The signatures as bit sets (bit i: the i-th region), in increasing order.
+
+    Args:
+        bounds: a bounded polytope with interior.
+        regions: closed convex sets, which may be unbounded.
+        limit: the greatest number of signatures.
+
+    Returns:
+        The signatures, a superset of those that occur; None where there are more than ``limit``.
+    """
+    inside = [bounds.intersection(region) for region in regions]
+    cells: list[tuple[Polytope, int]] = [(bounds, 0)]
+    for number, region in enumerate(inside):
+        if region.is_empty:
+            continue
+        following = [(cell, bits) for cell, bits in cells if not regions[number].contains(cell)]
+        for cell, bits in cells:
+            common = cell.intersection(region)
+            if not common.is_empty:
+                following.append((common, bits | 1 << number))
+        if len(following) > limit:
+            return None
+        cells = following
+    return tuple(sorted(bits for cell, bits in cells if not _covered(cell, bits, inside)))
+
+
+def _covered(cell: Polytope, bits: int, inside: Sequence[Polytope]) -> bool:
+    """Whether the regions without a bit cover a cell."""
+    others = [
+        region
+        for number, region in enumerate(inside)
+        if not bits >> number & 1 and not region.is_empty
+    ]
+    if any(other.contains(cell) for other in others):
+        return True
+    cutting = [other.irredundant() for other in others if other.has_interior and other.meets(cell)]
+    if not cell.has_interior or len(cutting) > COVERING_LIMIT:
+        return False
+    return not remainder(cell.irredundant(), cutting)

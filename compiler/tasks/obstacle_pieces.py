@@ -1,0 +1,207 @@
+"""Maps as regions: every map of a workspace becomes obstacles named ``yard.1``, ``yard.2``, ….
+
+All that follows the checks knows regions only.  An ``avoid`` of the map avoids all its pieces, and
+where a formula names it, it says that the effector is in one of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from functools import lru_cache
+from typing import assert_never
+
+from compiler.tasks.formula_parts import atoms
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.pieces import Pieces, Polygon, apart, disjoint
+from compiler.workspaces.polytope import Polytope, polytope_of
+from grammar_lang import ir
+from grammar_lang.diagnostics.codes import Code
+
+PIECE_LIMIT = 5_000
+"""So many pieces may a map have within the bounds."""
+
+
+@lru_cache(maxsize=8)
+def pieces_of(found: ir.ObstacleMap) -> Pieces:
+    """All pieces of a map.  The last few maps are remembered, so that each is decoded once.
+
+    Raises:
+        MapFault: it cannot be used.
+    """
+    if found.image is not None:
+        from compiler.workspaces.map_server import map_server_pieces
+
+        return map_server_pieces(found.text, found.path, found.image)
+    from compiler.workspaces.geojson import geojson_pieces
+
+    return geojson_pieces(found.text)
+
+
+@lru_cache(maxsize=8)
+def pieces_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polygon, ...]:
+    """The pieces of a map that meet the bounds, whole, those that only touch them included.
+
+    An effector may be in a region at the very edge of the bounds, as formulas can say.
+
+    Raises:
+        MapFault: the map cannot be used, or there are more than ``PIECE_LIMIT``.
+    """
+    area = polytope_of(bounds.shape, 2)
+    every = pieces_of(found).polygons
+    inside = tuple(piece for piece in every if not _outside(area, piece, touching=False))
+    if len(inside) > PIECE_LIMIT:
+        message = f"obstacle `{found.name}` is {len(inside):,} convex pieces within the bounds"
+        hint = f"at most {PIECE_LIMIT:,} can be used: take a coarser map, or narrower bounds"
+        raise MapFault(message, hint, None if found.image else (0, 1), Code.TOO_LARGE)
+    return inside
+
+
+@lru_cache(maxsize=8)
+def polytopes_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polytope, ...]:
+    """The pieces of a map that meet the interior of the bounds, by their facets.
+
+    Raises:
+        MapFault: as for :func:`pieces_within`.
+    """
+    area = polytope_of(bounds.shape, 2)
+    return tuple(
+        polytope_of(ir.Hull(piece), 2)
+        for piece in pieces_within(found, bounds)
+        if not _outside(area, piece, touching=True)
+    )
+
+
+def _outside(area: Polytope, piece: Polygon, *, touching: bool) -> bool:
+    """Whether a piece lies outside the bounds, which may be unbounded or flat; or touches them."""
+    beyond = [
+        [row.normal[0] * x + row.normal[1] * y - row.offset for row in area.rows] for x, y in piece
+    ]
+    if any(max(heights) < 0 for heights in beyond):
+        return False
+    nearest = [min(heights) for heights in zip(*beyond, strict=True)]
+    if any(height > 0 or (touching and height == 0) for height in nearest):
+        return True
+    corners = area.vertices if area.is_bounded and area.has_interior else ()
+    separated = apart if touching else disjoint
+    return bool(corners) and separated(tuple((x, y) for x, y in corners), piece)
+
+
+# --- regions -----------------------------------------------------------------------------------
+
+
+def expanded_workspace(workspace: ir.Workspace) -> ir.Workspace:
+    """A workspace with the pieces of its maps as obstacles after its regions, and no maps.
+
+    Raises:
+        MapFault: a map cannot be used.
+    """
+    return _expanded(workspace)[0]
+
+
+def _expanded(workspace: ir.Workspace) -> tuple[ir.Workspace, Mapping[str, tuple[str, ...]]]:
+    """The workspace without maps, and the names of the pieces of each map."""
+    if not workspace.maps:
+        return workspace, {}
+    names: dict[str, tuple[str, ...]] = {}
+    regions = list(workspace.regions)
+    for found in workspace.maps:
+        polygons = pieces_within(found, workspace.bounds)
+        pieces = [
+            ir.Region(f"{found.name}.{number}", "obstacle", ir.Hull(corners), found.span)
+            for number, corners in enumerate(polygons, start=1)
+        ]
+        names[found.name] = tuple(piece.name for piece in pieces)
+        regions += pieces
+    return replace(workspace, regions=tuple(regions), maps=()), names
+
+
+def expanded(program: ir.Program, task: ir.Task) -> tuple[ir.Program, ir.Task]:
+    """A program and a task of it, with the maps of the task's workspace as obstacles.
+
+    Other workspaces and tasks stay as they are.  Without maps both are returned unchanged.
+
+    Raises:
+        MapFault: a map cannot be used.
+    """
+    workspace = program.workspaces[task.workspace]
+    if not workspace.maps:
+        return program, task
+    place, names = _expanded(workspace)
+    named = atoms(*(clause.formula for clause in task.satisfy))
+    if any(not names.get(atom.region, "no map") for atom in named):
+        place, names = _with_nowhere(place, names)
+    made = replace(
+        task,
+        avoid=tuple(avoid for avoid in (_avoid(a, names) for a in task.avoid) if avoid.regions),
+        satisfy=tuple(
+            replace(clause, formula=_formula(clause.formula, names)) for clause in task.satisfy
+        ),
+    )
+    workspaces = {**program.workspaces, place.name: place}
+    tasks = {**program.tasks, task.name: made}
+    return replace(program, workspaces=workspaces, tasks=tasks), made
+
+
+def task_by_task(program: ir.Program) -> Iterator[ir.Program]:
+    """Programs with one task each and without its maps, for all tasks whose maps can be used.
+
+    A program without maps is given as it is, once.
+    """
+    if not any(workspace.maps for workspace in program.workspaces.values()):
+        yield program
+        return
+    for task in program.tasks.values():
+        try:
+            single, made = expanded(program, task)
+        except MapFault:
+            continue  # reported with the workspace
+        yield replace(single, tasks={made.name: made})
+
+
+def _avoid(avoid: ir.Avoid, names: Mapping[str, tuple[str, ...]]) -> ir.Avoid:
+    regions = (piece for name in avoid.regions for piece in names.get(name, (name,)))
+    return replace(avoid, regions=tuple(regions))
+
+
+def _formula(node: ir.Formula, names: Mapping[str, tuple[str, ...]]) -> ir.Formula:
+    """The formula over regions; its depth is bounded by the parser."""
+    match node:
+        case ir.Atom():
+            return _atom(node, names)
+        case ir.Not() | ir.Always() | ir.Eventually() | ir.Next() | ir.Last():
+            return replace(node, operand=_formula(node.operand, names))
+        case ir.And() | ir.Or():
+            return replace(node, operands=tuple(_formula(part, names) for part in node.operands))
+        case ir.Implies() | ir.Until():
+            left, right = _formula(node.left, names), _formula(node.right, names)
+            return replace(node, left=left, right=right)
+        case _:
+            assert_never(node)
+
+
+def _atom(atom: ir.Atom, names: Mapping[str, tuple[str, ...]]) -> ir.Formula:
+    if atom.region not in names:
+        return atom
+    atoms = tuple(replace(atom, region=piece) for piece in names[atom.region])
+    return atoms[0] if len(atoms) == 1 else ir.Or(atoms, atom.span)
+
+
+def _with_nowhere(
+    workspace: ir.Workspace, names: Mapping[str, tuple[str, ...]]
+) -> tuple[ir.Workspace, Mapping[str, tuple[str, ...]]]:
+    """A box out of the bounds for every map without pieces, so that formulas can name it.
+
+    There are no constants in formulas; the bounds keep every effector out of the box.
+    """
+    bounds = polytope_of(workspace.bounds.shape, 2)
+    right = max(x for x, _ in bounds.vertices) + 1
+    corners = tuple((right + x, Fraction(y)) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    found = dict(names)
+    regions = list(workspace.regions)
+    for name, pieces in names.items():
+        if not pieces:
+            found[name] = (f"{name}.1",)
+            regions.append(ir.Region(f"{name}.1", "obstacle", ir.Hull(corners)))
+    return replace(workspace, regions=tuple(regions)), found

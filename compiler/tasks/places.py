@@ -1,0 +1,100 @@
+"""Where an effector is at a layer, as Boolean variables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.tasks.clauses import Clauses, Ints
+from compiler.tasks.sampled_formula import Literal
+
+# --- Variables that say that an effector is in a cell at a layer ----------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Places:
+    """Each variable is for a cell at a layer, a position or a sample; shapes (n,)."""
+
+    cells: Ints
+    layers: Ints
+    variables: Ints
+
+    def with_more(self, new: Places) -> Places:
+        """These and others."""
+        return Places(
+            np.concatenate([self.cells, new.cells]),
+            np.concatenate([self.layers, new.layers]),
+            np.concatenate([self.variables, new.variables]),
+        )
+
+
+_NONE = np.zeros(0, dtype=np.int64)
+NOWHERE: Final = Places(_NONE, _NONE, _NONE)
+
+
+# --- Words of cells of an effector, stays left out ------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """The cells of an effector (from 0) in order; the samples they are entered at, or None."""
+
+    effector: int
+    cells: tuple[int, ...]
+    entries: tuple[int, ...] | None
+
+
+# --------------------------------------------------------------------------------------------------
+# Literals of a formula at places: in a cell, an effector is in the regions of the cell alone.
+
+
+@dataclass(slots=True)
+class _Region:
+    """A literal's variables by layer, 0 where it is not asked for, and the cells against it."""
+
+    against: NDArray[np.bool_]
+    variables: Ints
+    asked: list[int] = field(default_factory=list)
+
+
+class RegionLinks:
+    """Variables that imply literals, at layers 0 .. ``last`` of places.
+
+    ``propositions`` are per cell the regions it lies in.
+    """
+
+    def __init__(self, clauses: Clauses, propositions: Sequence[frozenset[str]], last: int) -> None:
+        self._clauses = clauses
+        self._propositions = propositions
+        self._last = last
+        self._regions: dict[Literal, _Region] = {}
+        self._places: dict[int, Places] = {}
+
+    def ask(self, literal: Literal, layer: int, variable: int) -> None:
+        """The variable is to imply the literal at that layer."""
+        if literal not in self._regions:
+            inside = np.array([literal.region in names for names in self._propositions], dtype=bool)
+            against = ~inside if literal.positive else inside
+            self._regions[literal] = _Region(against, np.zeros(self._last + 1, dtype=np.int64))
+        region = self._regions[literal]
+        region.variables[layer] = variable
+        region.asked.append(layer)
+
+    def link(self, effector: int, new: Places) -> None:
+        """Link what was asked since the last time, and new places of an effector (from 1)."""
+        old = self._places.get(effector, NOWHERE)
+        self._places[effector] = old.with_more(new)
+        for literal, region in self._regions.items():
+            if literal.effector != effector:
+                continue
+            asked = np.zeros(self._last + 1, dtype=bool)
+            asked[region.asked] = True
+            region.asked.clear()
+            for places, layers in ((old, asked), (new, region.variables > 0)):
+                hit = layers[places.layers] & region.against[places.cells]
+                said = region.variables[places.layers[hit]]
+                self._clauses.add(np.column_stack([-places.variables[hit], -said]))

@@ -1,0 +1,276 @@
+"""A planning problem as clauses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.tasks.cell_graph import UNREACHABLE
+from compiler.tasks.clauses import TRUE, Clauses
+from compiler.tasks.effector_distances import EffectorDistances
+from compiler.tasks.formula_clauses import FormulaClauses, Layers
+from compiler.tasks.places import RegionLinks, Word
+from compiler.tasks.position_paths import PositionPaths
+from compiler.tasks.sample_times import EntrySamples, TimedRegions
+from compiler.tasks.specification import PlanningProblem
+
+# --- The sum of the changes of several paths, counted in unary ------------------------------------
+#
+# Source: the totalizer (Bailleux & Boufkhad, *Efficient CNF encoding of Boolean cardinality
+# constraints*, 2003); the numbers are unary already.
+
+
+class TotalChanges:
+    """``above(b)``: assumed false, the paths have at most b changes together."""
+
+    def __init__(self, clauses: Clauses, paths: Sequence[PositionPaths]) -> None:
+        self._clauses = clauses
+        self._paths = paths
+        self._known: dict[tuple[int, int], int] = {}
+
+    def above(self, bound: int) -> int:
+        """A literal that holds if the paths have more than ``bound`` changes."""
+        return self._at_least(len(self._paths), bound + 1)
+
+    def _at_least(self, count: int, number: int) -> int:
+        """A literal that holds if the first paths have so many changes together."""
+        if number <= 0:
+            return TRUE
+        if count == 1:
+            return self._paths[0].exists(number)
+        key = (count, number)
+        if key not in self._known:
+            literal = self._clauses.one(f"{number} changes of {count} effectors")
+            self._known[key] = literal
+            for own in range(number + 1):
+                others = self._at_least(count - 1, number - own)
+                mine = self._paths[count - 1].exists(own)
+                self._clauses.clause([-others, -mine, literal])
+        return self._known[key]
+
+
+# --- An untimed problem with one effector as clauses, one change of cell more at a time -----------
+
+
+class PositionEncoding:
+    """Paths c_0 .. c_m of one effector; without a formula no cell comes twice.
+
+    Attributes:
+        clauses: what is to be solved, under ``assumptions``.
+        least: no plan has fewer changes; None: there is none at all.
+        limit: the largest number of changes.
+        complete: whether the limit excludes no plan.
+    """
+
+    def __init__(self, problem: PlanningProblem) -> None:
+        (planned,) = problem.effectors
+        self.clauses = Clauses()
+        distance = EffectorDistances(problem, planned)
+        simple = problem.formula is None
+        self._paths = PositionPaths(
+            self.clauses,
+            distance.edges,
+            distance.from_start,
+            distance.to_end,
+            who=f"effector {planned.effector + 1}",
+            cell_name=problem.name,
+            simple=simple,
+        )
+        self.shortest = (distance.shortest,)
+        self.least = distance.least
+        usable = int((distance.from_start + distance.to_end < UNREACHABLE).sum())
+        self.complete = simple and usable - 1 <= problem.changes
+        self.limit = min(problem.changes, usable - 1) if simple else problem.changes
+        self._effector = planned.effector
+        self._formula: FormulaClauses | None = None
+        if problem.formula is not None and self.least is not None:
+            layers = Layers(self.limit, self._paths.exists, open_end=True)
+            self._regions = RegionLinks(self.clauses, problem.propositions, self.limit)
+            self._formula = FormulaClauses(self.clauses, problem.formula, layers, self._regions)
+        self._pending: list[tuple[int, ...]] = []
+
+    def extend(self, bound: int) -> None:
+        """Lay out paths of ``bound`` changes; there are none left of fewer."""
+        self._lay_out(bound)
+        self.clauses.clause([self._paths.exists(bound)])
+        waiting, self._pending = self._pending, []
+        for prefix in waiting:
+            self.block(self._effector, prefix)
+
+    def _lay_out(self, bound: int) -> None:
+        while self._paths.bound < bound:
+            new = self._paths.extend()
+            if self._formula is not None:
+                self._formula.lay_out(self._paths.bound)
+                self._regions.link(self._effector + 1, new)
+
+    def assumptions(self, bound: int, *, distinct: bool) -> list[int]:
+        """The literals of a bound that is laid out; they let nothing beyond it."""
+        return [-self._paths.more, -self._paths.exists(bound + 1)]
+
+    def decode(self, true: NDArray[np.bool_]) -> tuple[Word, ...]:
+        """The path of a model."""
+        return (Word(self._effector, self._paths.decode(true), None),)
+
+    def exclude(self, words: Sequence[Word]) -> None:
+        """Not this path again; longer ones may begin with it."""
+        (word,) = words
+        own = self._paths.beginning(word.cells)
+        self.clauses.clause([*(-own).tolist(), self._paths.exists(len(own))])
+
+    def block(self, effector: int, prefix: tuple[int, ...]) -> None:
+        """No path that begins with these cells."""
+        own = self._paths.beginning(prefix)
+        if own.all():
+            self.clauses.clause((-own).tolist())
+        elif self._paths.may_begin(prefix):
+            self._pending.append(prefix)
+
+    def close(self) -> None:
+        """Make the clauses those of all plans within the limit, without assumptions."""
+        if self.least is None or self.least > self.limit:
+            self.clauses.clause([])
+            return
+        self._lay_out(self.limit)
+        self._paths.ends(self._paths.places)
+        for literal in self.assumptions(self.limit, distinct=False):
+            self.clauses.clause([literal])
+
+
+# --------------------------------------------------------------------------------------------------
+# A timed problem, or one with several effectors, as clauses: paths, and when they are entered.
+#
+# A layer per sample of cells alone would count changes by a counter that knows nothing of
+# distances. Here the cells are by positions, as in untimed problems, and the samples are those of
+# entry.
+
+
+class SampleEncoding:
+    """Words of cells of all planned effectors; the sum of their changes is bounded.
+
+    Attributes:
+        clauses: what is to be solved, under ``assumptions``.
+        shortest: per effector the fewest changes from its start to its end, None for no way.
+        least: no plan has fewer changes; None: there is none at all.
+        limit: the largest number of changes.
+        complete: whether the limit excludes no plan.
+    """
+
+    def __init__(self, problem: PlanningProblem) -> None:
+        self.clauses = Clauses()
+        steps = problem.steps
+        self._steps = steps
+        found = [EffectorDistances(problem, planned) for planned in problem.effectors]
+        self.shortest = tuple(distance.shortest for distance in found)
+        leasts = [one.least for one in found if one.least is not None and one.least <= steps]
+        self.least = sum(leasts) if len(leasts) == len(found) else None
+        self._leasts = leasts
+        most = steps * len(found)
+        self.limit = min(problem.changes, most)
+        self.complete = problem.changes >= most
+        self._numbers = [planned.effector for planned in problem.effectors]
+        self._paths = [
+            PositionPaths(
+                self.clauses,
+                distance.edges,
+                distance.from_start,
+                distance.to_end,
+                who=f"effector {planned.effector + 1}",
+                cell_name=problem.name,
+                simple=False,
+            )
+            for planned, distance in zip(problem.effectors, found, strict=True)
+        ]
+        self._entries = [
+            EntrySamples(self.clauses, paths, steps, f"effector {number + 1}")
+            for paths, number in zip(self._paths, self._numbers, strict=True)
+        ]
+        self._total = TotalChanges(self.clauses, self._paths)
+        self._distinct = self.clauses.one("no sequence of cells comes again")
+        by_number = {
+            n + 1: entries for n, entries in zip(self._numbers, self._entries, strict=True)
+        }
+        self._regions = TimedRegions(self.clauses, problem.propositions, by_number, steps)
+        if problem.formula is not None and self.least is not None:
+            layers = Layers(steps, lambda _: TRUE, open_end=False)
+            FormulaClauses(self.clauses, problem.formula, layers, self._regions).lay_out(steps)
+        self._pending: list[tuple[int, tuple[int, ...]]] = []
+
+    def extend(self, bound: int) -> None:
+        """Lay out paths of up to ``bound`` changes together."""
+        for index, paths in enumerate(self._paths):
+            while paths.bound < self._own(index, bound):
+                new = paths.extend()
+                paths.ends(new)
+                self._entries[index].row(paths.bound + 1)
+                self._regions.link(self._numbers[index] + 1, new, paths.bound)
+        waiting, self._pending = self._pending, []
+        for effector, prefix in waiting:
+            self.block(effector, prefix)
+
+    def _own(self, index: int, bound: int) -> int:
+        """The most changes of one path, as the others need theirs."""
+        return min(bound - sum(self._leasts) + self._leasts[index], self._steps)
+
+    def assumptions(self, bound: int, *, distinct: bool) -> list[int]:
+        """The literals of a bound that is laid out; the negative ones let nothing beyond it."""
+        found = [-paths.more for paths in self._paths]
+        found += [
+            -paths.exists(self._own(index, bound) + 1) for index, paths in enumerate(self._paths)
+        ]
+        if len(self._paths) > 1:
+            found.append(-self._total.above(bound))
+        else:
+            found.append(self._paths[0].exists(bound))
+        return [*found, self._distinct] if distinct else found
+
+    def decode(self, true: NDArray[np.bool_]) -> tuple[Word, ...]:
+        """The words of a model."""
+        found = []
+        for number, paths, entries in zip(self._numbers, self._paths, self._entries, strict=True):
+            cells = paths.decode(true)
+            found.append(Word(number, cells, entries.entries(len(cells), true)))
+        return tuple(found)
+
+    def exclude(self, words: Sequence[Word]) -> None:
+        """Not these words again, nor, while they are to be distinct, these sequences of cells."""
+        others: list[int] = []
+        exact: list[int] = []
+        for word, paths, entries in zip(words, self._paths, self._entries, strict=True):
+            others += (-paths.beginning(word.cells)).tolist()
+            others.append(paths.exists(len(word.cells)))
+            exact += [-literal for literal in entries.literals(word.entries or ())]
+        self.clauses.clause([*others, -self._distinct])
+        self.clauses.clause([*others, *exact])
+
+    def block(self, effector: int, prefix: tuple[int, ...]) -> None:
+        """No words in which that effector begins with these cells."""
+        paths = self._paths[self._numbers.index(effector)]
+        own = paths.beginning(prefix)
+        if own.all():
+            self.clauses.clause((-own).tolist())
+        elif paths.may_begin(prefix):
+            self._pending.append((effector, prefix))
+
+    def close(self) -> None:
+        """Make the clauses those of all plans within the limit, without assumptions."""
+        if self.least is None or self.least > self.limit:
+            self.clauses.clause([])
+            return
+        self.extend(self.limit)
+        for literal in self.assumptions(self.limit, distinct=False):
+            self.clauses.clause([literal] if literal < 0 else [TRUE])
+
+
+# --- A planning problem as clauses ----------------------------------------------------------------
+
+
+PlanEncoding: TypeAlias = PositionEncoding | SampleEncoding
+
+
+def plan_encoding(problem: PlanningProblem) -> PlanEncoding:
+    """By changes of cell where one effector's path is not timed, else by samples."""
+    return SampleEncoding(problem) if problem.by_samples else PositionEncoding(problem)

@@ -1,0 +1,152 @@
+r"""What it takes to bring a measure f from one value to another, level by level.
+
+From f <= low to f >= high (or back) a motion passes every level between.  While f is in [l, l + w],
+|df| <= c ds with the largest steepness c of the boxes where f may have such values, so that its
+kinetic length L and its time T are
+
+.. math:: L \ge \sum_k w_k / c_k, \qquad T \ge \sum_k w_k / \min(c_k s_k, r_k)
+
+with the largest kinetic speed s_k there, at most sqrt(2 (E - V)), and the largest |df/dt|, r_k,
+that the joints' rates allow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from flint import arb
+
+from compiler.expressions.evaluators.intervals import Ends
+from compiler.unreachability.actuation_bounds import BoxBounds
+from compiler.unreachability.actuation_budget import Budget
+
+LEVELS = 24
+"""Parts of the way between two values."""
+TINY = arb(2) ** -200
+"""Stands for a slope of zero: such levels take as good as for ever."""
+
+
+@dataclass(frozen=True, slots=True)
+class Needed:
+    """Lower bounds of the kinetic length and of the time (s)."""
+
+    length: arb
+    time: arb
+
+
+def needed(
+    measure: int, low: arb, high: arb, all_bounds: Sequence[BoxBounds], budget: Budget | None
+) -> Needed:
+    """What the motion needs from one value of a measure to another.
+
+    Args:
+        measure: its number in the bounds.
+        low: the one value, exact.
+        high: the other value, exact and larger.
+        all_bounds: of all boxes that the motion may be in.
+        budget: bounds on the motion; None where nothing is known.
+    """
+    edges = [low, *((low + (high - low) * j / LEVELS).mid() for j in range(1, LEVELS)), high]
+    length = time = arb(0)
+    for first, last in pairwise(edges):
+        here = [
+            box
+            for box in all_bounds
+            if not (box.courses[measure].high < first or box.courses[measure].low > last)
+        ]
+        if not here:
+            continue  # no pose has such a value: nothing is counted, which is less than there is
+        steepness = largest([box.courses[measure].steepness for box in here])
+        if steepness is not None:
+            length += (last - first) / steepness.max(TINY)
+        speed = _speed(measure, here, steepness, budget)
+        if speed is not None:
+            time += (last - first) / speed.max(TINY)
+    return Needed(length.lower(), time.lower())
+
+
+def _speed(
+    measure: int, all_bounds: Sequence[BoxBounds], steepness: arb | None, budget: Budget | None
+) -> arb | None:
+    """The largest |df/dt| in some boxes."""
+    known = largest([box.courses[measure].speed for box in all_bounds])
+    if steepness is None or budget is None:
+        return known
+    kinetic = budget.speed
+    for_moving = budget.energy - least([box.potential.low for box in all_bounds])
+    if for_moving > 0:
+        kinetic = kinetic.min((2 * for_moving.upper()).sqrt())
+    driven = (steepness * kinetic).upper()
+    return driven if known is None else driven.min(known)
+
+
+def largest(values: Sequence[arb | None]) -> arb | None:
+    """The largest of numbers that are at least zero; None if one is not known."""
+    result = arb(0)
+    for value in values:
+        if value is None:
+            return None
+        result = result.max(value)
+    return result
+
+
+def least(values: Sequence[arb]) -> arb:
+    """The least of some numbers."""
+    result = values[0]
+    for value in values[1:]:
+        result = result.min(value)
+    return result
+
+
+# --- How far a momentum brings its measure up, or down, where weight pulls one way ----------------
+#
+# Let p grow by at most ``growth`` per second, which may be negative, and be at most ``first`` at
+# the start.  Then the positive part of p is at most that of first + growth t; in the same way
+# backwards from the end, where p is known.  Twice: for p, and for -p.
+
+
+ZERO = arb(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """A bound of p from one end of the motion: ``size`` >= 0 there, ``growth`` per second."""
+
+    size: arb
+    growth: arb
+
+    def area(self, time: arb) -> arb:
+        """An upper bound of the integral of the positive part of p over so many seconds."""
+        if self.growth < 0 and not self.size + self.growth * time >= 0:
+            return (self.size * self.size / (-2 * self.growth)).upper()
+        return (self.size * time + self.growth * time * time / 2).upper()
+
+
+def climb(first: Side, last: Side | None, time: arb) -> arb:
+    """An upper bound of the integral of the positive part of p over the whole motion."""
+    if last is None:
+        return first.area(time)
+    turn, steepness = time, first.growth + last.growth
+    if steepness > 0:
+        # Any instant is right; best is where both bounds meet.
+        meeting = (last.size + last.growth * time - first.size) / steepness
+        turn = meeting.mid().max(ZERO).min(time)
+    return (first.area(turn) + last.area(time - turn)).upper().min(first.area(time))
+
+
+@dataclass(frozen=True, slots=True)
+class OneWay:
+    """A measure on a line: its values at the start and the goal, how far it gets up and down."""
+
+    start: Ends
+    goal: Ends
+    up: arb
+    down: arb
+
+    def admits(self, low: arb, high: arb) -> bool:
+        """Whether a motion may have a value in [low, high] on its way."""
+        climbs = (low - self.start.high, self.goal.low - high)
+        falls = (self.start.low - high, low - self.goal.high)
+        return not (any(way > self.up for way in climbs) or any(way > self.down for way in falls))

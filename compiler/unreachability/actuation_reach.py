@@ -1,0 +1,296 @@
+"""The proof that a goal is out of reach of the drives of a robot, for a box of its parameters.
+
+What holds for every motion that keeps the effort bounds, the rate limits of the joints and the
+horizon: docs/decisions/0040-out-of-reach-of-the-drives.md has the bounds and their proofs.  All in
+balls and intervals; floats choose directions and preconditioners only.
+
+Nothing is said of forces on a robot whose modules have states or inputs of their own, or a torque
+other than ``u - b * rate(q)`` with b >= 0; its rate limits count all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from compiler.dynamics.energy_graph import EnergyGraph, energy_graph
+from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
+from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
+from compiler.robots.input_bounds import input_bounds, unbounded_kinds
+from compiler.robots.robot import RobotDof, RobotModel
+from compiler.robots.state_and_input import robot_inputs
+from compiler.tasks.stops import REST_RATE
+from compiler.unreachability.actuation_bounds import BoxEvaluator, LeafBox
+from compiler.unreachability.actuation_budget import Budget
+from compiler.unreachability.actuation_levels import least, needed
+from compiler.unreachability.actuation_measures import (
+    HeightMeasure,
+    Measure,
+    coordinate_measures,
+    height_measures,
+)
+from compiler.unreachability.actuation_metric import EffortGroup, most_power
+from compiler.unreachability.actuation_momentum import MomentumMeasure, momentum_measures
+from compiler.unreachability.actuation_region import Limits, Region
+from compiler.unreachability.covered_poses import NEAR
+from compiler.unreachability.motion_conditions import GivenPose, Passage
+from compiler.workspaces.polytope import polytope_of
+from grammar_lang import ir
+
+ROUNDS = 12
+"""So often at most the set of boxes is made smaller."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveBound:
+    """Why no motion reaches the goal: it needs more of something (``unit``) than can be had.
+
+    ``reason`` goes behind "out of reach of the drives: ".  ``needed`` and ``available`` are None
+    where only several reasons together exclude all boxes.
+    """
+
+    reason: str
+    needed: float | None = None
+    available: float | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveReach:
+    """One robot in a task, for ``out_of_reach``."""
+
+    model: RobotModel
+    workspace: ir.Workspace
+    task: ir.Task
+    graph: EnergyGraph
+    groups: tuple[EffortGroup, ...] | None
+    rates: tuple[arb | None, ...]
+
+
+def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> DriveReach:
+    """What is needed of a robot and a task, both without maps.
+
+    Raises:
+        ValueError: the rules of the robot have no exact value.
+    """
+    graph = energy_graph(model, task.gravity)
+    known = graph.damping is not None and not unbounded_kinds(model, task)
+    return DriveReach(
+        model,
+        workspace,
+        task,
+        graph,
+        _groups(model, task) if known else None,
+        tuple(_rate(dof) for dof in model.dofs),
+    )
+
+
+def out_of_reach(
+    drive: DriveReach, passage: Passage, parameters: Sequence[Ends], leaves: Sequence[LeafBox]
+) -> DriveBound | None:
+    """Why no motion goes through a passage, for all parameters of a box; None: nothing is shown.
+
+    Args:
+        drive: the robot in its task.
+        passage: the start and the goal, for one choice of effectors.
+        parameters: the sides of the box of parameters.
+        leaves: boxes of the joints' own coordinates, in SI, that hold every pose that a motion may
+            take before its goal; full turns in [-pi, pi].  A pose of the start is in one with
+            ``start_possible`` (a given pose, or one within ``NEAR`` of it), one of the goal in one
+            with ``goal_possible``.
+    """
+    known = all(side.is_finite() for leaf in leaves for side in leaf.coordinates)
+    if not (known and drive.model.dofs):
+        return None
+    region = _region(drive, passage, parameters, leaves)
+    for _ in range(ROUNDS):
+        if region.empty:
+            return DriveBound(_nothing_left(drive))
+        budget = region.budget()
+        found = _energy(region, budget) or _change(drive, region, budget)
+        if found is not None:
+            return found
+        if not region.shrink(budget):
+            return None
+    return None
+
+
+def _region(
+    drive: DriveReach, passage: Passage, parameters: Sequence[Ends], leaves: Sequence[LeafBox]
+) -> Region:
+    """All boxes, with what is known of each."""
+    model, task = drive.model, drive.task
+    tail = [*parameters, *(around(constant_ball(item)) for item in drive.graph.constants)]
+    damping = _damping(drive, tail)
+    dissipative = all(item.low >= 0 for item in damping)
+    bounds = polytope_of(drive.workspace.bounds.shape, model.dimension).rows
+    measures: list[Measure] = [
+        *coordinate_measures(model),
+        *height_measures(passage, bounds, model.dimension),
+    ]
+    turned = _turned(drive, tail, leaves)
+    measures += turned
+    reader = BoxEvaluator(
+        drive.graph,
+        tail,
+        measures,
+        drive.rates,
+        drive.groups if dissipative else None,
+        model.dimension,
+        len(model.effectors),
+    )
+    given = None
+    if isinstance(passage.start, GivenPose):
+        near = ball(NEAR) * arb(0, 1)
+        given = reader.read([closed_ball(value) + near for value in passage.start.values])
+    rests = task.reach is not None and task.reach.at_rest and passage.arrives
+    backwards = all(item.low.is_zero() and item.high.is_zero() for item in damping)
+    limits = Limits(
+        ball(task.steps * task.step),
+        ball(task.start.rates if isinstance(task.start, ir.StartIn) else Fraction(0)),
+        ball(REST_RATE) if rests and backwards else None,
+        None if drive.groups is None else most_power(drive.groups, drive.rates),
+        _pushes(drive, damping, turned),
+    )
+    all_bounds = [reader.read(leaf.coordinates) for leaf in leaves]
+    return Region(measures, limits, leaves, all_bounds, given)
+
+
+def _turned(
+    drive: DriveReach, tail: Sequence[Ends], leaves: Sequence[LeafBox]
+) -> list[MomentumMeasure]:
+    """What only the drive of one joint can change, where there is such a thing."""
+    if drive.groups is None or not leaves:
+        return []
+    hulls = [leaves[0].coordinates[i] for i in range(len(drive.model.dofs))]
+    for leaf in leaves[1:]:
+        hulls = [hull.union(side) for hull, side in zip(hulls, leaf.coordinates, strict=True)]
+    near = 2 * ball(NEAR) * arb(0, 1)
+    return momentum_measures(drive.model, drive.graph, tail, [hull + near for hull in hulls])
+
+
+def _pushes(
+    drive: DriveReach, damping: Sequence[Ends], measures: Sequence[MomentumMeasure]
+) -> dict[int, arb]:
+    """The bounds of the inputs of joints without friction, or whose friction brakes no other."""
+    bounds = {joint: group.bound for group in drive.groups or () for joint in group.joints}
+    return {
+        joint: bounds[joint]
+        for measure in measures
+        for joint in [measure.cyclic]
+        if measure.shape is None or (damping[joint].low.is_zero() and damping[joint].high.is_zero())
+    }
+
+
+def _damping(drive: DriveReach, tail: Sequence[Ends]) -> list[Ends]:
+    """The friction of all joints; none where nothing is said of forces."""
+    if drive.graph.damping is None:
+        return []
+    zero = Ends(arb(0), arb(0))
+    inputs = [zero] * len(drive.model.dofs)
+    return drive.graph.damping.evaluate([*inputs, *tail], INTERVALS)
+
+
+def _groups(model: RobotModel, task: ir.Task) -> tuple[EffortGroup, ...]:
+    """The effort bounds by degrees of freedom."""
+    inputs = robot_inputs(model)
+    found = []
+    for bound in input_bounds(model, task):
+        joints = tuple(dof for i in bound.inputs if (dof := inputs[i].dof) is not None)
+        found.append(EffortGroup(joints, ball(bound.upper), bound.norm2))
+    return tuple(found)
+
+
+def _rate(dof: RobotDof) -> arb | None:
+    """The largest size of a joint's rate, where it has limits."""
+    if dof.rate is None:
+        return None
+    return abs(closed_ball(dof.rate.lower)).max(abs(closed_ball(dof.rate.upper))).upper()
+
+
+def _energy(region: Region, budget: Budget | None) -> DriveBound | None:
+    """The goal is higher than the energy of the motion."""
+    if budget is None:
+        return None
+    goal = least([box_bounds.potential.low for box_bounds in region.goals])
+    if not goal > budget.energy:
+        return None
+    start = -least([-box_bounds.potential.high for box_bounds in region.sources])
+    needs, has = _apart(float(goal - start), float(budget.energy - start))
+    reason = f"at least {needs} J are needed, at most {has} J can be had"
+    return DriveBound(reason, float(needs), float(has), "J")
+
+
+def _change(drive: DriveReach, region: Region, budget: Budget | None) -> DriveBound | None:
+    """A measure has to change by more than it can."""
+    for number, measure in enumerate(region.measures):
+        if isinstance(measure, MomentumMeasure):
+            found = _unturned(region, number, measure)
+            if found is not None:
+                return found
+            continue
+        if measure.circle:
+            continue
+        start, goal = region.ends(number, start=True), region.ends(number, start=False)
+        low, high = (start.high, goal.low) if goal.low > start.high else (goal.high, start.low)
+        if not high > low:
+            continue
+        takes = needed(number, low, high, region.inside, budget)
+        unit = measure.length if isinstance(measure, HeightMeasure) else 1.0
+        way = float(high - low) / unit
+        if budget is not None and takes.length > budget.length:
+            has = way * float(budget.length) / float(takes.length)
+            return _too_far(measure.name, way, has, measure.unit)
+        if takes.time > region.limits.time:
+            return _too_slow(drive, measure.name, float(takes.time))
+    return None
+
+
+def _unturned(region: Region, number: int, measure: MomentumMeasure) -> DriveBound | None:
+    """Momentum does not change its measure by enough."""
+    name = measure.name
+    if measure.shape is not None:
+        name += ", apart from what the other joint does,"
+    ways = [(region.least_way(number), region.change(number, None))]
+    line = region.one_way(number)
+    if line is not None:
+        ways += [
+            (line.goal.low - line.start.high, line.up),
+            (line.start.low - line.goal.high, line.down),
+        ]
+    for way, has in ways:
+        if has is not None and way > has:
+            return _too_far(name, float(way), float(has), measure.unit)
+    return None
+
+
+def _too_far(name: str, way: float, has: float, unit: str) -> DriveBound:
+    needs, can = _apart(way, has)
+    reason = f"{name} has to move by {needs} {unit} at least, and can by {can} {unit} at most"
+    return DriveBound(reason, float(needs), float(can), unit)
+
+
+def _too_slow(drive: DriveReach, name: str, time: float) -> DriveBound:
+    horizon = float(drive.task.steps * drive.task.step)
+    needs, has = _apart(time, horizon)
+    reason = f"{name} needs {needs} s at least, the horizon is {has} s"
+    return DriveBound(reason, float(needs), float(has), "s")
+
+
+def _nothing_left(drive: DriveReach) -> str:
+    return f"no pose of it is reached in {_seconds(drive)}"
+
+
+def _seconds(drive: DriveReach) -> str:
+    return f"{float(drive.task.steps * drive.task.step):.6g} s"
+
+
+def _apart(needs: float, has: float) -> tuple[str, str]:
+    """Two different numbers with so many digits that the first one is shown as the larger."""
+    digits = 3
+    while digits < 17 and not float(f"{needs:.{digits}g}") > float(f"{has:.{digits}g}"):
+        digits += 1
+    return f"{needs:.{digits}g}", f"{has:.{digits}g}"

@@ -1,0 +1,145 @@
+"""What a task asks of the points of a robot at every instant, at the start and on arrival; exact.
+
+Points are numbered as in ``RobotGraph.points``: the effectors, then both ends of every rod, every
+point mass, and the com of every solid, in the order of the bodies.  Each demand is necessary for a
+motion that does the task: margins, radii, rates, time and self-collision are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from compiler.encodings.pose_questions import PoseQuestion, effector_choices, pose_questions
+from compiler.robots.given_start import given_start
+from compiler.robots.robot import RobotModel, RodBody
+from compiler.tasks.necessary import task_avoidance
+from compiler.workspaces.polytope import polytope_of
+from grammar_lang import ir
+
+Rows: TypeAlias = tuple[ir.HalfSpace, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A region that has these points, and segments between two points, outside its interior."""
+
+    name: str
+    rows: Rows
+    points: tuple[int, ...]
+    segments: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PointIn:
+    """Poses that have a point in a closed region."""
+
+    point: int
+    rows: Rows
+
+
+@dataclass(frozen=True, slots=True)
+class GivenPose:
+    """The one pose with these coordinates, closed expressions in SI units."""
+
+    values: tuple[ir.Expr, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """One choice of effectors (from 0): a motion leads from ``start`` to ``goal``.
+
+    ``arrives``: the goal is the one of ``reach``, where the motion is at the instant T; other goals
+    are visited at some instant.  With a given pose ``starting`` is the effector that reaches.
+    """
+
+    start: PointIn | GivenPose
+    goal: PointIn
+    starting: int
+    reaching: int
+    arrives: bool
+
+
+@dataclass(frozen=True, slots=True)
+class MotionDemands:
+    """The demands on one robot.
+
+    ``bounded`` points keep within ``bounds`` at every instant, and out of ``obstacles``.  Of every
+    question of ``passages`` one of its choices has to be done; a question without choices cannot
+    be.
+    """
+
+    model: RobotModel
+    bounds: Rows
+    bounded: tuple[int, ...]
+    obstacles: tuple[Obstacle, ...]
+    passages: tuple[tuple[Passage, ...], ...]
+
+
+def motion_demands(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> MotionDemands:
+    """The demands of a task, both without maps, on a robot."""
+    hulls, effectors = body_points(model), tuple(range(len(model.effectors)))
+    spanning = tuple(point for hull in hulls for point in hull)
+    return MotionDemands(
+        model,
+        _rows(workspace.bounds, workspace),
+        (*effectors, *spanning) if task.bounds_body else effectors,
+        _obstacles(workspace, task, len(effectors), hulls),
+        tuple(_passages(model, task, question) for question in pose_questions(workspace, task)),
+    )
+
+
+def body_points(model: RobotModel) -> tuple[tuple[int, ...], ...]:
+    """The numbers of the points that span each body."""
+    found: list[tuple[int, ...]] = []
+    start = len(model.effectors)
+    for body in model.bodies:
+        count = 2 if isinstance(body, RodBody) else 1
+        found.append(tuple(range(start, start + count)))
+        start += count
+    return tuple(found)
+
+
+def _obstacles(
+    workspace: ir.Workspace, task: ir.Task, effectors: int, hulls: tuple[tuple[int, ...], ...]
+) -> tuple[Obstacle, ...]:
+    points: dict[str, list[int]] = {}
+    segments: dict[str, list[tuple[int, int]]] = {}
+    for effector in range(effectors):
+        for name in task_avoidance(task, effector + 1):
+            points.setdefault(name, []).append(effector)
+    bodies = [name for item in task.avoid if item.subject == "body" for name in item.regions]
+    for name in dict.fromkeys(bodies):
+        for hull in hulls:
+            if len(hull) == 2:
+                segments.setdefault(name, []).append((hull[0], hull[1]))
+            else:
+                points.setdefault(name, []).append(hull[0])
+    return tuple(
+        Obstacle(
+            region.name,
+            _rows(region, workspace),
+            tuple(points.get(region.name, ())),
+            tuple(segments.get(region.name, ())),
+        )
+        for region in workspace.regions
+        if region.name in points or region.name in segments
+    )
+
+
+def _passages(model: RobotModel, task: ir.Task, question: PoseQuestion) -> tuple[Passage, ...]:
+    found: list[Passage] = []
+    for starting, reaching in effector_choices(model, question):
+        start: PointIn | GivenPose
+        if isinstance(task.start, ir.StartAt):
+            start = GivenPose(given_start(model, task.start).values)
+        else:
+            start = PointIn(starting, question.start or ())
+        goal = PointIn(reaching, question.target)
+        arrives = task.reach is not None and question.goal == "the target"
+        found.append(Passage(start, goal, starting, reaching, arrives))
+    return tuple(found)
+
+
+def _rows(region: ir.Region, workspace: ir.Workspace) -> Rows:
+    return polytope_of(region.shape, workspace.dimension).rows

@@ -1,0 +1,154 @@
+"""What a motion must not do, on one box: certain in balls for all of its poses, or not known.
+
+Floats say where it is worth asking: what is not so in the middle of a box is not so all over it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Protocol
+
+import numpy as np
+from flint import arb
+
+from compiler.arrays import Array
+from compiler.expressions.evaluators.balls import ball
+from compiler.unreachability.motion_conditions import MotionDemands, PointIn
+from compiler.unreachability.point_enclosure import BallRow, EnclosedPoints, ball_row
+from grammar_lang import ir
+
+FRACTIONS = 4096
+"""Points of a segment are looked at in steps of a part of it as small as this."""
+
+
+class Violation(Protocol):
+    """A demand that is violated."""
+
+    def depth(self, places: Array) -> Array:
+        """By how much at samples of all points (K, m, d), positive where violated: (K,), floats."""
+        ...
+
+    def certain(self, points: EnclosedPoints) -> bool:
+        """Whether it is violated strictly at every pose of a box."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Outside:
+    """A point is outside a closed half-space."""
+
+    point: int
+    row: BallRow
+
+    def depth(self, places: Array) -> Array:
+        """The height above the boundary."""
+        return -_within(places[:, self.point], self.row)
+
+    def certain(self, points: EnclosedPoints) -> bool:
+        """Whether it is at every pose."""
+        return points.beyond(self.point, self.row)
+
+
+@dataclass(frozen=True, slots=True)
+class Interior:
+    """A point is in the interior of an intersection of half-spaces."""
+
+    point: int
+    rows: tuple[BallRow, ...]
+
+    def depth(self, places: Array) -> Array:
+        """The depth below the nearest boundary."""
+        at = places[:, self.point]
+        return np.asarray(np.min([_within(at, row) for row in self.rows], axis=0))
+
+    def certain(self, points: EnclosedPoints) -> bool:
+        """Whether it is at every pose."""
+        return all(points.highest(self.point, row) < row.offset for row in self.rows)
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """One and the same point of a segment is in the interior of an intersection of half-spaces.
+
+    Heights are linear along a segment: each half-space leaves an open interval of fractions.
+    """
+
+    ends: tuple[int, int]
+    rows: tuple[BallRow, ...]
+
+    def depth(self, places: Array) -> Array:
+        """The length of the part inside, as a fraction of the segment."""
+        count = len(places)
+        low, high = np.zeros(count), np.ones(count)
+        for row in self.rows:
+            start = _within(places[:, self.ends[0]], row)
+            end = _within(places[:, self.ends[1]], row)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at = start / (start - end)
+            low = np.where(end > start, np.maximum(low, at), low)
+            high = np.where(end < start, np.minimum(high, at), high)
+            high = np.where((end == start) & (start < 0), -1.0, high)
+        return np.asarray(high - low)
+
+    def certain(self, points: EnclosedPoints) -> bool:
+        """Whether it is at every pose."""
+        first = [points.highest(self.ends[0], row) - row.offset for row in self.rows]
+        last = [points.highest(self.ends[1], row) - row.offset for row in self.rows]
+        fraction = _common_fraction([float(a) for a in first], [float(b) for b in last])
+        if fraction is None:
+            return False
+        ahead, behind = ball(fraction), ball(1 - fraction)
+        return all(behind * a + ahead * b < 0 for a, b in zip(first, last, strict=True))
+
+
+def _common_fraction(first: Sequence[float], last: Sequence[float]) -> Fraction | None:
+    """A fraction f at which all (1 - f) a + f b look negative; None: there seems to be none."""
+    low, high = 0.0, 1.0
+    for a, b in zip(first, last, strict=True):
+        if a < 0 and b < 0:
+            continue
+        if not (a < 0 or b < 0):
+            return None
+        at = a / (a - b)
+        low, high = (low, min(high, at)) if a < 0 else (max(low, at), high)
+    if not low <= high:
+        return None
+    return Fraction(round((low + high) / 2 * FRACTIONS), FRACTIONS)
+
+
+def _within(at: Array, row: BallRow) -> Array:
+    """How far points (K, d) are within a half-space, in metres: (K,)."""
+    normal = np.array([_float(entry) for entry in row.normal])
+    length = float(np.linalg.norm(normal)) or 1.0
+    return np.asarray((_float(row.offset) - at @ normal) / length)
+
+
+def _float(value: arb) -> float:
+    return float(value.mid())
+
+
+def at_any_instant(demands: MotionDemands) -> list[Violation]:
+    """What must not be so at any instant: each of these blocks a pose."""
+    bounds = [ball_row(row) for row in demands.bounds]
+    found: list[Violation] = [Outside(point, row) for point in demands.bounded for row in bounds]
+    for obstacle in demands.obstacles:
+        rows = _facing(obstacle.rows)
+        if rows:
+            found += [Interior(point, rows) for point in obstacle.points]
+            found += [Crossing(ends, rows) for ends in obstacle.segments]
+    return found
+
+
+def _facing(rows: Sequence[ir.HalfSpace]) -> tuple[BallRow, ...]:
+    """The half-spaces of an interior, without those that are everything; none if it is empty."""
+    proper = [row for row in rows if any(row.normal)]
+    if any(row.offset < 0 for row in rows if not any(row.normal)):
+        return ()
+    return tuple(ball_row(row) for row in proper)
+
+
+def elsewhere(place: PointIn) -> list[Outside]:
+    """What must not be so where a point has to be in a region."""
+    return [Outside(place.point, ball_row(row)) for row in place.rows]

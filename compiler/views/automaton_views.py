@@ -1,0 +1,207 @@
+"""Automata as pictures: that of a linear family or of its accept condition, the SRA and the FRA."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import cast
+
+from compiler.robots.attributes import SemanticsError
+from compiler.views.picture import Arrow, Edge, Node, Picture, not_accepted, refuse_unknown, run_of
+from compiler.words.finite_automaton import Dfa
+from compiler.words.functional_automaton import Fra, fra
+from compiler.words.language import Language, language
+from compiler.words.pushdown_automaton import Pda, Transition
+from compiler.words.regular_automaton import linear_automaton
+from grammar_lang import ir
+
+# --- Finite automata as pictures: that of a linear family, or that of its accept condition --------
+
+
+def family_dfa_view(language: Language, highlight: Sequence[str] | None = None) -> Picture:
+    """The finite automaton of a family, where its grammar is left- or right-linear.
+
+    Other families have none: there it is the automaton of the accept condition alone, which
+    accepts more than the family.  The title says which.
+
+    Raises:
+        HighlightError: the automaton that is drawn does not accept ``highlight``.
+    """
+    name = language.srg.name
+    family = linear_automaton(language.srg, language.accept)
+    if family is not None:
+        return dfa_view(family, f"{name}: minimal finite automaton of the family", highlight)
+    title = f"{name}: accept condition only, the grammar is neither left- nor right-linear"
+    return dfa_view(language.accept, title, highlight)
+
+
+def dfa_view(dfa: Dfa, title: str = "", highlight: Sequence[str] | None = None) -> Picture:
+    """A finite automaton without the states from which no word is accepted.
+
+    Symbols between the same states share an edge; those that the run of ``highlight`` reads there
+    have an edge of their own.
+
+    Raises:
+        HighlightError: the automaton does not accept ``highlight``.
+    """
+    path = () if highlight is None else _path(dfa, highlight)
+    used = set() if highlight is None else set(zip(path, highlight, strict=False))
+    visited = set(path)
+    live = dfa.live()
+    shown = [state for state in range(dfa.size) if live[state] or state == 0]
+    symbols: dict[tuple[int, int, bool], list[str]] = {}
+    for state in shown:
+        for code, symbol in enumerate(dfa.alphabet):
+            target = dfa.step(state, code)
+            if live[target]:
+                key = (state, target, (state, symbol) not in used)
+                symbols.setdefault(key, []).append(symbol)
+    nodes = tuple(
+        Node(
+            f"s{state}",
+            f"q{state}",
+            double=dfa.accepting[state],
+            highlighted=state in visited,
+            data={"state": state},
+        )
+        for state in shown
+    )
+    edges = tuple(
+        Edge(
+            f"s{tail}",
+            f"s{head}",
+            tuple(shared),
+            highlighted=not plain,
+            data={"symbols": tuple(shared)},
+        )
+        for (tail, head, plain), shared in sorted(symbols.items(), key=lambda item: item[0])
+    )
+    start = Arrow("s0", highlighted=bool(path))
+    return Picture("dfa", "circle", nodes, edges, (start,), title)
+
+
+def _path(dfa: Dfa, word: Sequence[str]) -> tuple[int, ...]:
+    """The states met by an accepted word."""
+    refuse_unknown(word, dfa.alphabet)
+    path = dfa.run(word)
+    if path is None or not dfa.accepting[path[-1]]:
+        raise not_accepted(word)
+    return path
+
+
+# --- The SRA as a picture: states, and what each move reads, pops and pushes (Definition 4) -------
+#
+# The empty word is written with the Greek letter, because ``eps`` is an ordinary edge symbol
+# (Gamma).
+
+
+EMPTY = "ε"
+ARROW = "→"
+
+
+def sra_view(pda: Pda, highlight: Sequence[str] | None = None) -> Picture:
+    """A pushdown automaton; a line of an edge says ``read, top of stack → what replaces it``.
+
+    Moves between the same states share an edge; those of an accepting run of ``highlight`` have
+    an edge of their own, whose data gives their ``steps`` in the run, counted from 0.
+
+    Raises:
+        HighlightError: the automaton does not accept ``highlight``.
+    """
+    run = () if highlight is None else run_of(pda, highlight)
+    steps: dict[Transition, list[int]] = {}
+    for step, transition in enumerate(run):
+        steps.setdefault(transition, []).append(step)
+    visited = {transition.target for transition in run} | ({pda.initial} if run else set())
+    moves: dict[tuple[int, int, bool], list[Transition]] = {}
+    for transition in pda.transitions:
+        key = (transition.state, transition.target, transition not in steps)
+        moves.setdefault(key, []).append(transition)
+    nodes = tuple(
+        Node(
+            f"s{state}",
+            name,
+            double=state == pda.final,
+            highlighted=state in visited,
+            data={"state": state},
+        )
+        for state, name in enumerate(pda.states)
+    )
+    edges = tuple(
+        Edge(
+            f"s{tail}",
+            f"s{head}",
+            tuple(move_text(pda, transition) for transition in shared),
+            highlighted=not plain,
+            data={
+                "moves": tuple(shared),
+                "steps": tuple(tuple(steps.get(transition, ())) for transition in shared),
+            },
+        )
+        for (tail, head, plain), shared in sorted(moves.items(), key=lambda item: item[0])
+    )
+    start = Arrow(f"s{pda.initial}", stack_text(pda, pda.initial_stack), highlighted=bool(run))
+    return Picture("sra", "circle", nodes, edges, (start,))
+
+
+def move_text(pda: Pda, transition: Transition) -> str:
+    """What a move reads, the top of the stack, and what replaces it."""
+    read = EMPTY if transition.read is None else symbol_text(pda.alphabet[transition.read])
+    top = symbol_text(pda.stack_alphabet[transition.pop])
+    return f"{read}, {top} {ARROW} {stack_text(pda, transition.push)}"
+
+
+def symbol_text(name: str) -> str:
+    """A symbol's name, in quotes where it could be taken for a sign of the notation."""
+    return f"'{name}'" if name in (EMPTY, ARROW, ",") or " " in name else name
+
+
+def stack_text(pda: Pda, symbols: Iterable[int]) -> str:
+    """Symbols of the stack, the top first."""
+    return " ".join(symbol_text(pda.stack_alphabet[s]) for s in symbols) or EMPTY
+
+
+# --- The FRA as a picture: the SRA with the semantic updates of each production on its moves ------
+
+
+UPDATE = "↳ "
+
+
+def functional_view(
+    program: ir.Program, grammar: ir.Grammar, highlight: Sequence[str] | None = None
+) -> Picture:
+    """The SRA's picture; below a move that applies a production stand its updates.
+
+    Raises:
+        HighlightError: the automaton does not accept ``highlight``.
+        SemanticsError: the grammar has no semantics.
+    """
+    if grammar.semantics is None:
+        raise SemanticsError(f"grammar `{grammar.name}` has no semantics")
+    family = language(grammar, program.terminals, program.modules)
+    automaton = fra(family.srg, family.accept, grammar.semantics, program.sources)
+    picture = sra_view(automaton.pda, highlight)
+    edges = tuple(_with_updates(edge, automaton) for edge in picture.edges)
+    return replace(picture, name="fra", edges=edges)
+
+
+def _with_updates(edge: Edge, automaton: Fra) -> Edge:
+    moves = cast("tuple[Transition, ...]", edge.data["moves"])
+    lines = tuple(line for transition in moves for line in move_lines(automaton, transition))
+    updates = tuple(automaton.updates(transition) for transition in moves)
+    return replace(edge, lines=lines, data={**edge.data, "updates": updates})
+
+
+def move_lines(automaton: Fra, transition: Transition) -> tuple[str, ...]:
+    """A move with the production that it applies, and the updates of that, a line each."""
+    if transition.label is None:
+        return (move_text(automaton.pda, transition),)
+    updates = (f"{UPDATE}{update}" for update in automaton.updates(transition))
+    return (f"{transition.label}: {_applied(automaton, transition.label)}", *updates)
+
+
+def _applied(automaton: Fra, label: str) -> str:
+    """The move that applies a production, with the names that its updates use: ``left:Arm``."""
+    production = automaton.productions[label]
+    right = [s.name if s.alias is None else f"{s.alias}:{s.name}" for s in production.right]
+    return f"{EMPTY}, {production.left} {ARROW} {' '.join(right) or EMPTY}"

@@ -1,0 +1,1 @@
+"""Grammars and automata over words of modules: reading, listing, counting, ambiguity."""

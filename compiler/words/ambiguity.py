@@ -1,0 +1,232 @@
+"""Ambiguous words: words of a robot family that have several derivations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import islice, pairwise
+from typing import TypeAlias
+
+from compiler.words.grammar import Cfg, Rule, components, nullable, trimmed
+from compiler.words.language import Language
+from compiler.words.regular_ambiguity import Decision, decide_ambiguity
+from compiler.words.structures import structures
+from compiler.words.transition_network import transition_network
+
+# --- The short words of a grammar with the number of their derivations, by dynamic programming ----
+#
+# Words of a nonterminal are put together from the shorter words of the symbols of its right sides,
+# length by length (the inside algorithm of Baker 1979, over sets of words).  As many lengths are
+# covered as a budget of steps allows; a step puts one word together.
+
+
+# A word is a text with the character of code s for symbol s: quick to join and to hash.
+Row: TypeAlias = dict[str, int]
+Table: TypeAlias = list[Row]
+
+
+@dataclass(frozen=True, slots=True)
+class ShortWords:
+    """All words of at most ``length`` symbols, each with the number of its derivations."""
+
+    length: int
+    derivations: dict[tuple[int, ...], int]
+
+
+def short_words(cfg: Cfg, step_limit: int, longest: int) -> ShortWords:
+    """The words of a trimmed grammar without cycles, in order of length, then of symbols.
+
+    Args:
+        cfg: the grammar.
+        step_limit: the most steps; the covered length is the largest that they suffice for.
+        longest: no words of more symbols are looked for.
+    """
+    tables = _Tables(cfg, step_limit)
+    length = -1
+    while length < longest and tables.extend():
+        length += 1
+    found: dict[tuple[int, ...], int] = {}
+    for row in tables.of(cfg.start)[: length + 1]:
+        for word in sorted(row):
+            found[tuple(map(ord, word))] = row[word]
+    return ShortWords(length, found)
+
+
+class _Tables:
+    """``words[k][n]``: the words of length n of nonterminal k.
+
+    ``heads[r][i][n]``: those of the first i + 1 symbols of rule r.  A head is made only as long as
+    the least length of what follows in its rule leaves room for.
+    """
+
+    def __init__(self, cfg: Cfg, steps: int) -> None:
+        self.cfg = cfg
+        self.steps = steps
+        self.least = _least_lengths(cfg)
+        self.words: list[Table] = [[] for _ in range(cfg.nonterminals)]
+        self.terminals: list[Table] = [[{}, {chr(s): 1}] for s in range(cfg.terminals)]
+        rank = _ranks(cfg)
+        self.order = sorted(
+            range(len(cfg.rules)), key=lambda r: rank[cfg.rules[r].left - cfg.terminals]
+        )
+        self.heads: list[list[Table]] = [[[] for _ in right] for _, right in cfg.rules]
+        self.room = [_room(rule, self.least) for rule in cfg.rules]
+        self.length = 0
+
+    def of(self, symbol: int) -> Table:
+        first = self.cfg.terminals
+        return self.terminals[symbol] if symbol < first else self.words[symbol - first]
+
+    def extend(self) -> bool:
+        """Make all tables one length longer; False where the steps do not suffice."""
+        for table in self.words:
+            table.append({})
+        for r in self.order:
+            for i in range(len(self.heads[r])):
+                if self.length >= self.room[r][i]:
+                    self.heads[r][i].append(self._next_row(r, i))
+            if self.steps < 0:
+                return False
+            self._derive(r)
+        self.length += 1
+        return True
+
+    def _derive(self, r: int) -> None:
+        """Give the words of rule r that have the new length to its left side."""
+        left, right = self.cfg.rules[r]
+        target = self.words[left - self.cfg.terminals][self.length]
+        row = self.heads[r][-1][self.length] if right else {"": 1} if self.length == 0 else {}
+        self.steps -= len(row)
+        for word, number in row.items():
+            target[word] = target.get(word, 0) + number
+
+    def _next_row(self, r: int, i: int) -> Row:
+        """The words of the first i + 1 symbols of rule r that have the next length."""
+        length = self.length - self.room[r][i]
+        tail = self.of(self.cfg.rules[r].right[i])
+        self.steps -= 1
+        if i == 0:
+            return tail[length] if length < len(tail) else {}
+        head = self.heads[r][i - 1]
+        row: Row = {}
+        for n in range(max(0, length - len(tail) + 1), min(length + 1, len(head))):
+            self.steps -= len(head[n]) * len(tail[length - n])
+            if self.steps < 0:
+                break
+            for start, ways in head[n].items():
+                for end, more in tail[length - n].items():
+                    row[start + end] = row.get(start + end, 0) + ways * more
+        return row
+
+
+def _least_lengths(cfg: Cfg) -> tuple[int, ...]:
+    """The length of the shortest word of every symbol, given that all rules are useful."""
+    first = cfg.terminals
+    unknown = -1
+    least = [1] * first + [unknown] * cfg.nonterminals
+    users: list[list[int]] = [[] for _ in range(first + cfg.nonterminals)]
+    for r, (_, right) in enumerate(cfg.rules):
+        for symbol in set(right):
+            users[symbol].append(r)
+    todo = list(range(len(cfg.rules)))
+    while todo:
+        left, right = cfg.rules[todo.pop()]
+        if any(least[s] == unknown for s in right):
+            continue
+        length = sum(least[s] for s in right)
+        if least[left] == unknown or length < least[left]:
+            least[left] = length
+            todo += users[left]
+    return tuple(max(0, n) for n in least)
+
+
+def _room(rule: Rule, least: tuple[int, ...]) -> tuple[int, ...]:
+    """Per position of a right side, the least length of what comes after it."""
+    after = [0]
+    for symbol in reversed(rule.right[1:]):
+        after.append(after[-1] + least[symbol])
+    return tuple(reversed(after)) if rule.right else ()
+
+
+def _ranks(cfg: Cfg) -> tuple[int, ...]:
+    """Nonterminals ranked so that a word of one comes from words of equal length of lower ones."""
+    empty, first = nullable(cfg), cfg.terminals
+    below: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
+    for left, right in cfg.rules:
+        solid = [symbol for symbol in right if symbol not in empty]
+        if len(solid) <= 1:
+            below[left - first] += [s - first for s in (solid or right) if s >= first]
+    return components(cfg.nonterminals, below.__getitem__)
+
+
+# --- Ambiguous words: words of a robot family that have several derivations -----------------------
+#
+# Ambiguity of a context-free grammar is undecidable (Cantor 1962; Floyd 1962).  For a grammar
+# without self-embedding it is decided exactly, and one that is LR(1) is unambiguous (Knuth 1965).
+# For any other, all words up to a length are looked at: the largest for which the words of all
+# nonterminals can be put together in ``STEP_LIMIT`` steps, but ``LENGTH_LIMIT`` at most.  If
+# nothing is found there, the first ``FIRST_DERIVATIONS`` derivations of accepted words with at most
+# ``FIRST_MODULES`` modules are looked at too.
+
+
+STEP_LIMIT = 6_000
+LENGTH_LIMIT = 40
+FIRST_DERIVATIONS = 64
+FIRST_MODULES = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Ambiguity:
+    """Ambiguous words, the first of them first: by length, then by the order of the symbols.
+
+    ``decided``: there is an ambiguous word only if one is listed.
+    """
+
+    words: tuple[tuple[str, ...], ...]
+    decided: bool
+
+
+def ambiguity(language: Language, longest: int | None) -> Ambiguity:
+    """The ambiguous words found within the bounds above.
+
+    The empty word is no robot and is left aside.
+
+    Args:
+        language: the language of a grammar that is not cyclic.
+        longest: the length of its longest word, None where it is infinite.
+    """
+    cfg = trimmed(language.srg.cfg)
+    network = transition_network(cfg)
+    decision = None if network is None else decide_ambiguity(network, language.accept)
+    if decision == Decision(None) or (decision is None and language.is_lr):
+        return Ambiguity((), decided=True)
+    found, complete = _short(language, cfg, longest)
+    if decision is not None and decision.word is not None and decision.word not in found:
+        found.insert(0, decision.word)
+    words = tuple(map(language.srg.decode, found))
+    return Ambiguity(words, decided=complete or decision is not None)
+
+
+def _short(language: Language, cfg: Cfg, longest: int | None) -> tuple[list[tuple[int, ...]], bool]:
+    """The ambiguous words that are short, and whether all words are."""
+    most = LENGTH_LIMIT if longest is None else min(longest, LENGTH_LIMIT)
+    listed = short_words(cfg, STEP_LIMIT, most)
+    complete = listed.length == longest
+    accepted = [word for word in listed.derivations if word and _accepts(language, word)]
+    found = [word for word in accepted if listed.derivations[word] > 1]
+    if not found and not complete and len(accepted) < FIRST_DERIVATIONS:
+        found = _first(language)
+    return found, complete
+
+
+def _accepts(language: Language, word: tuple[int, ...]) -> bool:
+    state = 0
+    for symbol in word:
+        state = language.accept.step(state, symbol)
+    return language.accept.accepting[state]
+
+
+def _first(language: Language) -> list[tuple[int, ...]]:
+    """The ambiguous words among the first derivations, which come sorted by word."""
+    first = islice(structures(language, FIRST_MODULES), FIRST_DERIVATIONS)
+    twice = dict.fromkeys(b.word for a, b in pairwise(first) if a.word == b.word)
+    return [codes for word in twice if (codes := language.srg.encode(word)) is not None]

@@ -1,0 +1,221 @@
+"""Words and derivations counted by length."""
+
+from __future__ import annotations
+
+from operator import mul
+
+from compiler.time_limits.time_limit import check_time
+from compiler.words.binary_normal_form import BinaryGrammar, RightSide
+from compiler.words.budget import MOVE_BUDGET, BudgetExceededError
+from compiler.words.word_reader import Reading, State
+
+# --- How many derivations a grammar in binary normal form has, by length --------------------------
+#
+# For an unambiguous grammar these are its words, counted in polynomial time, and a number below the
+# count stands for one word: drawing the number uniformly draws the word uniformly (Hickey & Cohen
+# 1983, *Uniform random generation of strings in a context-free language*).
+
+
+SPARSE = 4
+"""Where fewer than one length in so many has words, only these are looked at."""
+
+
+PRODUCT_BUDGET = 100_000_000
+"""So many products of two numbers are summed up at most."""
+
+
+class DerivationCounts:
+    """``of(symbol)[n]``: the derivations of words of n symbols, n up to ``longest``.
+
+    Raises:
+        BudgetExceededError: ``PRODUCT_BUDGET`` does not suffice.
+    """
+
+    def __init__(self, grammar: BinaryGrammar, longest: int) -> None:
+        self.grammar = grammar
+        self.longest = longest
+        self._products = 0
+        self._terminal = [0, 1][: longest + 1] + [0] * (longest - 1)
+        self._rows: list[list[int]] = [[0] for _ in grammar.rules]
+        # Per nonterminal the lengths of its words: often few.
+        self._lengths: list[list[int]] = [[] for _ in grammar.rules]
+        for length in range(1, longest + 1):
+            found = [sum(self._ways(side, length) for side in rights) for rights in grammar.rules]
+            for row, lengths, number in zip(self._rows, self._lengths, found, strict=True):
+                row.append(number)
+                if number:
+                    lengths.append(length)
+            if self._products > PRODUCT_BUDGET:
+                raise BudgetExceededError("counting derivations", PRODUCT_BUDGET, "of long words")
+
+    def of(self, symbol: int) -> list[int]:
+        """The numbers for a symbol, by length."""
+        first = self.grammar.terminals
+        return self._terminal if symbol < first else self._rows[symbol - first]
+
+    def total(self, length: int) -> int:
+        """The number of derivations of words of that length."""
+        empty = int(self.grammar.empty_word and length == 0)
+        return empty + sum(self.of(start)[length] for start in self.grammar.starts)
+
+    def word(self, length: int, index: int) -> tuple[int, ...]:
+        """The word of derivation number ``index``, below ``total(length)``, in a fixed order."""
+        if length == 0:
+            return ()
+        word: list[int] = []
+        symbol, index = self._start(length, index)
+        todo = [(symbol, length, index)]
+        while todo:
+            symbol, size, index = todo.pop()
+            if symbol < self.grammar.terminals:
+                word.append(symbol)
+                continue
+            side, cut, index = self._choice(symbol, size, index)
+            if len(side) == 1:
+                todo.append((side[0], 1, 0))
+                continue
+            right = self.of(side[1])[size - cut]
+            todo.append((side[1], size - cut, index % right))
+            todo.append((side[0], cut, index // right))
+        return tuple(word)
+
+    def _ways(self, side: RightSide, length: int) -> int:
+        """The derivations of one length that begin with this right side; shorter ones are known."""
+        first = self.grammar.terminals
+        if len(side) == 1:
+            return int(length == 1)
+        left, right = side
+        if left < first:
+            return self.of(right)[length - 1]
+        if right < first:
+            return self.of(left)[length - 1]
+        ways, more = self.of(left), self.of(right)
+        some = min(self._lengths[left - first], self._lengths[right - first], key=len)
+        self._products += len(some)
+        if some is self._lengths[right - first]:
+            ways, more = more, ways
+        if len(some) * SPARSE < length:
+            return sum(ways[cut] * more[length - cut] for cut in some if cut < length)
+        return sum(map(mul, ways[1:length], more[length - 1 : 0 : -1]))
+
+    def _start(self, length: int, index: int) -> tuple[int, int]:
+        for start in self.grammar.starts:
+            number = self.of(start)[length]
+            if index < number:
+                return start, index
+            index -= number
+        raise IndexError("there are not so many derivations")
+
+    def _choice(self, symbol: int, length: int, index: int) -> tuple[RightSide, int, int]:
+        """The right side, where it is cut in two, and the rest of the number."""
+        for side in self.grammar.rules[symbol - self.grammar.terminals]:
+            if len(side) == 1:
+                if length == 1 and index == 0:
+                    return side, 0, 0
+                index -= int(length == 1)
+                continue
+            left, right = self.of(side[0]), self.of(side[1])
+            for cut in range(1, length):
+                number = left[cut] * right[length - cut]
+                if index < number:
+                    return side, cut, index
+                index -= number
+        raise IndexError("there are not so many derivations")
+
+
+# --- Words counted by their prefixes, each once however many derivations it has -------------------
+#
+# The prefixes of one length are put together by the state that reading them leads to.  An automaton
+# has a bounded number of these; for an ambiguous grammar there may be exponentially many, hence the
+# budget.
+
+
+QUESTION = "counting the words"
+REASON = (
+    "they are counted prefix by prefix, for the grammar is not known to be regular or "
+    "unambiguous (LR(1))"
+)
+
+
+def count_by_length(
+    reading: Reading[State], longest: int, budget: int | None = MOVE_BUDGET
+) -> tuple[int, ...]:
+    """The number of words of each length from 0 to ``longest``, at most the reading's horizon.
+
+    Raises:
+        BudgetExceededError: more than ``budget`` moves are needed; None: there is no bound.
+    """
+    level = {reading.root: 1} if reading.lengths(reading.root) else {}
+    counts: list[int] = []
+    moves = 0
+    for rest in range(longest, -1, -1):
+        counts.append(sum(n for state, n in level.items() if reading.accepting(state)))
+        if not rest:
+            break
+        mask = (1 << rest) - 1
+        following: dict[State, int] = {}
+        for state, number in level.items():
+            check_time()
+            for _, target in reading.moves(state):
+                moves += 1
+                if budget is not None and moves > budget:
+                    raise BudgetExceededError(QUESTION, budget, REASON)
+                if reading.lengths(target) & mask:
+                    following[target] = following.get(target, 0) + number
+        level = following
+    return tuple(counts)
+
+
+class WordsOfLength:
+    """The words of one length, numbered in lexicographic order: ``number`` of them.
+
+    Raises:
+        BudgetExceededError: more than ``budget`` moves are needed; None: there is no bound.
+    """
+
+    def __init__(
+        self, reading: Reading[State], length: int, budget: int | None = MOVE_BUDGET
+    ) -> None:
+        self.length = length
+        moves = 0
+        place = {reading.root: 0} if reading.lengths(reading.root) >> length & 1 else {}
+        self._moves: list[list[list[tuple[int, int]]]] = []
+        for rest in range(length - 1, -1, -1):
+            following: dict[State, int] = {}
+            rows: list[list[tuple[int, int]]] = []
+            for state in place:
+                row: list[tuple[int, int]] = []
+                for symbol, target in reading.moves(state):
+                    moves += 1
+                    if budget is not None and moves > budget:
+                        raise BudgetExceededError(QUESTION, budget, REASON)
+                    if reading.lengths(target) >> rest & 1:
+                        row.append((symbol, following.setdefault(target, len(following))))
+                rows.append(row)
+            self._moves.append(rows)
+            place = following
+        self._ways = [[1] * len(place)]
+        for rows in reversed(self._moves):
+            below = self._ways[-1]
+            self._ways.append([sum(below[target] for _, target in row) for row in rows])
+        self._ways.reverse()
+        self.number = sum(self._ways[0])
+
+    def word(self, index: int) -> tuple[int, ...]:
+        """The word with that number, from 0.
+
+        Raises:
+            IndexError: there are not so many words.
+        """
+        if not 0 <= index < self.number:
+            raise IndexError(f"there are {self.number} words of length {self.length}")
+        word: list[int] = []
+        state = 0
+        for rows, ways in zip(self._moves, self._ways[1:], strict=True):
+            for symbol, target in rows[state]:
+                if index < ways[target]:
+                    word.append(symbol)
+                    state = target
+                    break
+                index -= ways[target]
+        return tuple(word)

@@ -1,0 +1,321 @@
+"""The language of a robot family: L(SRG) intersected with L(accept) (Definitions 3 and 4).
+
+Words come in length-lexicographic order, symbols in order of declaration, each word once however
+many derivations it has.  What is needed for a question is made when it is first asked: the finite
+automaton or the LR(1) automaton where there is one, and the grammar of the intersection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from math import prod
+from typing import Any
+
+from compiler.words.acceptance import accept_dfa, at_most
+from compiler.words.binary_normal_form import BinaryGrammar, binary_form, binary_normal_form
+from compiler.words.budget import (
+    LENGTH_LIMIT,
+    MOVE_BUDGET,
+    BudgetExceededError,
+    WordsTooLongError,
+)
+from compiler.words.counting import DerivationCounts, count_by_length
+from compiler.words.enumeration import words_in_order, words_of_length
+from compiler.words.finite_automaton import Dfa, intersection
+from compiler.words.grammar import Srg, components, srg
+from compiler.words.intersection import intersect
+from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge, lr_automaton
+from compiler.words.recogniser import FiniteReader, PushdownReader, Recogniser
+from compiler.words.regular_automaton import regular_automaton
+from compiler.words.residuals import Residuals
+from compiler.words.word_reader import ConditionedReading, FiniteReading, Reading
+from grammar_lang import ir
+
+QUICK_MOVES = 20_000
+"""So many moves are tried before the derivations of an LR(1) grammar are counted instead."""
+LR_STEPS = 300_000
+"""Larger LR(1) automata are not worth their construction for reading words."""
+
+
+@dataclass(frozen=True)
+class Language:
+    """L(SRG) intersected with L(accept)."""
+
+    srg: Srg
+    accept: Dfa
+    limit: int | None = None
+
+    # --- what it is made of --------------------------------------------------------------------
+
+    @cached_property
+    def normal(self) -> BinaryGrammar:
+        """L(SRG) in binary normal form."""
+        return binary_normal_form(self.srg.cfg)
+
+    @cached_property
+    def binary(self) -> BinaryGrammar:
+        """L(SRG) in binary form, which has unit rules."""
+        return binary_form(self.srg.cfg)
+
+    @cached_property
+    def product(self) -> BinaryGrammar:
+        """The intersection in binary normal form; all nonterminals are useful."""
+        return intersect(self.normal, self.accept, self.limit)
+
+    @cached_property
+    def finite_automaton(self) -> Dfa | None:
+        """The minimal finite automaton, where the form of the grammar shows that there is one."""
+        return regular_automaton(self.srg, self.accept)
+
+    @cached_property
+    def lr_automaton(self) -> LrAutomaton | LrConflict | LrTooLarge:
+        """The LR(1) automaton of the SRG, or why there is none."""
+        return lr_automaton(self.srg.cfg, LR_STEPS)
+
+    @property
+    def is_lr(self) -> bool:
+        """Whether the SRG is LR(1), so that no word has two derivations."""
+        return isinstance(self.lr_automaton, LrAutomaton)
+
+    @cached_property
+    def recogniser(self) -> Recogniser:
+        """What tells the words of the language."""
+        if self.finite_automaton is not None:
+            return Recogniser("finite automaton", FiniteReader(self.finite_automaton), None)
+        condition = None if all(self.accept.accepting) else FiniteReader(self.accept)
+        reader = PushdownReader(self.binary, self.srg.terminals)
+        return Recogniser("pushdown automaton", reader, condition)
+
+    # --- questions -----------------------------------------------------------------------------
+
+    @cached_property
+    def accepts(self) -> Callable[[Sequence[str]], bool]:
+        """Whether a word is in the language; a token that is no symbol of Z means no.
+
+        Bound to the reader once, for it may be asked about millions of words.
+        """
+        return self.recogniser.accepts
+
+    def is_empty(self, *, max_modules: int | None = None) -> bool:
+        """Whether there is no word (with at most ``max_modules`` modules)."""
+        return self._last(max_modules) == -1
+
+    def is_finite(self, *, max_modules: int | None = None) -> bool:
+        """Whether there are finitely many words (with at most ``max_modules`` modules)."""
+        condition = self._bounded(self.accept, max_modules)
+        if self.finite_automaton is None and self._bound(condition) is not None:
+            return True
+        return self._last(max_modules) is not None
+
+    def longest(self, *, max_modules: int | None = None) -> int | None:
+        """The length of the longest word; None for an infinite language, 0 for an empty one."""
+        last = self._last(max_modules)
+        return None if last is None else max(last, 0)
+
+    def _last(self, max_modules: int | None) -> int | None:
+        """The length of the longest word; None where there is none such, -1 where no word."""
+        if self.finite_automaton is not None:
+            return self._bounded(self.finite_automaton, max_modules).longest()
+        condition = self._bounded(self.accept, max_modules)
+        if all(condition.accepting):
+            return _longest(self.binary)
+        bound = self._bound(condition)
+        if bound is None:
+            return _longest(self._restricted(max_modules))
+        if bound > LENGTH_LIMIT:
+            raise WordsTooLongError
+        reading = self.reading(bound, max_modules=max_modules)
+        for length in range(bound, -1, -1):
+            if next(words_of_length(reading, length), None) is not None:
+                return length
+        return -1
+
+    def shortest_word(self) -> tuple[str, ...] | None:
+        """The first word in length-lexicographic order; None where there is none.
+
+        Raises:
+            WordsTooLongError: it has more than ``LENGTH_LIMIT`` symbols.
+        """
+        return next(self.words(), None)
+
+    def fewest_modules(self) -> int | None:
+        """The least number of modules in a word that is not empty; None where there is none."""
+        return self.product.lightest([int(name in self.srg.modules) for name in self.srg.terminals])
+
+    def words(
+        self, *, max_length: int | None = None, max_modules: int | None = None
+    ) -> Iterator[tuple[str, ...]]:
+        """The words, lazily, by length and then by the order of the symbols, without repetition.
+
+        Args:
+            max_length: the greatest number of symbols, edges included; None: no bound.
+            max_modules: the greatest number of modules; None: no bound.
+
+        Raises:
+            WordsTooLongError: it comes to words of more than ``LENGTH_LIMIT`` symbols.
+        """
+        first = self.binary.shortest()
+        if first is None:
+            return
+        longest = _least(self._bound(self._bounded(self.accept, max_modules)), max_length)
+        reading = partial(self.reading, max_modules=max_modules)
+        last = partial(self._last, max_modules)
+        for codes in words_in_order(reading, first, longest, last):
+            yield self.srg.decode(codes)
+
+    def count_words(
+        self,
+        max_length: int | None = None,
+        *,
+        max_modules: int | None = None,
+        budget: int | None = None,
+    ) -> tuple[int, ...]:
+        """The number of words of each length, from 0 to ``max_length``.
+
+        Without a length the language must be finite; the counts end at its longest word.
+
+        Raises:
+            ValueError: no length is given and the language is infinite.
+            BudgetExceededError: the grammar is not LR(1) and more than ``budget`` moves are needed;
+                where none is given, there is no bound for a language shown to be regular, and
+                ``MOVE_BUDGET`` for any other.
+        """
+        longest = self.longest(max_modules=max_modules) if max_length is None else max_length
+        if longest is None:
+            raise ValueError("an infinite language needs a greatest length to be counted")
+        if longest > LENGTH_LIMIT:
+            raise WordsTooLongError
+        reading = self.reading(longest, max_modules=max_modules)
+        if self.finite_automaton is not None:
+            return count_by_length(reading, longest, budget)
+        most = MOVE_BUDGET if budget is None else budget
+        try:
+            return count_by_length(reading, longest, min(most, QUICK_MOVES))
+        except BudgetExceededError:
+            if not self.is_lr:
+                return count_by_length(reading, longest, most)
+        derivations = DerivationCounts(self._restricted(max_modules), longest)
+        return tuple(derivations.total(length) for length in range(longest + 1))
+
+    def reading(self, horizon: int, *, max_modules: int | None = None) -> Reading[Any]:
+        """The words read from left to right, by few states; some of them may be dead ends."""
+        if self.finite_automaton is not None:
+            return FiniteReading(self._bounded(self.finite_automaton, max_modules), horizon)
+        residuals = Residuals(self.binary, self.srg.terminals, horizon)
+        condition = self._bounded(self.accept, max_modules)
+        return residuals if all(condition.accepting) else ConditionedReading(residuals, condition)
+
+    def _bound(self, condition: Dfa) -> int | None:
+        """A length that no word exceeds, where the grammar or the condition alone gives one."""
+        return _least(condition.longest(), _longest(self.binary))
+
+    def _restricted(self, max_modules: int | None) -> BinaryGrammar:
+        if max_modules is None:
+            return self.product
+        return intersect(self.normal, self._bounded(self.accept, max_modules))
+
+    def _bounded(self, dfa: Dfa, max_modules: int | None) -> Dfa:
+        if max_modules is None:
+            return dfa
+        return intersection(dfa, at_most(dfa.alphabet, self.srg.modules, max_modules))
+
+
+def language(
+    grammar: ir.Grammar, program_terminals: tuple[str, ...], modules: Container[str]
+) -> Language:
+    """The language of a grammar with its accept condition; arguments and errors as in ``srg``.
+
+    Raises:
+        ValueError: an undeclared symbol.
+        AutomatonTooLargeError: the accept condition has too many states.
+    """
+    rules = srg(grammar, program_terminals, modules)
+    return restrict(rules, accept_dfa(grammar.accept, program_terminals))
+
+
+def restrict(rules: Srg, accept: Dfa, limit: int | None = None) -> Language:
+    """The words of an SRG that an automaton over the same symbols accepts.
+
+    Raises:
+        IntersectionTooLargeError: their grammar has more than ``limit`` rules.
+    """
+    if accept.alphabet != rules.terminals:
+        raise ValueError("the accept condition and the grammar have different alphabets")
+    found = Language(rules, accept, limit)
+    if limit is not None:
+        _ = found.product
+    return found
+
+
+def _longest(grammar: BinaryGrammar) -> int | None:
+    """The length of the longest word of a grammar without useless nonterminals; -1 for none."""
+    if grammar.is_empty():
+        return -1
+    return grammar.longest() if grammar.is_finite() else None
+
+
+def _least(first: int | None, second: int | None) -> int | None:
+    if first is None or second is None:
+        return second if first is None else first
+    return min(first, second)
+
+
+# --- The size of a finite language: how many words, and how long the longest is -------------------
+
+
+MOVE_LIMIT = 500
+SIZE_LIMIT = 100_000
+
+
+def longest_word(language: Language) -> int | None:
+    """The length of the longest word of a language that is not empty; None where it is infinite."""
+    product = language.product
+    return product.longest() if product.is_finite() else None
+
+
+def number_of_words(language: Language, longest: int, *, unambiguous: bool) -> int | None:
+    """How many words a finite language has, the empty one left aside.
+
+    None where counting would take too long.
+
+    Args:
+        language: the language.
+        longest: the length of its longest word.
+        unambiguous: whether every word is known to have one derivation, which are then counted.
+            Otherwise words are counted prefix by prefix: ``SIZE_LIMIT`` moves of a finite automaton
+            at most; where there is none and the grammar is not LR(1) either, ``MOVE_LIMIT`` moves,
+            if the nonterminals times ``longest`` are not more than ``SIZE_LIMIT``.
+    """
+    if unambiguous:
+        return _derivations(language.product)
+    regular = language.finite_automaton is not None
+    if not regular and language.is_lr:
+        return _derivations(language.product)
+    small = longest <= MOVE_LIMIT and longest * len(language.product.rules) <= SIZE_LIMIT
+    if not regular and not small:
+        return None
+    try:
+        counts = language.count_words(longest, budget=SIZE_LIMIT if regular else MOVE_LIMIT)
+    except BudgetExceededError:
+        return None
+    return sum(counts[1:])
+
+
+def _derivations(grammar: BinaryGrammar) -> int:
+    """The number of derivations of a finite language.
+
+    Neither the normal form nor the product with a deterministic automaton adds one.
+    """
+    first = grammar.terminals
+    children = [
+        [s - first for right in rights for s in right if s >= first] for rights in grammar.rules
+    ]
+    component = components(len(children), children.__getitem__)
+    number = [0] * len(children)
+    for k in sorted(range(len(children)), key=component.__getitem__):
+        number[k] = sum(
+            prod(1 if s < first else number[s - first] for s in right) for right in grammar.rules[k]
+        )
+    return sum(number[start - first] for start in grammar.starts)

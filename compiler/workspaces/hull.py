@@ -1,0 +1,211 @@
+"""Facets and volumes of convex hulls, exact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from itertools import pairwise
+from math import lcm
+from typing import TypeAlias
+
+from compiler.workspaces.double_description import Point, describe, integer_row
+from grammar_lang.ir import HalfSpace
+
+# --- Exact area and volume of convex polytopes given by vertices and facets -----------------------
+#
+# Source: Bueler, Enge & Fukuda, *Exact volume computation for polytopes* (2000), section 3:
+# triangulation by boundary facets, as pyramids from one vertex.
+
+
+Lattice: TypeAlias = tuple[int, ...]
+
+
+def on_lattice(points: Sequence[Point]) -> tuple[list[Lattice], int]:
+    """The points times their least common denominator, and that denominator.
+
+    Integers are compared and multiplied several times as fast as fractions.
+    """
+    scale = lcm(*(x.denominator for point in points for x in point))
+    return [tuple(x.numerator * (scale // x.denominator) for x in p) for p in points], scale
+
+
+def _turn(a: Lattice, b: Lattice, c: Lattice) -> int:
+    """Twice the signed area of the triangle a, b, c of the plane."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def counter_clockwise(points: Iterable[Point]) -> tuple[Point, ...]:
+    """The corners of the hull of points of the plane, from the lexicographically least one on."""
+    given = tuple(points)
+    lattice, _ = on_lattice(given)
+    original = dict(zip(lattice, given, strict=True))
+    return tuple(original[point] for point in _hull(lattice))
+
+
+def _hull(points: Iterable[Lattice]) -> list[Lattice]:
+    ordered = sorted(points)
+    if len(ordered) < 3:
+        return ordered
+    return [*_chain(ordered)[:-1], *_chain(ordered[::-1])[:-1]]
+
+
+def _chain(points: Sequence[Lattice]) -> list[Lattice]:
+    """One half of Andrew's monotone chain."""
+    chain: list[Lattice] = []
+    for point in points:
+        while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0:
+            chain.pop()
+        chain.append(point)
+    return chain
+
+
+def around(corners: Sequence[Point]) -> tuple[Point, ...]:
+    """The corners of a facet in order: the ends of a segment, or round a polygon of space."""
+    if len(corners[0]) == 2:
+        return tuple(corners)
+    for drop in range(3):
+        flat = {(*point[:drop], *point[drop + 1 :]): point for point in corners}
+        ring = counter_clockwise(flat)
+        if len(ring) == len(corners):
+            return tuple(flat[corner] for corner in ring)
+    raise ValueError("the corners of a facet are those of a convex polygon")
+
+
+def polygon_area(corners: Sequence[Point]) -> Fraction:
+    """The area of a convex polygon of the plane, its corners in counter-clockwise order.
+
+    Zero of fewer than three corners.
+    """
+    if len(corners) < 3:
+        return Fraction(0)
+    lattice, scale = on_lattice(corners)
+    fan = sum(_turn(lattice[0], b, c) for b, c in pairwise(lattice[1:]))
+    return Fraction(fan, 2 * scale * scale)
+
+
+def polyhedron_volume(facets: Sequence[tuple[Point, Sequence[Point]]]) -> Fraction:
+    """The volume of a convex polyhedron of space.
+
+    Args:
+        facets: each facet once, as its normal (3,) and its corners in any order.
+    """
+    lattice, scale = on_lattice([point for _, corners in facets for point in corners])
+    taken = iter(lattice)
+    faces = [(normal, [next(taken) for _ in corners]) for normal, corners in facets]
+    apex = min(lattice)
+    total = 0
+    for normal, corners in faces:
+        if apex in corners:
+            continue
+        drop = next(axis for axis, entry in enumerate(normal) if entry)
+        flat = {(*point[:drop], *point[drop + 1 :]): point for point in corners}
+        ring = [flat[corner] for corner in _hull(flat)]
+        for b, c in pairwise(ring[1:]):
+            total += abs(_determinant(apex, ring[0], b, c))
+    return Fraction(total, 6 * scale**3)
+
+
+def _determinant(o: Lattice, a: Lattice, b: Lattice, c: Lattice) -> int:
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
+        tuple(p - q for p, q in zip(point, o, strict=True)) for point in (a, b, c)
+    )
+    return ax * (by * cz - bz * cy) - ay * (bx * cz - bz * cx) + az * (bx * cy - by * cx)
+
+
+# --- Facets of the convex hull of points, exactly, by polarity ------------------------------------
+#
+# Source: Ziegler, *Lectures on Polytopes*, Theorem 2.11: for c in the interior of the hull of the
+# points p_i, the facets are ``y . (x - c) <= 1`` for the vertices y of the polar polytope ``{y :
+# (p_i - c) . y <= 1}``.  A flat hull is described in its affine hull, the equations of which are
+# added as pairs of inequalities.  Polygons go round their corners instead.
+
+
+def hull_rows(points: Sequence[Point]) -> tuple[HalfSpace, ...]:
+    """Half-spaces whose intersection is the convex hull of the points (n >= 1, all of one length).
+
+    Irredundant where the hull has an interior; the order depends on the set of points only.
+    """
+    if not points:
+        raise ValueError("the hull of no points has no facets")
+    distinct = sorted(set(points))
+    origin, dimension = distinct[0], len(distinct[0])
+    basis, pivots = _echelon([_minus(point, origin) for point in distinct[1:]], dimension)
+    rows = _affine_hull(origin, basis, pivots)
+    if pivots:
+        flat = [tuple(point[axis] for axis in pivots) for point in distinct]
+        for normal, offset in _full_dimensional(flat):
+            lifted = [Fraction(0)] * dimension
+            for axis, entry in zip(pivots, normal, strict=True):
+                lifted[axis] = entry
+            rows.append(HalfSpace(tuple(lifted), offset))
+    return tuple(rows)
+
+
+def _minus(left: Point, right: Point) -> list[Fraction]:
+    return [a - b for a, b in zip(left, right, strict=True)]
+
+
+def _echelon(rows: list[list[Fraction]], columns: int) -> tuple[list[list[Fraction]], list[int]]:
+    """The reduced row echelon form without its zero rows, and its pivot columns."""
+    pending, basis, pivots = [row[:] for row in rows], list[list[Fraction]](), list[int]()
+    for column in range(columns):
+        found = next((i for i, row in enumerate(pending) if row[column]), None)
+        if found is None:
+            continue
+        chosen = pending.pop(found)
+        pivot = [entry / chosen[column] for entry in chosen]
+        for row in (*basis, *pending):
+            factor = row[column]
+            row[:] = [a - factor * b for a, b in zip(row, pivot, strict=True)]
+        basis.append(pivot)
+        pivots.append(column)
+    return basis, pivots
+
+
+def _affine_hull(origin: Point, basis: list[list[Fraction]], pivots: list[int]) -> list[HalfSpace]:
+    """Each coordinate that is no pivot is an affine function of the pivots: two rows each."""
+    rows: list[HalfSpace] = []
+    for axis in range(len(origin)):
+        if axis in pivots:
+            continue
+        normal = [Fraction(0)] * len(origin)
+        normal[axis] = Fraction(1)
+        for direction, pivot in zip(basis, pivots, strict=True):
+            normal[pivot] = -direction[axis]
+        offset = sum((a * x for a, x in zip(normal, origin, strict=True)), Fraction(0))
+        rows.append(HalfSpace(tuple(normal), offset))
+        rows.append(HalfSpace(tuple(-a for a in normal), -offset))
+    return rows
+
+
+def _full_dimensional(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
+    """Facets of a hull with interior, sorted."""
+    return _edges(points) if len(points[0]) == 2 else _polar_facets(points)
+
+
+def _edges(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
+    """The edges of a polygon, in time linear in the points but for sorting (Andrew 1979)."""
+    corners = counter_clockwise(points)
+    return sorted(
+        _facet((y - b, a - x), (y - b) * a + (a - x) * b)
+        for (a, b), (x, y) in pairwise((*corners, corners[0]))
+    )
+
+
+def _facet(normal: Sequence[Fraction], offset: Fraction) -> tuple[Point, Fraction]:
+    """A half-space in primitive integers."""
+    row = integer_row(normal, offset)
+    return tuple(Fraction(entry) for entry in row[:-1]), Fraction(-row[-1])
+
+
+def _polar_facets(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
+    """The facets by polarity."""
+    centre = tuple(sum(column, Fraction(0)) / len(points) for column in zip(*points, strict=True))
+    polar = [integer_row(_minus(point, centre), Fraction(1)) for point in points]
+    vertices, _ = describe(polar, len(centre))
+    facets = []
+    for vertex in vertices:
+        normal = vertex.point()
+        offset = 1 + sum((y * c for y, c in zip(normal, centre, strict=True)), Fraction(0))
+        facets.append(_facet(normal, offset))
+    return sorted(facets)

@@ -1,0 +1,195 @@
+"""The YAML file of a map_server map: image, resolution, pose, thresholds, mode.
+
+Source: the ROS wiki, map_server, sections 1.2 and 1.3 (YAML format, value interpretation).  The
+file is composed to nodes and never constructed, so that no tag does anything and every number is
+read from its own text.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Literal, TypeAlias, cast
+
+from compiler.workspaces.decimals import decimal
+from compiler.workspaces.map_fault import MapFault
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.wording import nearest
+
+if TYPE_CHECKING:
+    from yaml.nodes import MappingNode, Node
+
+Mode: TypeAlias = Literal["trinary", "scale", "raw"]
+
+TEXT_LIMIT = 2**16
+"""So many characters may such a file have; real ones have a few hundred."""
+DEPTH_LIMIT = 20
+"""So many lists and mappings may stand within each other."""
+FULL_TURN = Fraction(63, 10)
+"""Angles beyond this many radians were meant in degrees."""
+
+_REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+_KNOWN = (*_REQUIRED, "mode")
+_HINT = "a map of map_server is a mapping with image, resolution, origin, negate and two thresholds"
+_TRUTH = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
+_PLAIN = {
+    f"tag:yaml.org,2002:{kind}"
+    for kind in ("str", "int", "float", "bool", "null", "timestamp", "merge", "value")
+}
+"""What a scalar without a tag may be resolved to."""
+
+
+@dataclass(frozen=True, slots=True)
+class MapHeader:
+    """The fields: metres per pixel, the lower left corner (m), the turn about it (rad).
+
+    A pixel whose occupancy is above ``occupied`` is occupied, below ``free`` free.
+    """
+
+    resolution: Fraction
+    origin: tuple[Fraction, Fraction]
+    yaw: Fraction
+    negate: bool
+    occupied: Fraction
+    free: Fraction
+    mode: Mode
+
+
+def map_header(text: str, path: str, image: str) -> MapHeader:
+    """The header of a map.
+
+    Args:
+        text: the YAML file.
+        path: where it lies.
+        image: the file that was read as its image.
+
+    Raises:
+        MapFault: it is no such file; the fault has its place.
+    """
+    fields = _fields(_root(text))
+    _same_image(fields["image"], path, image)
+    resolution = _number(fields["resolution"], "resolution")
+    if resolution <= 0:
+        raise _at(fields["resolution"], "the resolution is not positive", "write metres per pixel")
+    x, y, yaw = _pose(fields["origin"])
+    free, occupied = (_threshold(fields[key], key) for key in ("free_thresh", "occupied_thresh"))
+    if free > occupied:
+        message = "free_thresh is greater than occupied_thresh"
+        raise _at(fields["free_thresh"], message, "what is free is less occupied than what is not")
+    negate = _TRUTH.get(_text(fields["negate"], "negate").lower())
+    if negate is None:
+        raise _at(fields["negate"], "negate is neither 0 nor 1", "write `negate: 0`")
+    return MapHeader(resolution, (x, y), yaw, negate, occupied, free, _mode(fields))
+
+
+def _root(text: str) -> MappingNode:
+    """The mapping of the file."""
+    import yaml
+
+    if len(text) > TEXT_LIMIT:
+        message = f"this map has {len(text):,} characters, more than {TEXT_LIMIT:,}"
+        raise MapFault(message, _HINT, code=Code.TOO_LARGE)
+    try:
+        _check_events(yaml.parse(text, Loader=yaml.SafeLoader))
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        at = min(mark.index if mark else 0, max(len(text) - 1, 0))
+        said = error.problem or error.context or "it cannot be read"
+        raise MapFault(f"this is not YAML: {said}", _HINT, (at, at + 1)) from None
+    except (yaml.YAMLError, ValueError, OverflowError):
+        raise MapFault("this is not YAML: a character that no YAML has", _HINT) from None
+    if not isinstance(root, yaml.MappingNode):
+        raise MapFault("this map is no mapping", _HINT)
+    return root
+
+
+def _check_events(events: Iterable[object]) -> None:
+    """Refuse aliases, and what is nested deeply, for which the reader of YAML takes very long."""
+    import yaml
+
+    depth = 0
+    for event in events:
+        if isinstance(event, yaml.events.AliasEvent):
+            raise _at(event, "an alias in a map", "write the value itself")
+        depth += isinstance(event, yaml.events.CollectionStartEvent)
+        depth -= isinstance(event, yaml.events.CollectionEndEvent)
+        if depth > DEPTH_LIMIT:
+            raise _at(event, "this map is nested too deeply", _HINT)
+
+
+def _fields(root: MappingNode) -> Mapping[str, Node]:
+    """The values by key, those that are due among them."""
+    found: dict[str, Node] = {}
+    for key, value in root.value:
+        name = _text(key, "a key")
+        if name in found:
+            raise _at(key, f"a second `{name[:40]}`", "leave one of them out")
+        found[name] = value
+    for name in _REQUIRED:
+        if name not in found:
+            close = nearest(name, [key for key in found if key not in _KNOWN])
+            hint = _HINT if close is None else f"is it `{close[:40]}`?"
+            raise MapFault(f"this map has no `{name}`", hint)
+    return found
+
+
+def _at(node: object, message: str, hint: str) -> MapFault:
+    """A fault at a node or an event."""
+    start, end = (getattr(node, f"{side}_mark").index for side in ("start", "end"))
+    return MapFault(message, hint, (start, max(end, start + 1)))
+
+
+def _text(node: Node, what: str) -> str:
+    """The text of a plain or quoted scalar, which has no tag of its own."""
+    import yaml
+
+    if not isinstance(node, yaml.ScalarNode):
+        raise _at(node, f"{what} is no single value", "write one value")
+    if node.tag not in _PLAIN:
+        raise _at(node, f"{what} has a tag", "write the value alone")
+    return cast(str, node.value)
+
+
+def _number(node: Node, what: str) -> Fraction:
+    value = decimal(_text(node, what))
+    if value is None:
+        raise _at(node, f"{what} is no decimal number", "write a number such as 0.05 or 5e-2")
+    return value
+
+
+def _threshold(node: Node, what: str) -> Fraction:
+    value = _number(node, what)
+    if not 0 <= value <= 1:
+        raise _at(node, f"{what} is not between 0 and 1", "it is a probability")
+    return value
+
+
+def _pose(node: Node) -> tuple[Fraction, Fraction, Fraction]:
+    import yaml
+
+    if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
+        raise _at(node, "origin is no list of three numbers", "write `origin: [x, y, yaw]`")
+    x, y, yaw = (_number(entry, "a number of origin") for entry in node.value)
+    if abs(yaw) > FULL_TURN:
+        raise _at(node.value[2], "the yaw of origin is more than a turn", "it is in radians")
+    return x, y, yaw
+
+
+def _mode(fields: Mapping[str, Node]) -> Mode:
+    if "mode" not in fields:
+        return "trinary"
+    mode = _text(fields["mode"], "mode").lower()
+    if mode not in {"trinary", "scale", "raw"}:
+        raise _at(fields["mode"], "an unknown mode", "known: trinary, scale, raw")
+    return cast(Mode, mode)
+
+
+def _same_image(node: Node, path: str, image: str) -> None:
+    """The image that was read is the one that is named."""
+    named = posixpath.normpath(posixpath.join(posixpath.dirname(path), _text(node, "image")))
+    if named != image:
+        message = "this is not the image that was read"
+        raise _at(node, message, "write its path in one line, without escapes")
