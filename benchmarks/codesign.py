@@ -29,14 +29,14 @@ from control_ipopt import ipopt_problem
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.motions.control import synthesise_control
-from solvers.motions.control_problem import ControlOutcome, ControlProblem
-from solvers.motions.convex_step import Trajectory
-from solvers.motions.path_following import Follower
-from solvers.motions.path_timing import Entries
 from solvers.parameters.parameter_space import parameter_space
-from solvers.progress import Conduct
+from solvers.run_context import Conduct
 from solvers.search.configuration_search import Configuration, search_configuration
+from solvers.trajectory.control import synthesise_control
+from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
+from solvers.trajectory.convex_step import Trajectory
+from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_timing import Entries
 
 NEAR = 0.005
 """By this part of rho we may be less robust than IPOPT's best."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.motions.convex_step import Trajectory
-from solvers.motions.inverse_kinematics import branches
-from solvers.motions.path_following import Follower
-from solvers.motions.task_limits import input_groups, resting_inputs
 from solvers.parameters.parameter_space import parameter_space
+from solvers.trajectory.convex_step import Trajectory
+from solvers.trajectory.inverse_kinematics import branches
+from solvers.trajectory.path_following import Follower
+from solvers.trajectory.task_limits import input_groups, resting_inputs
 
 REACHED = 1e-3
 """Metres up to which a pose counts as one at its place."""

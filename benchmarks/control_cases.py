@@ -23,14 +23,14 @@ from compiler.tasks.specification import planning_problem
 from compiler.words.structures import derivations_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load_text
-from solvers.motions.control import synthesise_control
-from solvers.motions.control_problem import ControlOutcome, ControlProblem
-from solvers.motions.linear_model import PositionRows
-from solvers.motions.path_following import LEAST_MARGIN, Follower
-from solvers.motions.path_timing import Entries
-from solvers.motions.trajectory import Trajectory
 from solvers.planner import Planner
 from solvers.search.evaluation import hopeful
+from solvers.trajectory.control import synthesise_control
+from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
+from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.path_following import LEAST_MARGIN, Follower
+from solvers.trajectory.path_timing import Entries
+from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds
 from srgc.session import check_loaded
 

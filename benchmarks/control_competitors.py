@@ -14,11 +14,11 @@ from control_ipopt import IpoptProblem, ipopt_problem
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.motions.control import synthesise_control
-from solvers.motions.control_problem import ControlProblem
-from solvers.motions.linear_model import PositionRows
-from solvers.motions.step_solver import step_maker
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.control import synthesise_control
+from solvers.trajectory.control_problem import ControlProblem
+from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.step_solver import step_maker
+from solvers.trajectory.trajectory import Trajectory
 
 STRATEGIES = ("monotone", "adaptive")
 """IPOPT's for its barrier."""

@@ -17,10 +17,10 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Linearisation
-from solvers.motions.control_problem import ControlProblem, input_margin
-from solvers.motions.linear_model import PositionRows
-from solvers.motions.step_question import Weights
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.control_problem import ControlProblem, input_margin
+from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.subproblem import Weights
+from solvers.trajectory.trajectory import Trajectory
 
 VIRTUAL, SLACK = 50.0, 100.0
 """Prices of virtual controls (rad or rad/s) and of metres outside a half-plane."""

@@ -14,11 +14,11 @@ import casadi as ca
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.motions.control_problem import ControlProblem
-from solvers.motions.linear_model import PositionRows
-from solvers.motions.step_program import rate_bounds
-from solvers.motions.step_question import Weights
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.control_problem import ControlProblem
+from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.step_program import rate_bounds
+from solvers.trajectory.subproblem import Weights
+from solvers.trajectory.trajectory import Trajectory
 
 OPTIONS = {
     "print_time": False,

@@ -54,12 +54,12 @@ def measure_convex_step(runs: int) -> list[Line]:
     from compiler.tasks.specification import planning_problem
     from compiler.words.structures import derivations_of
     from compiler.workspaces.abstraction import abstract
-    from solvers.motions.convex_step import ConvexStep
-    from solvers.motions.measured_motion import measured
-    from solvers.motions.path_following import Follower
-    from solvers.motions.reference_step import ReferenceStep
-    from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
     from solvers.planner import Planner
+    from solvers.trajectory.convex_step import ConvexStep
+    from solvers.trajectory.measured_motion import measured
+    from solvers.trajectory.path_following import Follower
+    from solvers.trajectory.reference_step import ReferenceStep
+    from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
     from solvers.verdict import Holds
     from srgc.session import program_of
 

@@ -18,11 +18,11 @@ from compiler.robots.family import family_of
 from compiler.tasks.specification import planning_problem
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.design_follower import PathTask
-from solvers.motions.path_following import Follower
 from solvers.parameters.parameter_space import ParameterSpace, parameter_space
 from solvers.planner import Planner
 from solvers.search.evaluation import evaluate
+from solvers.search.path_task import PathTask
+from solvers.trajectory.path_following import Follower
 from solvers.verdict import Holds
 
 

@@ -14,7 +14,7 @@ from typing import TypeAlias
 from compiler.tasks.plan_encoding import plan_encoding
 from compiler.tasks.specification import PlanningProblem
 from compiler.time_limits.time_limit import check_time
-from solvers.backends.sat import SatSolver
+from solvers.backends.cadical import SatSolver
 from solvers.verdict import Answer, Fails, Holds, Unknown
 
 CONFLICTS = 200_000

@@ -73,7 +73,7 @@ def check_loaded(loaded: Loaded) -> Checked:
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
         from compiler.tasks.obstacle_pieces import task_by_task
-        from solvers.conflicts.formula_checks import formula_diagnostics
+        from solvers.conflicts.vacuity import formula_diagnostics
 
         for program in task_by_task(loaded.sound):
             formula_diagnostics(program, sink)

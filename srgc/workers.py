@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from solvers.execution.in_process import InProcess
 from solvers.execution.process_pool import ProcessPool
-from solvers.execution.workers import Workers, WorkersLostError
+from solvers.execution.workers import InProcess, Workers, WorkersLostError
 from srgc.session import NoAnswer, UsageFault
 
 

@@ -15,10 +15,10 @@ from benchmarks.control_curves import Curve, draw, exponent
 from benchmarks.control_cvxpy import CvxpyLoop, Form
 from benchmarks.control_ipopt import ipopt_problem
 from benchmarks.solver_time import counted
-from solvers.motions.control import synthesise_control
-from solvers.motions.control_problem import ControlProblem
-from solvers.motions.convex_step import PositionRows
 from solvers.parameters.parameter_space import parameter_space
+from solvers.trajectory.control import synthesise_control
+from solvers.trajectory.control_problem import ControlProblem
+from solvers.trajectory.convex_step import PositionRows
 
 ROOT = Path(__file__).resolve().parents[1]
 STEPS = 21

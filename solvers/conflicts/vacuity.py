@@ -18,12 +18,12 @@ from itertools import islice
 from compiler.tasks.formula_parts import Occurrence, atoms, occurrences, strengthened
 from compiler.tasks.formula_slots import TooManySlotsError
 from compiler.tasks.formula_text import formula_text
-from compiler.tasks.necessary_conditions import Demand, Demands, conjuncts
+from compiler.tasks.necessary_conditions import Demand, Demands, conjuncts, task_demands
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
+from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
 from grammar_lang.source import Span
-from solvers.conflicts.demand_conflicts import DemandConflicts
+from solvers.conflicts.contradiction import DemandConflicts, contradictions_among
 
 EXTRA_CLAUSES = 40_000
 """After so many clauses for this, nothing more is said of the formulas of a task."""
@@ -164,3 +164,33 @@ def _notes(because: Sequence[Demand]) -> tuple[tuple[Span, str], ...]:
     for demand in sorted(because, key=lambda demand: (demand.span.file, demand.span)):
         texts.setdefault(demand.span, []).append(demand.text)
     return tuple((span, ", ".join(parts)) for span, parts in texts.items())
+
+
+# --- The checks of the formulas of tasks that need a SAT solver -----------------------------------
+
+
+def formula_diagnostics(program: ir.Program, sink: Sink) -> None:
+    """Report formulas that contradict themselves or their task; if there are no errors, idle ones.
+
+    A program with errors may lack the very clauses that give a formula its sense.  Maps are
+    obstacles already.
+    """
+    warn = not sink.has_errors
+    for task in program.tasks.values():
+        if task.satisfy:
+            sink.found.extend(formula_findings(program, task, warn=warn))
+
+
+def formula_findings(
+    program: ir.Program, task: ir.Task, *, warn: bool = True
+) -> tuple[Diagnostic, ...]:
+    """Errors about the formulas of a task; without any, warnings if they are wanted."""
+    asked = task_demands(program, task)
+    if asked is None:
+        return ()
+    conflicts = DemandConflicts(asked)
+    try:
+        errors = contradictions_among(task, asked.demands, conflicts)
+        return errors if errors or not warn else vacuities(task, asked, conflicts)
+    finally:
+        conflicts.close()

@@ -5,14 +5,92 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
+from threading import Lock
 from typing import TYPE_CHECKING
 
-from solvers.execution.any_executor import AnyExecutor
+from solvers.execution.in_order import in_order
 from solvers.execution.workers import DISCONNECTED, ENDED, Job, Result, WorkersLostError
 
 if TYPE_CHECKING:
     from distributed import Client
+
+
+# --- One job at a time in a process: the solver libraries keep state that threads would share -----
+
+
+_BUSY = Lock()
+
+
+def one_job(function: Callable[[Job], Result], job: Job) -> Result:
+    """Do a job when no other thread of this process does one."""
+    with _BUSY:
+        return function(job)
+
+
+# --- Jobs done by any executor of :mod:`concurrent.futures` ---------------------------------------
+
+
+LOST = (BrokenExecutor, CancelledError)
+
+
+class AnyExecutor:
+    """Does jobs by an executor, which stays its owner's to shut down.
+
+    ``lost`` are the errors that say that a worker ended; where the executor does not go on after
+    that, a job ends with WorkersLostError, and also where it is not ``alive`` any more.
+
+    Raises:
+        ValueError: the width is not positive.
+        TypeError: the executor has threads of this process.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        width: int,
+        lost: tuple[type[BaseException], ...] = LOST,
+        alive: Callable[[], bool] = lambda: True,
+    ) -> None:
+        if width < 1:
+            raise ValueError("at least one job is done at once")
+        if isinstance(executor, ThreadPoolExecutor):
+            raise TypeError("threads would share the state of the solver libraries")
+        self._executor, self._width, self._lost, self._alive = executor, width, lost, alive
+
+    @property
+    def width(self) -> int:
+        """How many jobs are done at once."""
+        return self._width
+
+    def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
+        """Begin a job."""
+        try:
+            return self._executor.submit(one_job, function, job)
+        except self._lost as error:
+            failed: Future[Result] = Future()
+            failed.set_exception(error)
+            return failed
+
+    def is_lost(self, error: BaseException) -> bool:
+        """Whether a worker ended."""
+        return isinstance(error, self._lost)
+
+    def is_alive(self) -> bool:
+        """Whether unfinished jobs may still be finished."""
+        return self._alive()
+
+    def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
+        """The results in the order of the jobs."""
+        return in_order(self, function, jobs)
+
+    def close(self) -> None:
+        """Nothing: the executor has an owner."""
+
+
+# --- Jobs done by the workers of a Dask cluster ---------------------------------------------------
+
 
 REACHED_WITHIN = 5.0
 """Seconds for the scheduler to answer, and for a worker to be there."""

@@ -43,3 +43,22 @@ class Workers(Protocol):
     def close(self) -> None:
         """End the workers, whatever they are doing."""
         ...
+
+
+# --- Jobs done in this process, one after the other -----------------------------------------------
+
+
+class InProcess:
+    """Does each job when its result is asked for."""
+
+    @property
+    def width(self) -> int:
+        """One job at a time."""
+        return 1
+
+    def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
+        """The results in the order of the jobs."""
+        return map(function, jobs)
+
+    def close(self) -> None:
+        """Nothing has to be ended."""

@@ -15,7 +15,6 @@ from grammar_lang.ir.expression_text import number_text
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import WIDER, ends, grown_bounds, with_effort, without
 from solvers.explanation.task_line import TaskLine
-from solvers.explanation.two_digits import index_above, index_below, number_of
 
 MOST_STEPS = 160
 """So long a horizon is made, and four times as long as it is, at most; or half as long again."""
@@ -200,3 +199,44 @@ def _avoid(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
         alone = with_clause(replace(clause, subject="effector"))
         yield Change(line, f"with `{region}` avoided by effectors alone", alone)
     yield Change(line, f"without avoiding `{region}`", without(posed, [line]))
+
+
+# --- Numbers of two significant digits, for values that a person is to write down -----------------
+
+
+DECADE = 90
+"""So many such numbers there are from one power of ten to the next."""
+
+
+def number_of(index: int) -> Fraction:
+    """The positive number with an index: 1, 1.1, …, 9.9 have 0 to 89, 10 has 90."""
+    decade, place = divmod(index, DECADE)
+    return Fraction(10 + place, 10) * Fraction(10) ** decade
+
+
+def index_above(value: Fraction) -> int:
+    """The index of the least such number that is at least ``value``, which is positive.
+
+    Raises:
+        ValueError: it is not positive.
+    """
+    if value <= 0:
+        raise ValueError("a positive number is due")
+    decade = 0
+    while value >= Fraction(10) ** (decade + 1):
+        decade += 1
+    while value < Fraction(10) ** decade:
+        decade -= 1
+    tenths = value * 10 / Fraction(10) ** decade
+    return decade * DECADE + (-(-tenths.numerator // tenths.denominator) - 10)
+
+
+def index_below(value: Fraction) -> int:
+    """The index of the largest such number that is at most ``value``, which is positive."""
+    index = index_above(value)
+    return index if number_of(index) == value else index - 1
+
+
+def rounded_up(value: Fraction) -> Fraction:
+    """The least number of two digits that is at least ``value``, which is positive."""
+    return number_of(index_above(value))

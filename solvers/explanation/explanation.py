@@ -20,7 +20,7 @@ from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import MOST_RUNS, Runs, Suggestion
 from solvers.explanation.suggestions import SuggestionSearch, smallest
 from solvers.explanation.task_line import TaskLine, modules_line, task_lines
-from solvers.progress import Conduct
+from solvers.run_context import Conduct
 from solvers.verdict import NotFound
 
 TELLING = ("parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "fixed")

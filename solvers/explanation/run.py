@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 
 from compiler.robots.input_bounds import input_bounds
 from solvers.explanation.change import Change
-from solvers.progress import Conduct, Memory, Recorded, Silent
-from solvers.synthesis import Synthesis, synthesise
+from solvers.run_context import Conduct, Memory, Recorded, Silent
+from solvers.search.synthesis import Synthesis, synthesise
 
 MOST_RUNS = 16
 """So many runs are made for an explanation."""

@@ -6,21 +6,37 @@ nothing is tried at its far end first, and then nearer, as far as a few runs go.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.encodings.body_conditions import body_demands
+from compiler.encodings.body_smt import body_scripts
+from compiler.encodings.pose_questions import pose_questions
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.candidate import robot_in_task
 from compiler.robots.family import family_of
+from compiler.robots.robot_key import robot_key_in_task
 from compiler.words.derivation import Derivation
 from compiler.words.structures import structures
 from solvers.conclusion import DEFAULT_MODULES, module_bound
-from solvers.explanation.change import Change, Scale, scales, single_changes, with_modules
+from solvers.explanation.change import (
+    Change,
+    Scale,
+    rounded_up,
+    scales,
+    single_changes,
+    with_modules,
+)
+from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
-from solvers.explanation.poses import first_with_poses, with_poses
 from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.task_line import TaskLine
-from solvers.explanation.two_digits import rounded_up
+from solvers.impossibility.clear_poses import clear_poses
+from solvers.impossibility.pose_search import find_poses
 
 CLOSE = Fraction(11, 10)
 """So near to an effort that was too small it is not looked any nearer."""
@@ -192,3 +208,75 @@ def smallest(found: Sequence[Suggestion]) -> tuple[Suggestion, ...]:
     for one in found:
         kept[one.change.line, one.change.way] = one
     return tuple(kept.values())
+
+
+# --------------------------------------------------------------------------------------------------
+# Whether poses are found that a task asks of a robot: a cheap sign that the task may be possible.
+#
+# No poses prove nothing here, and poses do not prove that there is a motion.
+
+
+MOST_ROBOTS = 6
+"""So many robots are followed when a value is searched."""
+
+
+def with_poses(
+    posed: PosedTask, derivations: Iterable[Derivation], seed: int, robots: int = MOST_ROBOTS
+) -> tuple[Derivation, ...]:
+    """The first few different robots for which all poses are found that the task asks for."""
+    if is_cut_off(posed):
+        return ()
+    return tuple(islice(_posable(posed.expanded(), derivations, seed), robots))
+
+
+def _posable(
+    posed: PosedTask, derivations: Iterable[Derivation], seed: int
+) -> Iterator[Derivation]:
+    family = family_of(posed.program, posed.task)
+    seen = set[str]()
+    for derivation in derivations:
+        try:
+            model = robot_in_task(family, posed.task.origin, derivation)
+        except SemanticsError:
+            continue
+        key = robot_key_in_task(model, posed.task)
+        if key in seen:
+            continue
+        seen.add(key)
+        if _answered(NumericRobot(robot_graph(model, posed.task.gravity)), posed, seed):
+            yield derivation
+
+
+def _answered(numeric: NumericRobot, posed: PosedTask, seed: int) -> bool:
+    """Whether poses are found for every question."""
+    workspace, task = posed.workspace, posed.task
+    demands = body_demands(workspace, task)
+    for question in pose_questions(workspace, task):
+        if find_poses(numeric, question, seed) is None:
+            return False
+        if demands is None:
+            continue
+        known = clear_poses(numeric, workspace, task, question, seed)
+        if any(poses not in known for poses in body_scripts(question)):
+            return False
+    return True
+
+
+def first_with_poses(
+    posed_at: Sequence[PosedTask], derivations: Sequence[Derivation], seed: int
+) -> int | None:
+    """The index of the first of ever weaker tasks for which poses are found, by bisection.
+
+    None where not even the last one has any.
+    """
+    hopeful = with_poses(posed_at[-1], derivations, seed)
+    if not hopeful:
+        return None
+    low, high = 0, len(posed_at) - 1
+    while low < high:
+        middle = (low + high) // 2
+        if with_poses(posed_at[middle], hopeful, seed, robots=1):
+            high = middle
+        else:
+            low = middle + 1
+    return low

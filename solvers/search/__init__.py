@@ -1,1 +1,1 @@
-"""The search for a design: motions along plans, and the parameters that make them robust."""
+"""Algorithm 1: structures, paths, parameters and motions, until a verdict can be proved."""

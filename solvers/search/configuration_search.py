@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, Effort
-from solvers.motions.path_following import Follower
-from solvers.motions.path_timing import Entries
-from solvers.motions.trajectory import Trajectory
 from solvers.parameters.bayesian_search import DESIGN, BayesianSearch
 from solvers.parameters.nelder_mead import NelderMead
 from solvers.parameters.parameter_search import ParameterSearch
 from solvers.parameters.parameter_space import Cube, ParameterSpace, parameter_space
-from solvers.progress import Conduct
+from solvers.run_context import Conduct
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of
+from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, Effort
+from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_timing import Entries
+from solvers.trajectory.trajectory import Trajectory
 
 SEARCHES = ("gp-acb", "nelder-mead")
 """The searches of parameters by name, the usual one first."""

@@ -21,14 +21,13 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from solvers.execution.in_process import InProcess
-from solvers.execution.parcel import Parcel, keep, made_of, packed
-from solvers.execution.workers import Workers
-from solvers.motions.control_problem import FULL, SURVEY, ControlOutcome, ControlProblem, Effort
-from solvers.motions.path_following import Follower
-from solvers.motions.path_timing import Entries
-from solvers.motions.trajectory import Trajectory
-from solvers.progress import Journal, Memory, Recorded
+from solvers.execution.shared_payload import Parcel, keep, made_of, packed
+from solvers.execution.workers import InProcess, Workers
+from solvers.run_context import Journal, Memory, Recorded
+from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, ControlProblem, Effort
+from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_timing import Entries
+from solvers.trajectory.trajectory import Trajectory
 
 RADIUS = 0.5
 NEAR = 0.1

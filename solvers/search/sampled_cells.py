@@ -22,12 +22,12 @@ from compiler.tasks.trace_robustness import Monitored, Piece
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
-from solvers.motions.control_problem import ControlOutcome, input_margin
-from solvers.motions.inverse_kinematics import sampled_box, solve_positions
-from solvers.motions.task_limits import input_groups, motion_limits, resting_inputs, state_limits
-from solvers.motions.trajectory import Trajectory
 from solvers.parameters.parameter_space import parameter_space
 from solvers.search.configuration_search import Configuration
+from solvers.trajectory.control_problem import ControlOutcome, input_margin
+from solvers.trajectory.inverse_kinematics import sampled_box, solve_positions
+from solvers.trajectory.task_limits import input_groups, motion_limits, resting_inputs, state_limits
+from solvers.trajectory.trajectory import Trajectory
 
 START_SAMPLES = 64
 """Parameters that are drawn for the cells to start in."""

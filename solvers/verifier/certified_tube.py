@@ -17,7 +17,6 @@ from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.claimed_task import claimed_task, read_claim
-from solvers.verifier.claims.outcome import Outcome, Refused
 from solvers.verifier.found_check import claimed_robot
 from solvers.verifier.proofs.disturbed_proof import disturbed_start
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
@@ -26,6 +25,7 @@ from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
 from solvers.verifier.proofs.tube_checks import PointMap
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
+from solvers.verifier.report import Outcome, Refused
 
 FLOAT_BITS = 53
 """Bounds at an instant are floats: more bits do not make them narrower than that."""

@@ -16,11 +16,10 @@ from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim, claimed_values, exact
 from solvers.verifier.claims.effort_check import check_efforts
-from solvers.verifier.claims.outcome import Refused
 from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.watch import Watch
-from solvers.verifier.report import Report, concluded
+from solvers.verifier.report import Refused, Report, concluded
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,10 +20,9 @@ from solvers.verifier.claims.certificate import (
 from solvers.verifier.claims.claimed_task import ClaimedTask, claimed_task, read_claim
 from solvers.verifier.claims.design_agreement import disagreement
 from solvers.verifier.claims.formula_agreement import misstated_formula
-from solvers.verifier.claims.outcome import Outcome, Refused
 from solvers.verifier.found_check import check_found
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
-from solvers.verifier.report import Report
+from solvers.verifier.report import Outcome, Refused, Report
 
 __all__ = ["Expected", "Outcome", "Report", "verify_directory"]
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from compiler.views.picture import Picture
     from grammar_lang import ir
     from solvers.explanation.explanation import Explanation
-    from solvers.verifier.proofs.finding import Finding
+    from solvers.verifier.proofs.checked_condition import Finding
     from solvers.verifier.report import Report
     from srgc.chosen_robot import ChosenRobot
     from srgc.text_reports.plan_report import PlanReport

@@ -66,7 +66,7 @@ def why(
     """
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
-    from solvers.progress import Conduct
+    from solvers.run_context import Conduct
     from srgc.results.why_folder import tried_folder
 
     limit = TimeLimit(time_limit)

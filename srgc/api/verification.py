@@ -12,9 +12,8 @@ from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
-    from solvers.verifier.claims.outcome import Outcome
-    from solvers.verifier.proofs.finding import Finding
-    from solvers.verifier.report import Report
+    from solvers.verifier.proofs.checked_condition import Finding
+    from solvers.verifier.report import Outcome, Report
 
 
 @dataclass(frozen=True, slots=True)

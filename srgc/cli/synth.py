@@ -99,7 +99,7 @@ def synth(
         click.echo(synthesis_text(result, chosen_task, str(folder), table, change))
         if result.design is None:
             from solvers.explanation.posed_task import PosedTask
-            from solvers.progress import Conduct
+            from solvers.run_context import Conduct
             from srgc.text_reports.why_report import ending
 
             posed = PosedTask(program, chosen_task)

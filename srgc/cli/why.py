@@ -44,7 +44,7 @@ def why(
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
-    from solvers.progress import Conduct
+    from solvers.run_context import Conduct
     from srgc.results.progress_display import progress
     from srgc.results.why_folder import tried_folder
     from srgc.terminal import out_colours

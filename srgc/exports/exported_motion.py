@@ -16,7 +16,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.state_and_input import robot_inputs, robot_states
-from solvers.motions.fine_motion import fine_motion
+from solvers.trajectory.fine_motion import fine_motion
 from srgc.exports.design_names import design_names, design_tree
 from srgc.exports.friction import dampings, left_out
 from srgc.exports.planned_inputs import free_inputs, planned_inputs

@@ -7,7 +7,7 @@ import numpy as np
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang.ir.constants import to_float
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import CertificateError, exact
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign

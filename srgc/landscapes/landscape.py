@@ -21,14 +21,14 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.exact_numbers import decimal
 from compiler.tasks.obstacle_pieces import expanded
-from solvers.design_follower import PathTask
 from solvers.execution.workers import Workers
-from solvers.motions.control_problem import ControlOutcome
-from solvers.motions.path_following import Follower
-from solvers.motions.trajectory import Trajectory
 from solvers.search.configuration_search import Sample
 from solvers.search.evaluation import Evaluator, SolveRequest
-from solvers.synthesis import task_on_samples
+from solvers.search.path_task import PathTask
+from solvers.search.synthesis import task_on_samples
+from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.path_following import Follower
+from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import exact
 from srgc.landscapes.landscape_request import Axis, Mark
 from srgc.results.evaluations_file import last_samples

@@ -10,8 +10,8 @@ from compiler.arrays import Array
 from compiler.robots.input_bounds import input_bounds
 from compiler.robots.state_and_input import robot_inputs
 from grammar_lang import ir
-from solvers.design import Design
-from solvers.synthesis import Synthesis
+from solvers.search.design import Design
+from solvers.search.synthesis import Synthesis
 from srgc.render.html_text import number, with_unit
 from srgc.render.line_chart import Curve, colour_class, curve_marks, plot_of, thinned
 from srgc.render.motion_samples import motion_samples

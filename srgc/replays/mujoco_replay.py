@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.trajectory import Trajectory
 from srgc.exports.design_export import mujoco_text
 from srgc.exports.design_names import design_names, design_tree
 from srgc.exports.planned_inputs import free_inputs, planned_inputs

@@ -10,8 +10,7 @@ from math import log2
 
 import numpy as np
 
-from solvers.verifier.claims.outcome import Outcome
-from solvers.verifier.report import Report
+from solvers.verifier.report import Outcome, Report
 from srgc.replays.replay_run import Replay
 from srgc.replays.tube_comparison import Deviation, Farthest, TubeComparison
 

@@ -10,9 +10,8 @@ from pathlib import Path
 
 from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.claims.certificate import CertificateError
-from solvers.verifier.claims.outcome import Refused
 from solvers.verifier.proofs.enclosure import EnclosureFailure
-from solvers.verifier.report import Report
+from solvers.verifier.report import Refused, Report
 from solvers.verifier.verification import verify_directory
 from srgc.exports.design_names import design_names, design_tree
 from srgc.exports.exported_motion import POSITION_UNITS

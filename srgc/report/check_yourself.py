@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Iterator
 from importlib.metadata import version
 
-from solvers.verifier.claims.outcome import Outcome
+from solvers.verifier.report import Outcome
 from srgc.render.html_text import text
 from srgc.report.evidence import Evidence
 from srgc.report.spec_source import spec_source

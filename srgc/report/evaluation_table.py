@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
-from solvers.verifier.claims.bounded_file import bounded_text
+from solvers.verifier.claims.spec_copy import bounded_text
 from srgc.faults import UsageFault
 
 

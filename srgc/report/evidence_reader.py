@@ -16,14 +16,12 @@ from compiler.workspaces.abstraction import abstract
 from compiler.workspaces.map_fault import MapFault
 from solvers.explanation.conflict import Conflict
 from solvers.explanation.explanation import foremost, quick_conflict
-from solvers.progress import Conduct
-from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text, evidence_bytes
+from solvers.run_context import Conduct
 from solvers.verifier.claims.certificate import CertificateError, Claim, from_text
-from solvers.verifier.claims.outcome import Outcome
-from solvers.verifier.claims.spec_copy import files_of
+from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, evidence_bytes, files_of
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
-from solvers.verifier.report import Report
+from solvers.verifier.report import Outcome, Report
 from solvers.verifier.verification import verify_directory
 from srgc.faults import UsageFault
 from srgc.report.evaluation_table import evaluations

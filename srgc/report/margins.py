@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.checked_condition import Finding
 from solvers.verifier.proofs.tube_checks import Status
 from srgc.render.html_text import number, text, with_unit
 from srgc.report.evidence import Evidence

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 from solvers.verifier.claims.certificate import ImpossibleClaim
-from solvers.verifier.claims.outcome import Outcome
 from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, number, text, with_unit
 from srgc.report.evidence import Evidence
 from srgc.report.structure_groups import tried_robots

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from grammar_lang.source import Span, written
 from solvers.explanation.conflict import Conflict
 from solvers.verifier.claims.certificate import ImpossibleClaim
-from solvers.verifier.claims.outcome import Outcome
+from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, text
 from srgc.report.evidence import Evidence
 from srgc.report.spec_source import line_anchor

@@ -17,9 +17,9 @@ from compiler.robots.reconfiguration import Reconfiguration
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
-from solvers.design import Design
-from solvers.structure_search import BlockedPrefix
-from solvers.synthesis import Synthesis
+from solvers.search.design import Design
+from solvers.search.structure_search import BlockedPrefix
+from solvers.search.synthesis import Synthesis
 from solvers.verifier.claims.certificate import (
     FoundClaim,
     ImpossibleClaim,

@@ -11,7 +11,7 @@ import numpy as np
 
 from compiler.expressions.exact_numbers import decimal
 from solvers.search.configuration_search import PathSamples, Sample
-from solvers.verifier.claims.bounded_file import bounded_text
+from solvers.verifier.claims.spec_copy import bounded_text
 
 FIXED = ("structure", "path", "rho", "feasible")
 

@@ -20,7 +20,6 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.words.derivation import BadDerivation, Derivation
 from grammar_lang import ir
-from solvers.verifier.claims.bounded_file import bounded_text
 from solvers.verifier.claims.certificate import (
     CertificateError,
     FoundClaim,
@@ -28,7 +27,7 @@ from solvers.verifier.claims.certificate import (
     exact,
     from_text,
 )
-from solvers.verifier.claims.spec_copy import read_copy
+from solvers.verifier.claims.spec_copy import bounded_text, read_copy
 from srgc.near_places import no_folder
 from srgc.results.folder_layout import refuse_links
 from srgc.session import UsageFault

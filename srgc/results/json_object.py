@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from solvers.verifier.claims.bounded_file import bounded_bytes
+from solvers.verifier.claims.spec_copy import bounded_bytes
 from srgc.faults import UsageFault
 
 

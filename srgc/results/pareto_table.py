@@ -19,8 +19,8 @@ import numpy as np
 from compiler.discretisation.total_length import total_length
 from compiler.robots.family import RobotFamily, family_of
 from grammar_lang import ir
-from solvers.design import Design
-from solvers.synthesis import Proved, Synthesis
+from solvers.search.design import Design
+from solvers.search.synthesis import Proved, Synthesis
 from srgc.results.design_file import efforts
 
 DIGITS = 4

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
-from solvers.progress import Recorded
-from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text
+from solvers.run_context import Recorded
+from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text
 from srgc.faults import WITH_O, UsageFault, argument
 from srgc.near_places import unwritable
 from srgc.results.folder_layout import JOURNAL, OWN_FILES, OWN_FOLDERS, UNFINISHED, refuse_links

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
-from solvers.design import Design
 from solvers.execution.workers import Workers
-from solvers.progress import Conduct
-from solvers.synthesis import Proved, Synthesis, synthesise
+from solvers.run_context import Conduct
+from solvers.search.design import Design
+from solvers.search.synthesis import Proved, Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.claims.spec_copy import files_of
 from srgc.interruption import resumable

@@ -19,9 +19,8 @@ from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried
 from solvers.explanation.posed_task import PosedTask
 from solvers.verdict import NotFound
-from solvers.verifier.claims.bounded_file import bounded_bytes, bounded_text
 from solvers.verifier.claims.certificate import CertificateError
-from solvers.verifier.claims.spec_copy import read_copy
+from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_copy
 from srgc.named_search import named_search
 from srgc.named_solver import named_solver
 from srgc.near_places import no_folder

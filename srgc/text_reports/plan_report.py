@@ -14,8 +14,8 @@ from compiler.tasks.word_formula import holds
 from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
-from solvers.motions.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
+from solvers.trajectory.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.verdict import Holds, Unknown, Verdict
 
 Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]

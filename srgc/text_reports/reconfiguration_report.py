@@ -5,7 +5,7 @@ from __future__ import annotations
 from compiler.robots.family import family_of
 from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from grammar_lang import ir
-from solvers.design import Design
+from solvers.search.design import Design
 
 
 def change_of(program: ir.Program, task: ir.Task, design: Design | None) -> Reconfiguration | None:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from compiler.robots.reconfiguration import Reconfiguration
 from grammar_lang import ir
-from solvers.design import Design
-from solvers.synthesis import OUT_OF_TIME, Synthesis
+from solvers.search.design import Design
+from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from srgc.text_reports.reconfiguration_report import change_lines
 from srgc.text_reports.used_inputs import amount, used_inputs
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import isfinite
 
 from grammar_lang.files.file_tree import visible
-from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.checked_condition import Finding
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
 

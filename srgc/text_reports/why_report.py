@@ -16,8 +16,8 @@ from solvers.explanation.explanation import Explanation, foremost, quick_conflic
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Suggestion
 from solvers.explanation.task_line import TaskLine
-from solvers.progress import Conduct
-from solvers.synthesis import Synthesis
+from solvers.run_context import Conduct
+from solvers.search.synthesis import Synthesis
 
 MOST_CONFLICTS = 6
 """So many conflicts are printed for people, and all of them as JSON."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from solvers.motions.control import synthesise_control
+from solvers.trajectory.control import synthesise_control
 from tests.oracles.turning_link import ANGLE, DT, INERTIA, one_link
 
 STEPS, BOUND, EPSILON = 3, 10.0, 0.01

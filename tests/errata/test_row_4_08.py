@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from solvers.motions.control import synthesise_control
+from solvers.trajectory.control import synthesise_control
 from tests.oracles.turning_link import DT, INERTIA, one_link
 
 

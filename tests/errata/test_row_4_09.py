@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from solvers.synthesis import Synthesis
+from solvers.search.synthesis import Synthesis
 from tests.oracles.extended_arm import all_designs, best_robustness
 
 

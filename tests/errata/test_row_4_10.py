@@ -9,11 +9,11 @@ from scipy.integrate import solve_ivp
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.motions.control import synthesise_control
-from solvers.motions.control_problem import FULL, ControlProblem, Effort
-from solvers.motions.linear_model import PositionRows
-from solvers.motions.motion_limits import InputGroup
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.control import synthesise_control
+from solvers.trajectory.control_problem import FULL, ControlProblem, Effort
+from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.task_limits import InputGroup
+from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.planar_bodies import two_link_poses
 from tests.oracles.robots import rod_chain
 from tests.oracles.turning_link import DT, limits

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from grammar_lang.load import load
-from solvers.motions.control import synthesise_control
-from solvers.motions.linear_model import PositionRows
-from solvers.progress import Conduct
-from solvers.structure_search import StructureSearch
-from solvers.synthesis import synthesise
+from solvers.run_context import Conduct
+from solvers.search.structure_search import StructureSearch
+from solvers.search.synthesis import synthesise
+from solvers.trajectory.control import synthesise_control
+from solvers.trajectory.linear_model import PositionRows
 from tests.oracles.small_specs import TURNER, replaced
 from tests.oracles.turning_link import DT, one_link
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers.motions.control import synthesise_control
+from solvers.trajectory.control import synthesise_control
 from tests.oracles.turning_link import ANGLE, INERTIA, one_link
 
 SPEC = Path(__file__).parents[2] / "specs" / "planar_arm.srg"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from solvers.motions.control import synthesise_control
-from solvers.motions.linear_model import PositionRows
+from solvers.trajectory.control import synthesise_control
+from solvers.trajectory.linear_model import PositionRows
 from tests.oracles.turning_link import one_link
 
 BOUND, EPSILON = 10.0, 0.01

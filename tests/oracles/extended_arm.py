@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from grammar_lang.load import load
-from solvers.progress import Conduct
-from solvers.synthesis import Synthesis, synthesise
+from solvers.run_context import Conduct
+from solvers.search.synthesis import Synthesis, synthesise
 from tests.oracles.small_specs import TURNER, replaced
 
 HORIZON = 2.0

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from solvers.backends.clarabel_solver import Clarabel
+from solvers.backends.clarabel import Clarabel
 from solvers.backends.conic import ConvexProgram, NotSolved, Optimum, Status
-from solvers.backends.proximal_interior_point import ProximalInteriorPoint
+from solvers.backends.piqp import ProximalInteriorPoint
 
 Answer = Optimum | NotSolved
 Fault = Callable[[ConvexProgram, Callable[[ConvexProgram], Answer]], object]

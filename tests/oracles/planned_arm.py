@@ -13,8 +13,8 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.family import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.motions.path_following import Follower
 from solvers.search.evaluation import evaluate
+from solvers.trajectory.path_following import Follower
 from tests.conftest import ROOT
 
 THETAS = [np.array(theta) for theta in ((2.23, 3.35), (3.5, 1.75), (1.2, 3.9))]

@@ -14,10 +14,10 @@ from scipy.optimize import linprog
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.motions.control_problem import ControlProblem
-from solvers.motions.linear_model import PositionRows
-from solvers.motions.motion_limits import InputGroup, MotionLimits
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.control_problem import ControlProblem
+from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.task_limits import InputGroup, MotionLimits
+from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
 
 DT = 0.125

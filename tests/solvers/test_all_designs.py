@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-import solvers.synthesis
+import solvers.search.synthesis
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.load import load
-from solvers.progress import Conduct
-from solvers.synthesis import Synthesis, synthesise
+from solvers.run_context import Conduct
+from solvers.search.synthesis import Synthesis, synthesise
 from tests.oracles.extended_arm import extended_arm
 from tests.oracles.small_specs import replaced
 
@@ -50,7 +50,7 @@ def test_counts_of_the_designs_add_up(tmp_path: Path) -> None:
 def test_without_a_bound_it_ends_at_a_limit_that_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(solvers.synthesis, "DEFAULT_DESIGNS", 1)
+    monkeypatch.setattr(solvers.search.synthesis, "DEFAULT_DESIGNS", 1)
     text = replaced(extended_arm("[0, 1]"), "  modules <= 5;\n", "")
     every = search(program_of(tmp_path, text), every=True)
     assert every.verdict == "found"

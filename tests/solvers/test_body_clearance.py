@@ -11,8 +11,7 @@ import pytest
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from grammar_lang import ir
-from solvers.motions.avoidances import Avoidances
-from solvers.motions.body_clearance import ENOUGH, body_clearance
+from solvers.trajectory.body_clearance import ENOUGH, Avoidances, body_clearance
 from tests.oracles.arms import ArmBuilder
 from tests.oracles.planar_bodies import bodies_of, depth, random_polygon
 from tests.oracles.planes import box

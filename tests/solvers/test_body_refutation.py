@@ -17,10 +17,10 @@ from compiler.robots.family import family_of
 from compiler.robots.robot import RobotModel
 from compiler.words.structures import structures
 from grammar_lang import ir
-from solvers.progress import Conduct
-from solvers.refutation import structure_refutation
-from solvers.refutation.clear_poses import clear_poses
-from solvers.refutation.structure_refutation import Refutation, refute_structure
+from solvers.impossibility import structure_refutation
+from solvers.impossibility.clear_poses import clear_poses
+from solvers.impossibility.structure_refutation import Refutation, refute_structure
+from solvers.run_context import Conduct
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
 from tests.oracles.formulas import program, spec

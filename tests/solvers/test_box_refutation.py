@@ -16,11 +16,11 @@ from compiler.unreachability.box_tree import text
 from compiler.unreachability.motion_conditions import motion_demands
 from compiler.words.structures import structures
 from grammar_lang import ir
-from solvers.progress import Conduct
-from solvers.refutation.box_search import Effort, find_covering
-from solvers.refutation.drive_search import AFTER_MOTIONS, drive_refutation
-from solvers.refutation.structure_refutation import Refutation, refute_structure
-from solvers.synthesis import synthesise
+from solvers.impossibility.box_search import Effort, find_covering
+from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
+from solvers.impossibility.structure_refutation import Refutation, refute_structure
+from solvers.run_context import Conduct
+from solvers.search.synthesis import synthesise
 from solvers.verifier.refutations.box_check import why_not
 from tests.oracles import small_specs
 from tests.oracles.formulas import program, spec

@@ -14,9 +14,9 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.family import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.motions.control_problem import FULL
-from solvers.motions.path_following import Follower
 from solvers.search.evaluation import evaluate
+from solvers.trajectory.control_problem import FULL
+from solvers.trajectory.path_following import Follower
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter, read
 from tests.oracles.two_rods import FINE, simulated

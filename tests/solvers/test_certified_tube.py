@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solvers.verifier.certified_tube import certified_tube
-from solvers.verifier.claims.outcome import Refused
+from solvers.verifier.report import Refused
 from tests.oracles import result_files, two_rods
 
 Result = Callable[[str], Path]

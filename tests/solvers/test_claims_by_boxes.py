@@ -6,9 +6,9 @@ import shutil
 
 import pytest
 
-from compiler.encodings.refutation_scripts import refutation_scripts
 from compiler.robots.family import family_of
 from grammar_lang.load import load
+from solvers.verifier.refutations.impossibility_check import refutation_scripts
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.coverings import covering

@@ -18,7 +18,7 @@ from solvers.explanation.relaxation import without
 from solvers.explanation.run import Runs
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, task_lines
-from solvers.progress import Conduct
+from solvers.run_context import Conduct
 from tests.oracles.small_specs import TURNER, replaced
 
 ONE_LINK = ("B", "eps", "JO", "eps", "L", "eps", "EN")

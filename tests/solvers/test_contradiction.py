@@ -13,7 +13,7 @@ from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
 from solvers.conflicts.contradiction import contradictions
-from solvers.conflicts.formula_checks import formula_diagnostics
+from solvers.conflicts.vacuity import formula_diagnostics
 from tests.oracles.formula_semantics import Meaning, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
 from tests.oracles.some_cases import examples

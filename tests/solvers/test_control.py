@@ -10,16 +10,16 @@ from scipy.optimize import linprog
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.motions.control import shortfall, synthesise_control
-from solvers.motions.control_problem import (
+from solvers.trajectory.control import shortfall, synthesise_control
+from solvers.trajectory.control_problem import (
     ControlOutcome,
     ControlProblem,
     effort_peak,
     input_margin,
 )
-from solvers.motions.linear_model import PositionRows
-from solvers.motions.motion_limits import InputGroup
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.task_limits import InputGroup
+from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
 from tests.oracles.turning_link import (
     ANGLE,

@@ -13,11 +13,11 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import csc_matrix
 
-from solvers.backends.clarabel_solver import Clarabel
+from solvers.backends.clarabel import Clarabel
 from solvers.backends.conic import Cones, ConvexProgram, NotSolved, Optimum, Status
 from solvers.backends.cvxpy_solvers import SolverNameError, solved, solver_called
-from solvers.backends.fallback import FINAL, WIDER, Fallback
-from solvers.backends.proximal_interior_point import ProximalInteriorPoint
+from solvers.backends.piqp import ProximalInteriorPoint
+from solvers.backends.solver_portfolio import FINAL, WIDER, Fallback
 
 ALL = (ProximalInteriorPoint(), Clarabel(), Clarabel(scaled=False), Fallback())
 

@@ -11,12 +11,12 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.backends.conic import NotSolved, Status
-from solvers.motions.convex_step import ConvexStep
-from solvers.motions.linear_model import Model, PositionRows, fictitious_inputs
-from solvers.motions.motion_limits import InputGroup, MotionLimits
-from solvers.motions.reference_step import ReferenceStep
-from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.convex_step import ConvexStep
+from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
+from solvers.trajectory.reference_step import ReferenceStep
+from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.trajectory.task_limits import InputGroup, MotionLimits
+from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from compiler.unreachability.box_tree import Part, Parts, coordinate_boxes
-from solvers.refutation.coordinate_cover import MOST_HALVINGS, UNREACHED, CoordinateCover, Side
+from solvers.impossibility.coordinate_cover import MOST_HALVINGS, UNREACHED, CoordinateCover, Side
 
 CIRCLES = [(False, False), (True, False), (True, True)]
 FRACTION = 2.0**-MOST_HALVINGS

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grammar_lang.load import load_text
-from solvers.motions.counterexample import infeasible_prefix, zero_prefix
-from solvers.structure_search import stuck_text
+from solvers.search.structure_search import stuck_text
+from solvers.trajectory.counterexample import infeasible_prefix, zero_prefix
 from tests.oracles.small_specs import TURNER
 
 SLACKS = st.lists(st.sampled_from([0.0, 1e-4, 0.5, 2.0]), max_size=12)

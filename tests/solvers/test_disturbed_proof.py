@@ -19,8 +19,8 @@ from compiler.tasks.stops import REST_RATE
 from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from grammar_lang.load import load
+from solvers.verifier.proofs.checked_condition import Finding, decisive
 from solvers.verifier.proofs.disturbed_proof import disturbed_start
-from solvers.verifier.proofs.finding import Finding, decisive
 from solvers.verifier.proofs.trajectory_proof import Motion, Scene, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import box_of, driven_robot

@@ -8,13 +8,13 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from solvers.execution.in_process import InProcess
 from solvers.execution.process_pool import ProcessPool
-from solvers.motions.path_following import Follower
+from solvers.execution.workers import InProcess
 from solvers.parameters.parameter_space import parameter_space
-from solvers.progress import Memory
+from solvers.run_context import Memory
 from solvers.search import evaluation
 from solvers.search.evaluation import Evaluator, SolveRequest, outcome_of, record_of
+from solvers.trajectory.path_following import Follower
 from tests.oracles.planned_arm import THETAS, bits, evaluated, planned_arm
 
 

@@ -16,14 +16,14 @@ import pytest
 import z3
 from pysat.solvers import Cadical195
 
-import solvers.verifier.refutations.z3_process
+import solvers.verifier.refutations.impossibility_check
 from grammar_lang.load import load
 from solvers.backends.conic import Status
 from solvers.execution.process_pool import ProcessPool
 from solvers.execution.workers import WorkersLostError
-from solvers.progress import Conduct
-from solvers.refutation import box_evidence, structure_refutation
-from solvers.synthesis import OUT_OF_TIME, synthesise
+from solvers.impossibility import box_evidence, structure_refutation
+from solvers.run_context import Conduct
+from solvers.search.synthesis import OUT_OF_TIME, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from srgc.results.result_folder import ResultFolder
@@ -182,8 +182,8 @@ def test_a_solver_that_takes_all_the_time(tmp_path: Path, monkeypatch: pytest.Mo
 
 DEADLY = """
 import os, signal
-from solvers.backends.clarabel_solver import Clarabel
-from solvers.backends.proximal_interior_point import ProximalInteriorPoint
+from solvers.backends.clarabel import Clarabel
+from solvers.backends.piqp import ProximalInteriorPoint
 def solve(*_arguments):
     os.kill(os.getpid(), signal.SIGKILL)
 ProximalInteriorPoint.solve = Clarabel.solve = solve
@@ -281,7 +281,9 @@ def test_boxes_need_no_z3(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
 )
 def test_a_z3_process_that_fails_verifies_nothing(process: str, result, monkeypatch) -> None:
     command = [sys.executable, "-c", f"import os, signal, sys; sys.stdin.read(); {process}"]
-    monkeypatch.setattr(solvers.verifier.refutations.z3_process, "z3_command", lambda *_a: command)
+    monkeypatch.setattr(
+        solvers.verifier.refutations.impossibility_check, "z3_command", lambda *_a: command
+    )
     folder = result("beyond_reach")
     without_boxes(folder)
     assert verify_directory(folder, None, "z3").outcome is not Outcome.VALID

@@ -9,7 +9,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import WORLD
-from solvers.motions.inverse_kinematics import branches, solve_positions
+from solvers.trajectory.inverse_kinematics import branches, solve_positions
 from tests.oracles.robots import Builder, rod_chain
 
 TWO = NumericRobot(robot_graph(rod_chain(2)))

@@ -10,11 +10,10 @@ from compiler.robots.candidate import candidates
 from compiler.robots.family import family_of
 from compiler.robots.robot_key import robot_key
 from grammar_lang.load import load
-from solvers import look_ahead
-from solvers.examination import examination_of
 from solvers.execution.process_pool import ProcessPool
-from solvers.look_ahead import LookAhead
-from solvers.progress import Conduct, Memory
+from solvers.run_context import Conduct, Memory
+from solvers.search import prefetch as look_ahead
+from solvers.search.prefetch import LookAhead, examination_of
 from tests.oracles.small_specs import BEYOND_REACH
 
 MODULES = 5

@@ -8,7 +8,7 @@ from itertools import combinations
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from solvers.explanation.minimal_conflict import minimal_conflict
+from solvers.explanation.conflict import minimal_conflict
 
 ITEMS = range(7)
 SETS = st.lists(st.frozensets(st.sampled_from(ITEMS)), max_size=4)

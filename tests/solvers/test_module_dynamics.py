@@ -21,12 +21,12 @@ from compiler.expressions.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
 from grammar_lang import ir
-from solvers.motions.convex_step import ConvexStep
-from solvers.motions.linear_model import Model, PositionRows, fictitious_inputs
-from solvers.motions.motion_limits import InputGroup, MotionLimits
-from solvers.motions.reference_step import ReferenceStep
-from solvers.motions.step_question import StepQuestion, StepResult, TrustRegion, Weights
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.convex_step import ConvexStep
+from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
+from solvers.trajectory.reference_step import ReferenceStep
+from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.trajectory.task_limits import InputGroup, MotionLimits
+from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.enclosure import Accuracy, tube
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.verification import Outcome, verify_directory

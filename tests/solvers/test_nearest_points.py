@@ -8,7 +8,7 @@ import shapely
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
-from solvers.verifier.proofs.nearest_points import nearest_points
+from solvers.verifier.proofs.apart import nearest_points
 
 BOX = np.array([[x, y, z] for x in (-1, 1) for y in (-2, 2) for z in (-0.5, 0.5)])
 

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import solvers.motions.path_following
+import solvers.trajectory.path_following
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.family import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.motions.control_problem import ControlOutcome
-from solvers.motions.path_following import LIMIT_MARGIN, Follower
-from solvers.motions.task_limits import motion_limits
-from solvers.motions.trajectory import Trajectory
+from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.path_following import LIMIT_MARGIN, Follower
+from solvers.trajectory.task_limits import motion_limits
+from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.small_specs import TURNER
 
 WORD = ("tool", "link", "joint", "base")
@@ -96,7 +96,7 @@ def test_an_outcome_that_is_no_number_counts_as_the_worst(tmp_path, monkeypatch)
     seed = Trajectory(np.zeros((11, 2)), np.zeros((10, 1)), np.array([1.5]))
     broken = ControlOutcome(seed, True, np.nan, 0.0, np.zeros(10), 0.0, 1, "diverged")
     monkeypatch.setattr(
-        solvers.motions.path_following, "synthesise_control", lambda *_a, **_k: broken
+        solvers.trajectory.path_following, "synthesise_control", lambda *_a, **_k: broken
     )
     outcome = plain.solve(seed, (0,))
     assert not outcome.feasible

@@ -9,7 +9,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.reachability_smt import refutation_script
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
-from solvers.refutation.pose_search import find_poses, find_poses_of
+from solvers.impossibility.pose_search import find_poses, find_poses_of
 from solvers.verdict import Fails
 from tests.oracles.arms import ArmBuilder, effector_positions, number, planar_arm
 from tests.oracles.questions import question, random_robot

@@ -14,12 +14,15 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
-from solvers.motions.avoidances import Avoidances, convex_set
-from solvers.motions.body_clearance import body_clearance
-from solvers.motions.body_seeds import body_seeds, roadmap_motions
-from solvers.motions.corridor import STRAY, Corridor
-from solvers.motions.joint_timing import timed
-from solvers.motions.roadmap import JointPath, joint_paths
+from solvers.trajectory.body_clearance import Avoidances, body_clearance, convex_set
+from solvers.trajectory.corridor import STRAY, Corridor
+from solvers.trajectory.seed_motions import (
+    JointPath,
+    body_seeds,
+    joint_paths,
+    roadmap_motions,
+    timed,
+)
 from tests.oracles.arms import ArmBuilder, effector_positions, frames_of
 from tests.oracles.planar_bodies import bodies_of, depth
 from tests.oracles.planes import box, box_rows, hull, row

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solvers.backends.sat import SatSolver
+from solvers.backends.cadical import SatSolver
 from solvers.verdict import Fails, Holds, Reason, Unknown
 from tests.oracles.some_cases import examples
 

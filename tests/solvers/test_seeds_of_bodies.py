@@ -15,7 +15,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.family import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.motions.path_following import Follower
+from solvers.trajectory.path_following import Follower
 
 SPECS = Path(__file__).parents[2] / "specs"
 OBSTACLE = shapely.box(1.7, 2, 3, 3)

@@ -11,9 +11,9 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.family import family_of
 from compiler.words.structures import structures
 from grammar_lang import ir
-from solvers.progress import Conduct
-from solvers.refutation import structure_refutation
-from solvers.refutation.structure_refutation import Refutation, refute_structure
+from solvers.impossibility import structure_refutation
+from solvers.impossibility.structure_refutation import Refutation, refute_structure
+from solvers.run_context import Conduct
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
 from tests.oracles.formulas import program, spec

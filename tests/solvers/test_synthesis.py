@@ -7,11 +7,11 @@ from fractions import Fraction
 import pytest
 
 import solvers.conclusion
-import solvers.structure_search
-import solvers.synthesis
+import solvers.search.structure_search
+import solvers.search.synthesis
 from grammar_lang.load import load
-from solvers.progress import Conduct
-from solvers.synthesis import synthesise
+from solvers.run_context import Conduct
+from solvers.search.synthesis import synthesise
 from tests.oracles.small_specs import TURNER
 
 ARM = "accept contains EN and starts with B eps JO;"
@@ -66,8 +66,8 @@ def test_a_robot_without_mass_is_inadmissible_and_not_refuted(tmp_path):
 @pytest.mark.slow
 def test_too_weak_a_robot_is_given_up_at_a_limit_that_is_named(tmp_path, monkeypatch):
     """A quarter turn within 2 s needs 4 rad / s^2 of a rod of 1/3 kg m^2 at least."""
-    monkeypatch.setattr(solvers.synthesis, "MOTION_SEARCHES", 1)
-    monkeypatch.setattr(solvers.structure_search, "PLANS", (1,))
+    monkeypatch.setattr(solvers.search.synthesis, "MOTION_SEARCHES", 1)
+    monkeypatch.setattr(solvers.search.structure_search, "PLANS", (1,))
     result = run(tmp_path, edited(WEAK))
     assert result.verdict == "unknown"
     assert [r.verdict for r in result.records].count("unresolved") == 1

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import z3
 
-import solvers.synthesis
+import solvers.search.synthesis
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.robots.family import family_of
@@ -21,16 +21,16 @@ from compiler.workspaces.abstraction import abstract
 from compiler.workspaces.bisection import bisections
 from solvers.backends.smt import solve_script
 from solvers.execution.in_order import in_order
-from solvers.motions.fine_motion import fine_motion
-from solvers.motions.trajectory import Trajectory
+from solvers.impossibility import structure_refutation
+from solvers.impossibility.box_refutation import box_refutation
+from solvers.impossibility.box_search import WITH_PROOF
+from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
+from solvers.impossibility.structure_refutation import refute_structure
 from solvers.planner import Planner
-from solvers.progress import Conduct, Memory
-from solvers.refutation import structure_refutation
-from solvers.refutation.box_refutation import box_refutation
-from solvers.refutation.box_search import WITH_PROOF
-from solvers.refutation.drive_search import AFTER_MOTIONS, drive_refutation
-from solvers.refutation.structure_refutation import refute_structure
-from solvers.synthesis import NOT_COVERED, OUT_OF_TIME, Synthesis, synthesise
+from solvers.run_context import Conduct, Memory
+from solvers.search.synthesis import NOT_COVERED, OUT_OF_TIME, Synthesis, synthesise
+from solvers.trajectory.fine_motion import fine_motion
+from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.verification import verify_directory
 from tests.oracles import small_specs
@@ -258,4 +258,4 @@ def test_states_are_as_fine_as_time_allows() -> None:
 def test_nothing_is_tried_after_the_limit() -> None:
     _, result = asked_by(lambda: searched(TURNER, Memory()), 0)
     assert (result.verdict, result.reason, result.records) == ("unknown", OUT_OF_TIME, ())
-    assert result.last_step == solvers.synthesis.BEGUN
+    assert result.last_step == solvers.search.synthesis.BEGUN

@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load_text
-from solvers.progress import Conduct
-from solvers.synthesis import Synthesis, synthesise
+from solvers.run_context import Conduct
+from solvers.search.synthesis import Synthesis, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.formulas import program

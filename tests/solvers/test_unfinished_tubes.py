@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 
 from compiler.expressions.evaluators.balls import working_precision
-from solvers.verifier.proofs.finding import decisive
+from solvers.verifier.proofs.checked_condition import decisive
 from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES, Motion, Scene, prove_motion
 from solvers.verifier.proofs.tube_checks import Status

@@ -14,10 +14,13 @@ from compiler.tasks.necessary_conditions import conjuncts, task_demands
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Severity, Sink
-from solvers.conflicts.contradiction import contradictions_among
-from solvers.conflicts.demand_conflicts import DemandConflicts
-from solvers.conflicts.formula_checks import formula_diagnostics
-from solvers.conflicts.vacuity import Entailment, always_holds, without_influence
+from solvers.conflicts.contradiction import DemandConflicts, contradictions_among
+from solvers.conflicts.vacuity import (
+    Entailment,
+    always_holds,
+    formula_diagnostics,
+    without_influence,
+)
 from tests.oracles.formula_semantics import Meaning, Signal, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
 from tests.oracles.some_cases import examples

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers.motions.disturbance_spread import DisturbanceSpread
-from solvers.verifier.proofs.finding import Finding
+from solvers.search.constraint_tightening import MARGINS, WIDEST, Room, lacking_room
+from solvers.trajectory.disturbance_spread import DisturbanceSpread
+from solvers.verifier.proofs.checked_condition import Finding
 from solvers.verifier.proofs.tube_checks import Status
-from solvers.wider_margins import MARGINS, WIDEST, Room, lacking_room
 
 SPREAD = DisturbanceSpread(np.array([[0.0], [0.01], [0.04]]), np.array([[0.02, 0.1]]))
 

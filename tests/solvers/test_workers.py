@@ -12,11 +12,10 @@ from multiprocessing import get_context
 import pytest
 
 from solvers.execution import in_order as module_in_order
-from solvers.execution.any_executor import AnyExecutor
+from solvers.execution.dask_cluster import AnyExecutor
 from solvers.execution.in_order import in_order
-from solvers.execution.in_process import InProcess
 from solvers.execution.process_pool import ProcessPool
-from solvers.execution.workers import WorkersLostError
+from solvers.execution.workers import InProcess, WorkersLostError
 from tests.conftest import ROOT
 from tests.oracles import worker_jobs
 

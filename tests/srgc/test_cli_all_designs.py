@@ -96,7 +96,7 @@ def test_a_time_limit_leaves_the_first_design_and_the_next_run_goes_on(
 ) -> None:
     """The limit is reached when the second structure begins; in the end all bytes are the same."""
     from compiler.time_limits.time_limit import OutOfTimeError
-    from solvers.structure_search import StructureSearch
+    from solvers.search.structure_search import StructureSearch
 
     path, folder = designs_made / "arm.srg", tmp_path / "out"
     given = StructureSearch.design

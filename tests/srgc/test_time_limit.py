@@ -14,8 +14,8 @@ from compiler.time_limits.time_limit import OutOfTimeError, check_time, time_lim
 from grammar_lang.load import load, load_text
 from solvers.explanation.conflict import ConflictSearch
 from solvers.explanation.explanation import Asked, explain
-from solvers.progress import Conduct
-from solvers.synthesis import OUT_OF_TIME, Synthesis, synthesise
+from solvers.run_context import Conduct
+from solvers.search.synthesis import OUT_OF_TIME, Synthesis, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.results.synthesis_run import PICTURES, SynthesisOptions, run_synthesis
 from srgc.results.why_folder import tried_folder

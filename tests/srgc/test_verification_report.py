@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.checked_condition import Finding
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
 from srgc.text_reports.verification_report import verification_text

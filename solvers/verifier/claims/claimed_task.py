@@ -11,10 +11,9 @@ from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.map_fault import MapFault
 from compiler.workspaces.refinement import Cut
 from grammar_lang import ir
-from solvers.verifier.claims.bounded_file import bounded_text
 from solvers.verifier.claims.certificate import Claim, FoundClaim, exact_cuts, from_text
-from solvers.verifier.claims.outcome import Outcome, Refused
-from solvers.verifier.claims.spec_copy import difference_from, read_copy
+from solvers.verifier.claims.spec_copy import bounded_text, difference_from, read_copy
+from solvers.verifier.report import Outcome, Refused
 
 
 @dataclass(frozen=True, slots=True)

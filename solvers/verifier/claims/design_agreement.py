@@ -12,7 +12,6 @@ from compiler.robots.reconfiguration import reconfiguration
 from compiler.robots.robot import RobotModel
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
-from solvers.verifier.claims.bounded_file import bounded_bytes
 from solvers.verifier.claims.certificate import (
     Claim,
     FoundClaim,
@@ -20,6 +19,7 @@ from solvers.verifier.claims.certificate import (
     claimed_values,
     exact,
 )
+from solvers.verifier.claims.spec_copy import bounded_bytes
 
 
 def disagreement(

@@ -14,10 +14,10 @@ from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kin
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim, exact
-from solvers.verifier.claims.outcome import Refused
-from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.proofs.checked_condition import Finding
 from solvers.verifier.proofs.trajectory_proof import Motion
 from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.report import Refused
 
 NOT_A_DECIMAL = Fraction(1, 10**9)
 """How closely a claim must state a value that no finite decimal states."""

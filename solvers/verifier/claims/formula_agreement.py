@@ -10,8 +10,8 @@ from typing import Any
 
 from compiler.tasks.formula_text import formula_text
 from grammar_lang import ir
-from solvers.verifier.claims.bounded_file import bounded_bytes
-from solvers.verifier.proofs.finding import Finding
+from solvers.verifier.claims.spec_copy import bounded_bytes
+from solvers.verifier.proofs.checked_condition import Finding
 
 CLOSELY = 1e-9
 """How far a stated robustness may be from the proved one, in metres: balls depend on libraries."""

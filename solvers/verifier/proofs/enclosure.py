@@ -32,8 +32,8 @@ from solvers.verifier.proofs.a_priori import (
     deviation,
     narrowed,
 )
+from solvers.verifier.proofs.deviation_flow import Flow, Zonotope, flow, zonotope
 from solvers.verifier.proofs.initial_set import InitialSet, box
-from solvers.verifier.proofs.lohner_flow import Flow, flow
 from solvers.verifier.proofs.lohner_path import Path, defect, path_on, taylor_polynomials
 from solvers.verifier.proofs.step_control import (
     LEAST_PARTS,
@@ -44,7 +44,6 @@ from solvers.verifier.proofs.step_control import (
     good_length,
 )
 from solvers.verifier.proofs.vector_field import Coefficients, VectorField
-from solvers.verifier.proofs.zonotope import Zonotope, zonotope
 
 KINK_REMAINDER = 3e-7
 """Where an absolute value has a kink, shorter segments of order two may be less accurate."""

@@ -14,7 +14,7 @@ from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
 from compiler.tasks.stops import REST_RATE
 from grammar_lang import ir
-from solvers.verifier.proofs.finding import NO_MARGIN, Finding, inside, least
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, Finding, inside, least
 from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.tube_checks import Status
 

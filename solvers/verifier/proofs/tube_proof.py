@@ -4,33 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from textwrap import shorten
 
 from flint import arb
 
-from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
-from compiler.expressions.tape import tape
+from compiler.expressions.evaluators.balls import (
+    BALLS,
+    ball,
+    closed_ball,
+    constant_ball,
+    scalar_balls,
+)
+from compiler.expressions.tape import Tape, tape
+from compiler.robots.robot import RobotModel, RodBody
 from compiler.robots.state_and_input import robot_states
 from compiler.tasks.formula_parts import atoms
 from compiler.tasks.formula_text import formula_text
 from compiler.tasks.monitor import key
 from grammar_lang import ir
-from solvers.verifier.proofs.defined_checks import Defined
-from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, tube
-from solvers.verifier.proofs.finding import NO_MARGIN, Finding, inside
+from solvers.verifier.proofs.apart import Apart
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, Finding, inside
+from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.initial_set import InitialSet
-from solvers.verifier.proofs.motion_conditions import position_conditions, state_limits
 from solvers.verifier.proofs.region_distance import region_distance
 from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import (
+    MOST_SPLITS,
     Constraint,
+    Inside,
     PointMap,
     StateLimit,
     Status,
     check_segment,
     close_margins,
+    rows_of,
 )
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.watch import Watch
@@ -200,3 +210,138 @@ def _formulas(scene: Scene, point_map: PointMap, tick: Callable[[], None]) -> Fo
         for atom in atoms(*(clause.formula for clause in scene.task.satisfy))
     }
     return FormulaProof(point_map, regions, scene.task, tick)
+
+
+# --- Whether the equations of motion have a value, as written, at every instant of a tube ---------
+
+
+@dataclass(slots=True)
+class Defined:
+    """Divisors that are not zero, then radicands that are not negative; the worst answer so far.
+
+    ``tape`` maps (q, w, u, theta, k) to the ``divisors`` first and the radicands behind them;
+    ``tail`` holds the balls of theta and k.
+    """
+
+    tape: Tape
+    divisors: int
+    tail: tuple[arb, ...]
+    status: Status = Status.HOLDS
+    time: float = 0.0
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether there is anything to check."""
+        return self.tape.outputs > 0
+
+    def check(self, segment: TubeSegment, u: Sequence[arb]) -> None:
+        """Hold the conditions against one segment of a tube, halving it where they are open."""
+        half = segment.length / 2
+        pending = [(half, half, 0)]
+        while pending and self.status is not Status.FAILS:
+            middle, width, depth = pending.pop()
+            status = self.over(segment.at(middle + arb(0, 1) * width), u)
+            if status is Status.UNDECIDED and depth < MOST_SPLITS:
+                quarter = width / 2
+                pending += [
+                    (centre, quarter, depth + 1) for centre in (middle + quarter, middle - quarter)
+                ]
+            elif status is not Status.HOLDS:
+                self.status, self.time = status, float((segment.start + middle).mid())
+                pending = []
+
+    def over(self, state: Sequence[arb], u: Sequence[arb]) -> Status:
+        """The conditions on states given as balls."""
+        values = self.tape.evaluate([*state, *u, *self.tail], BALLS)
+        parts = [_divisor(value) for value in values[: self.divisors]]
+        parts += [_radicand(value) for value in values[self.divisors :]]
+        if Status.FAILS in parts:
+            return Status.FAILS
+        return Status.UNDECIDED if Status.UNDECIDED in parts else Status.HOLDS
+
+
+def _divisor(value: arb) -> Status:
+    if value == 0:
+        return Status.FAILS
+    return Status.HOLDS if value != 0 else Status.UNDECIDED
+
+
+def _radicand(value: arb) -> Status:
+    if value < 0:
+        return Status.FAILS
+    return Status.HOLDS if value >= 0 else Status.UNDECIDED
+
+
+# --- What has to hold at every instant of a motion: the task's and the robot's own bounds ---------
+
+
+def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:
+    """Bounds, and every ``avoid``; ``tail`` holds the balls of theta and k."""
+    task, workspace, graph = scene.task, scene.workspace, scene.graph
+    effectors = tuple(range(len(graph.model.effectors)))
+    bounds = rows_of(scene.polytope(workspace.bounds))
+    bodies = _bodies(scene, tail)
+    found: list[Constraint] = [Inside("bounds", effectors, rows=bounds)]
+    if task.bounds_body:
+        for name, points, radius in bodies:
+            found.append(Inside(f"bounds of {name}", points, rows=bounds, distance=radius))
+    several = len(effectors) > 1
+    tips = [(f"effector {e + 1}" if several else "effector", (e,), arb(0)) for e in effectors]
+    for avoid in task.avoid:
+        groups = bodies if avoid.subject == "body" else tips
+        for name in avoid.regions:
+            region = workspace.region(name)
+            found += [_apart(scene, region, avoid.margin, group) for group in groups]
+    return found
+
+
+def _bodies(scene: Scene, tail: Sequence[arb]) -> list[tuple[str, tuple[int, ...], arb]]:
+    """Per body its name, its points behind the effectors, and its radius."""
+    first = len(scene.model.effectors)
+    return [
+        (scene.body(i), tuple(first + point for point in hull), _radius(scene.model, i, tail))
+        for i, hull in enumerate(scene.graph.hulls)
+    ]
+
+
+def _apart(
+    scene: Scene, region: ir.Region, margin: Fraction, group: tuple[str, tuple[int, ...], arb]
+) -> Apart:
+    name, points, radius = group
+    polytope = scene.polytope(region)
+    vertices: tuple[tuple[arb, ...], ...] = ()
+    if polytope.is_bounded:
+        vertices = tuple(tuple(ball(x) for x in vertex) for vertex in polytope.vertices)
+    return Apart(
+        f"clearance of {name} to {region.name}",
+        points,
+        rows=rows_of(polytope),
+        vertices=vertices,
+        distance=ball(margin) + radius,
+    )
+
+
+def _radius(model: RobotModel, body: int, tail: Sequence[arb]) -> arb:
+    """The radius of a body: that of a capsule, else zero."""
+    item = model.bodies[body]
+    if not isinstance(item, RodBody) or item.radius is None:
+        return arb(0)
+    return scalar_balls(model.scalars, tail)[item.radius]
+
+
+def state_limits(scene: Scene) -> list[StateLimit]:
+    """Joint limits and rate limits as balls, on the rows of q = D y."""
+    graph, found = scene.graph, list[StateLimit]()
+    none = (0,) * len(graph.model.dofs)
+    own = (0,) * len(robot_states(graph.model))
+    for number, dof in enumerate(graph.model.dofs):
+        row = graph.coordinates.rows[number]
+        unit = "rad" if dof.kind == "revolute" else "m"
+        for weights, interval, what, measure in (
+            ((*row, *none, *own), dof.range, "range", unit),
+            ((*none, *row, *own), dof.rate, "rate", f"{unit}/s"),
+        ):
+            if interval is not None:
+                ends = closed_ball(interval.lower), closed_ball(interval.upper)
+                found.append(StateLimit(f"{what} of joint {number + 1}", measure, weights, *ends))
+    return found

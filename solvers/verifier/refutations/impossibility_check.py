@@ -8,26 +8,34 @@ other, the cells are computed again, and no solver is believed.
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from compiler.encodings.refutation_scripts import refutation_scripts
+from compiler.encodings.body_conditions import body_demands
+from compiler.encodings.body_smt import body_script, body_scripts
+from compiler.encodings.pose_questions import pose_questions
+from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.candidate import candidates
 from compiler.robots.family import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
+from compiler.tasks.necessary import task_avoidance
+from compiler.tasks.stops import stops
 from compiler.words.structures import InfiniteAmbiguityError
-from compiler.workspaces.abstraction import abstract
+from compiler.workspaces.abstraction import Abstraction, abstract
+from compiler.workspaces.passable_cells import PassableCells
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
-from solvers.verdict import Fails, Holds
-from solvers.verifier.claims.bounded_file import evidence_bytes
+from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
-from solvers.verifier.claims.outcome import Outcome, Refused
+from solvers.verifier.claims.spec_copy import evidence_bytes
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.refutations.box_check import why_not
-from solvers.verifier.refutations.separation_check import misstated_separation
-from solvers.verifier.refutations.z3_process import run_z3_subprocess
+from solvers.verifier.report import Outcome, Refused
 
 MOST_SHOWN = 80
 """Characters of a name in a message."""
@@ -217,3 +225,117 @@ class Evidence:
 def _shown(name: str) -> str:
     """A name of a file as a message has it: a certificate may name anything."""
     return visible(name[:MOST_SHOWN]) or "``"
+
+
+# --- The check that two places are cut off from each other by cells, for every robot --------------
+
+
+def misstated_separation(
+    program: ir.Program, task: ir.Task, abstraction: Abstraction, claim: SeparationClaim
+) -> str | None:
+    """Why a claim that two places are cut off is refused, or None: then it is proved.
+
+    Args:
+        program: the program.
+        task: the task.
+        abstraction: the cells of its workspace, without cuts.
+        claim: the claim; its cells have to be closed under touching, beside avoided ones.
+    """
+    found = [stop.region for stop in stops(program, task) if stop.effector == claim.effector]
+    if {claim.source, claim.target} - set(found):
+        return "the task does not bring one effector into both regions of the separation"
+    avoided = task_avoidance(task, claim.effector)
+    if set(claim.avoided) - set(avoided):
+        return "the separation names a region that the task does not avoid"
+    known = {cell.name: i for i, cell in enumerate(abstraction.cells)}
+    if set(claim.cells) - set(known):
+        return "the separation names an unknown cell"
+    space = PassableCells(abstraction, program.workspaces[task.workspace])
+    free, cells = space.free(claim.avoided), frozenset(known[name] for name in claim.cells)
+    if not cells <= free:
+        return "the separation has an avoided cell"
+    if not space.meeting(claim.source) & free <= cells:
+        return f"a cell that meets `{claim.source}` is missing from the separation"
+    if cells & space.meeting(claim.target):
+        return f"a cell of the separation meets `{claim.target}`"
+    if any(
+        (i in cells) != (j in cells) and i in free and j in free for i, j in abstraction.touches
+    ):
+        return "a cell that touches one of the separation is missing from it"
+    return None
+
+
+# --- z3 on the text of an SMT-LIB 2 script in a process of its own --------------------------------
+#
+# For the verifier, which loads no solver: importing this module does not import z3.
+
+
+# As much again as the searchers spend, so that what they decided is decided here too.
+RESOURCES = 2_000_000
+
+# Without the executable, the Python package does the same; -P keeps the working directory out of
+# the module path.
+_PROGRAM = """\
+import sys, z3
+solver = z3.SolverFor("QF_NRA")
+solver.set("rlimit", int(sys.argv[1]))
+solver.from_string(sys.stdin.read())
+print(solver.check())
+"""
+
+
+def z3_command(resources: int = RESOURCES) -> list[str]:
+    """The command that reads a script on standard input: z3 as installed beside this Python."""
+    name = "z3.exe" if sys.platform == "win32" else "z3"
+    for folder in (Path(sys.executable).parent, Path(sysconfig.get_path("scripts"))):
+        if (folder / name).is_file():
+            return [str(folder / name), "-smt2", "-in", f"rlimit={resources}"]
+    return [sys.executable, "-P", "-c", _PROGRAM, str(resources)]
+
+
+def run_z3_subprocess(
+    script: str, *, resources: int = RESOURCES, command: list[str] | None = None
+) -> Answer[None, None]:
+    """Decide a QF_NRA script elsewhere: ``Holds`` is sat, ``Fails`` is unsat.
+
+    An answer is exactly one word; any other output, an error among them, is ``Unknown``.
+    """
+    if resources < 1:
+        raise ValueError("a budget is at least one unit")
+    try:
+        finished = subprocess.run(  # noqa: S603 (the command is our own)
+            z3_command(resources) if command is None else command,
+            input=script,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            check=False,
+        )
+    except OSError as error:
+        return Unknown(Reason.INCOMPLETE, f"z3 does not start: {error}")
+    match finished.returncode, finished.stdout.strip():
+        case 0, "unsat":
+            return Fails(None)
+        case 0, "sat":
+            return Holds(None)
+        case 0, "unknown":
+            return Unknown(Reason.RESOURCE_LIMIT, f"within {resources} z3 resource units")
+        case code, output:
+            message = " ".join((output or finished.stderr).split())[:200]
+            return Unknown(Reason.INCOMPLETE, f"z3 ended with status {code}: {message}")
+
+
+# --- Every script that refutes a robot for a task: without its body first, then with it -----------
+
+
+def refutation_scripts(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Iterator[str]:
+    """The scripts in a fixed order, made one by one; any of them that is ``unsat`` refutes."""
+    demands = body_demands(workspace, task)
+    for question in pose_questions(workspace, task):
+        yield refutation_script(model, question)
+        if demands is None:
+            continue
+        for poses in body_scripts(question):
+            script = body_script(model, question, demands, poses)
+            if script is not None:
+                yield script

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from grammar_lang.load import load
-from solvers.progress import Conduct
-from solvers.synthesis import synthesise
+from solvers.run_context import Conduct
+from solvers.search.synthesis import synthesise
 from srgc.render.result_pictures import _effector_line, input_figure, workspace_figure
 from srgc.render.robot_drawing import drawn_robot
 from tests.oracles.small_specs import TURNER

@@ -1,0 +1,355 @@
+"""What a task asks on boxes of coordinates and parameters, in floats.
+
+What is found here guides a search, and proves nothing: the verifier reads the same demands exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.evaluators.balls import closed_ball, constant_ball
+from compiler.expressions.evaluators.batched_intervals import (
+    TURN,
+    BatchedIntervalEvaluator,
+    IntervalBatch,
+    common,
+    product,
+)
+from compiler.expressions.tape import Tape, tape
+from compiler.time_limits.time_limit import check_time
+from compiler.unreachability.motion_conditions import GivenPose, MotionDemands, Obstacle, Passage
+from compiler.unreachability.violations import FRACTIONS
+from grammar_lang import ir
+from solvers.impossibility.coordinate_cover import Flags, Numbers
+
+CLEAR = 1e-9
+"""By so much a box has to violate a demand, in parts of the size of the numbers it is about."""
+NEAR = 2e-9
+"""A motion from a given pose may start near it: the verifier's tolerance, and a bit more."""
+MOST_LANES = 256
+"""More boxes are read in blocks."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """What is known of K boxes, for C passages.
+
+    ``open`` (K,): no demand is known to be violated in all of the box; ``free`` (K,): none is
+    violated anywhere in it.  ``start`` and ``goal`` (K, C): a pose of the box may be there.
+    ``effects`` (K, v): how far each variable moves a point, in metres.
+    """
+
+    open: Flags
+    free: Flags
+    start: Flags
+    goal: Flags
+    effects: Array
+
+    def at(self, where: Flags | Numbers) -> Judged:
+        """Of some boxes."""
+        return Judged(
+            self.open[where], self.free[where], self.start[where], self.goal[where],
+            self.effects[where],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Region:
+    """Unit normals (r, d) and offsets (r,) in metres, and points, by their place here."""
+
+    normals: Array
+    offsets: Array
+    points: Numbers
+
+    @property
+    def slack(self) -> Array:
+        return np.asarray(CLEAR * np.maximum(np.abs(self.offsets), 1.0))
+
+    def outside(self, placed: Placed) -> Flags:
+        """Which boxes have some point strictly outside all over, (K,)."""
+        least = placed.along(self.normals, self.points).low
+        return np.asarray((least > self.offsets + self.slack).any(axis=(1, 2)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Avoided:
+    """A region whose interior its points and the segments between some of them stay out of."""
+
+    region: _Region
+    single: Numbers
+    first: Numbers
+    last: Numbers
+
+    def judged(self, placed: Placed) -> tuple[Flags, Flags]:
+        """Which boxes violate this all over, and which nowhere, (K,) each."""
+        region = self.region
+        found = placed.along(region.normals, region.points)
+        below = found.high - region.offsets
+        deep: Flags = below[:, self.single] < -region.slack
+        inside = np.any(np.all(deep, axis=2), axis=1)
+        crossed = np.any(_crossed(below[:, self.first], below[:, self.last], region.slack), axis=1)
+        above: Flags = found.low >= region.offsets
+        apart = np.all(np.any(above[:, self.single], axis=2), axis=1)
+        beside: Flags = above[:, self.first] & above[:, self.last]
+        missed = np.all(np.any(beside, axis=2), axis=1)
+        return np.asarray(inside | crossed), np.asarray(apart & missed)
+
+
+def _crossed(first: Array, last: Array, slack: Array) -> Flags:
+    """Which segments (K, s) have a common point surely inside, by heights of their ends (K, s, r).
+
+    The fraction is chosen as the verifier chooses it, which is to come to the same answer.
+    """
+    at = first / (first - last)
+    low = np.where((first >= 0) & (last < 0), at, 0.0).max(axis=2, initial=0.0)
+    high = np.where((first < 0) & (last >= 0), at, 1.0).min(axis=2, initial=1.0)
+    fraction = (np.round((low + high) / 2 * FRACTIONS) / FRACTIONS)[..., None]
+    return np.asarray(((1 - fraction) * first + fraction * last < -slack).all(axis=2))
+
+
+class BoxDemands:
+    """The demands on a robot, for the passages of one question.
+
+    Raises:
+        ValueError: the robot's rules have no value over boxes.
+    """
+
+    def __init__(
+        self,
+        demands: MotionDemands,
+        passages: Sequence[Passage],
+        graph: RobotGraph,
+        circles: Flags,
+    ) -> None:
+        self.n, self.p = len(graph.model.dofs), len(graph.model.parameters)
+        used = _used(demands, passages)
+        place = {point: i for i, point in enumerate(used)}
+        self._points = BoxPoints(graph, used)
+        self._passages = passages
+        self._bounds = _region(demands.bounds, [place[point] for point in demands.bounded])
+        self._obstacles = [_avoided(o, place) for o in demands.obstacles if _has_interior(o)]
+        self._goals = [_region(p.goal.rows, [place[p.goal.point]]) for p in passages]
+        self._starts = [
+            _given(p.start, circles) if isinstance(p.start, GivenPose)
+            else _region(p.start.rows, [place[p.start.point]])
+            for p in passages
+        ]  # fmt: skip
+
+    @property
+    def given(self) -> Array | None:
+        """The coordinates (n,) of a start that the task gives."""
+        first = self._starts[0]
+        return None if isinstance(first, _Region) else first
+
+    def judged(self, low: Array, high: Array) -> Judged:
+        """What is known of boxes of (q, theta) from ``low`` to ``high`` (K, n + p)."""
+        blocks = [slice(i, i + MOST_LANES) for i in range(0, max(len(low), 1), MOST_LANES)]
+        with np.errstate(all="ignore"):
+            parts = [self._block(low[block], high[block]) for block in blocks]
+        if len(parts) == 1:
+            return parts[0]
+        return Judged(
+            np.concatenate([part.open for part in parts]),
+            np.concatenate([part.free for part in parts]),
+            np.concatenate([part.start for part in parts]),
+            np.concatenate([part.goal for part in parts]),
+            np.concatenate([part.effects for part in parts]),
+        )
+
+    def _block(self, low: Array, high: Array) -> Judged:
+        check_time()
+        placed = self._points.over(low, high)
+        violated, free = self._violations(placed)
+        start = np.zeros((len(low), len(self._passages)), dtype=bool)
+        goal = np.zeros_like(start)
+        for i, (begin, end) in enumerate(zip(self._starts, self._goals, strict=True)):
+            goal[:, i] = ~end.outside(placed)
+            if isinstance(begin, _Region):
+                start[:, i] = ~begin.outside(placed)
+            else:
+                above = begin > low[:, : self.n] - NEAR
+                inside = above & (begin < high[:, : self.n] + NEAR)
+                start[:, i] = inside.all(axis=1)
+        return Judged(~violated, free, start, goal, placed.effects)
+
+    def _violations(self, placed: Placed) -> tuple[Flags, Flags]:
+        """Which boxes violate a demand all over, and which nowhere, (K,) each."""
+        found = placed.along(self._bounds.normals, self._bounds.points)
+        limit, slack = self._bounds.offsets, self._bounds.slack
+        violated = (found.low > limit + slack).any(axis=(1, 2))
+        free = (found.high <= limit).all(axis=(1, 2))
+        for obstacle in self._obstacles:
+            inside, apart = obstacle.judged(placed)
+            violated |= inside
+            free &= apart
+        return np.asarray(violated), np.asarray(free)
+
+
+def _used(demands: MotionDemands, passages: Sequence[Passage]) -> list[int]:
+    """The points that a demand is about."""
+    used = set(demands.bounded)
+    for obstacle in demands.obstacles:
+        used.update(obstacle.points)
+        used.update(point for segment in obstacle.segments for point in segment)
+    for passage in passages:
+        used.add(passage.goal.point)
+        if not isinstance(passage.start, GivenPose):
+            used.add(passage.start.point)
+    return sorted(used)
+
+
+def _region(rows: Sequence[ir.HalfSpace], points: Sequence[int]) -> _Region:
+    normals = np.array([[float(a) for a in row.normal] for row in rows]).reshape(len(rows), -1)
+    offsets = np.array([float(row.offset) for row in rows])
+    length = np.linalg.norm(normals, axis=1)
+    length = np.where(length > 0, length, 1.0)  # a zero row says "everywhere"
+    return _Region(normals / length[:, None], offsets / length, _numbers(points))
+
+
+def _has_interior(obstacle: Obstacle) -> bool:
+    """Whether no row says "nowhere"."""
+    return all(any(row.normal) or row.offset >= 0 for row in obstacle.rows)
+
+
+def _avoided(obstacle: Obstacle, place: Mapping[int, int]) -> _Avoided:
+    ends = [point for segment in obstacle.segments for point in segment]
+    points = list(dict.fromkeys([*obstacle.points, *ends]))
+    at = {point: i for i, point in enumerate(points)}
+    rows = [row for row in obstacle.rows if any(row.normal)]
+    return _Avoided(
+        _region(rows, [place[point] for point in points]),
+        _numbers([at[point] for point in obstacle.points]),
+        _numbers([at[first] for first, _ in obstacle.segments]),
+        _numbers([at[last] for _, last in obstacle.segments]),
+    )
+
+
+def _numbers(values: Sequence[int]) -> Numbers:
+    return np.array(values, dtype=np.int64)
+
+
+def _given(start: GivenPose, circles: Flags) -> Array:
+    """The coordinates of a pose; those on a circle within a half turn."""
+    values = np.array([float(closed_ball(value).mid()) for value in start.values])
+    return np.where(circles, values - TURN * np.round(values / TURN), values)
+
+
+# --------------------------------------------------------------------------------------------------
+# Where the points of a robot are for all coordinates and parameters of a box, for many boxes.
+#
+# Two enclosures are intersected: the natural one, and the centred form f(c) + f'(box) (box - c),
+# which is the better one for small boxes.
+#
+# Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapter 6.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """m points in d dimensions for K boxes of v variables.
+
+    ``value`` is the natural enclosure (K, m, d), ``centre`` the points of the boxes' middles
+    (K, m, d); ``slopes`` (K, m, d, v) enclose the derivatives, ``radii`` are (K, v).
+    """
+
+    value: IntervalBatch
+    centre: Array
+    slopes: IntervalBatch
+    radii: Array
+
+    def along(self, normals: Array, points: Numbers) -> IntervalBatch:
+        """The products of some points with r normals (r, d), shape (K, len(points), r)."""
+        natural = _combined(IntervalBatch(*(end[:, points] for end in _ends(self.value))), normals)
+        turned = (np.moveaxis(end[:, points], 2, 3) for end in _ends(self.slopes))
+        slopes = _combined(IntervalBatch(*turned), normals)
+        radius = np.einsum("kmvr,kv->kmr", slopes.magnitude, self.radii)
+        middle = self.centre[:, points] @ normals.T
+        return common(natural, IntervalBatch(middle - radius, middle + radius))
+
+    @property
+    def effects(self) -> Array:
+        """How far each variable moves the points at most, in metres, shape (K, v)."""
+        moved = self.slopes.magnitude.max(axis=2) * self.radii[:, None, :]
+        return np.asarray(np.nan_to_num(moved, nan=np.inf).max(axis=1, initial=0.0))
+
+
+class BoxPoints:
+    """Some points of a robot, numbered as in ``RobotGraph.points``, read over boxes of (q, theta).
+
+    Raises:
+        ValueError: the rules or their derivatives have no exact value.
+    """
+
+    def __init__(self, graph: RobotGraph, points: Sequence[int]) -> None:
+        self.d = graph.model.dimension
+        n, p = len(graph.model.dofs), len(graph.model.parameters)
+        q, theta, k = (ca.SX.sym(name, size) for name, size in
+                       (("q", n), ("theta", p), ("k", len(graph.constants))))  # fmt: skip
+        everything = ca.densify(graph.points(q, theta, k))
+        entries = [point * self.d + axis for point in points for axis in range(self.d)]
+        value = everything[entries] if entries else ca.SX(0, 1)
+        self.variables = n + p
+        self.count = len(points)
+        self._constants = [_constant(float(constant_ball(c).mid())) for c in graph.constants]
+        slopes = ca.densify(ca.jacobian(value, ca.vertcat(q, theta)))
+        inputs = [q, theta, k]
+        self._value = tape(ca.Function("value", inputs, [ca.cse(value)]))
+        # Row by row: all derivatives of one entry together.
+        both = ca.vertcat(value, ca.vec(slopes.T))
+        self._both = tape(ca.Function("both", inputs, [ca.cse(both)]))
+
+    def over(self, low: Array, high: Array) -> Placed:
+        """The points for boxes from ``low`` to ``high`` (K, n + p)."""
+        middle = (low + high) / 2
+        size = self.count * self.d
+        centre = self._run(self._value, middle, middle)
+        both = self._run(self._both, low, high)
+        count, shape = len(low), (self.count, self.d)
+        return Placed(
+            IntervalBatch(*(end[:, :size].reshape(count, *shape) for end in _ends(both))),
+            ((centre.low + centre.high) / 2).reshape(count, *shape),
+            IntervalBatch(
+                *(end[:, size:].reshape(count, *shape, self.variables) for end in _ends(both))
+            ),
+            (high - low) / 2,
+        )
+
+    def _run(self, program: Tape, low: Array, high: Array) -> IntervalBatch:
+        inputs = [IntervalBatch(low[:, i], high[:, i]) for i in range(self.variables)]
+        found = program.evaluate([*inputs, *self._constants], BatchedIntervalEvaluator())
+        result = np.empty((2, len(low), program.outputs))
+        for i, batch in enumerate(found):
+            result[0, :, i] = batch.low
+            result[1, :, i] = batch.high
+        return IntervalBatch(result[0], result[1])
+
+
+def _combined(values: IntervalBatch, normals: Array) -> IntervalBatch:
+    """Interval products of the last axis (d) with normals (r, d)."""
+    total: IntervalBatch | None = None
+    for axis in range(normals.shape[1]):
+        weights = normals[:, axis]
+        term = product(
+            IntervalBatch(*(end[..., axis, None] for end in _ends(values))),
+            IntervalBatch(weights, weights),
+        )
+        total = (
+            term if total is None else IntervalBatch(total.low + term.low, total.high + term.high)
+        )
+    if total is None:
+        raise ValueError("there are no dimensions")
+    return total
+
+
+def _ends(batch: IntervalBatch) -> tuple[Array, Array]:
+    return batch.low, batch.high
+
+
+def _constant(value: float) -> IntervalBatch:
+    exact = np.asarray(value)
+    return IntervalBatch(exact, exact)

@@ -1,0 +1,85 @@
+"""Coverings of structures that are not sought before a motion is.
+
+Of those that a solver refutes: once all structures are refuted, when there is an impossibility to
+be proved, so that nobody has to believe the solver.  Of those that no motion is found for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.family import RobotFamily
+from compiler.time_limits.time_limit import OutOfTimeError
+from grammar_lang import ir
+from solvers.conclusion import StructureRecord, module_bound
+from solvers.impossibility.box_refutation import BoxRefutation, box_refutation
+from solvers.impossibility.box_search import WITH_PROOF
+from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
+from solvers.run_context import Conduct
+
+IN_VAIN = 5
+"""So many searches without a result end it: each takes much longer than one with a result."""
+NONE_FOUND = ""
+
+
+def covered(
+    records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, conduct: Conduct
+) -> tuple[list[StructureRecord], OutOfTimeError | None]:
+    """The records of all structures, with coverings where they were found.
+
+    A time limit ends the search, and is told; what is refuted stays refuted.
+    """
+    found, failed = list(records), 0
+    try:
+        for candidate in candidates(family, module_bound(family, task), task.origin):
+            number = candidate.number
+            if number >= len(found) or failed == IN_VAIN:
+                break
+            if found[number].verdict != "refuted" or found[number].boxes is not None:
+                continue
+            conduct.check_time()
+            boxes = _boxes(candidate, family.program, task, conduct)
+            failed += boxes is None
+            found[number] = replace(found[number], boxes=boxes)
+    except OutOfTimeError as late:
+        return found, late
+    return found, None
+
+
+def out_of_reach_of_drives(
+    candidate: Candidate, program: ir.Program, task: ir.Task, conduct: Conduct
+) -> BoxRefutation | None:
+    """Whether the drives are shown to be too weak for a robot that no motion was found for."""
+    key = f"drives|{candidate.number}"
+    match conduct.journal.recall(key):
+        case [str(boxes), str(reason)]:
+            return BoxRefutation(boxes, reason) if boxes else None
+        case _:
+            found = None
+    if candidate.model is not None:
+        workspace = program.workspaces[task.workspace]
+        graph = robot_graph(candidate.model, task.gravity)
+        found = drive_refutation(candidate.model, graph, workspace, task, AFTER_MOTIONS)
+    known = (NONE_FOUND, "") if found is None else (found.boxes, found.reason)
+    conduct.journal.record(key, list(known))
+    return found
+
+
+def _boxes(
+    candidate: Candidate, program: ir.Program, task: ir.Task, conduct: Conduct
+) -> str | None:
+    """The covering of a structure; the journal is asked first."""
+    key = f"boxes|{candidate.number}"
+    known = conduct.journal.recall(key)
+    if not isinstance(known, str):
+        known = NONE_FOUND
+        if candidate.model is not None:
+            workspace = program.workspaces[task.workspace]
+            graph = robot_graph(candidate.model, task.gravity)
+            answer = box_refutation(candidate.model, graph, workspace, task, WITH_PROOF)
+            known = NONE_FOUND if answer is None else answer.boxes
+        conduct.journal.record(key, known)
+    return known or None

@@ -1,0 +1,239 @@
+"""Search for a covering that shows why a robot cannot do a task, whatever its parameters.
+
+Depth first over boxes of parameters; for each of them a covering of the coordinates is grown.  What
+is found is a proof only once the verifier has read it again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.unreachability.box_tree import (
+    LEAF,
+    MOST_VARIABLES,
+    ChoiceSide,
+    CoordinateTree,
+    ParameterLeaf,
+    ParameterTree,
+    Part,
+    Parts,
+    coordinate_sides,
+    enclosures,
+    parameter_sides,
+)
+from compiler.unreachability.motion_conditions import MotionDemands, Passage
+from solvers.impossibility.box_conditions import NEAR, BoxDemands, Judged
+from solvers.impossibility.box_growth import BoxGrowth, Covered, Divide, Hopeless
+from solvers.impossibility.coordinate_cover import CoordinateCover, Flags, Side
+
+MOST_HALVINGS = 24
+"""Of a parameter."""
+COARSE = 3
+"""Boxes of parameters with less halvings of each, on average."""
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """Limits: of leaves in all and for one box of parameters, and of rounds in all."""
+
+    leaves: int
+    leaves_at_once: int
+    rounds: int
+
+
+WITH_PROOF = Effort(6_000, 2_000, 150)
+"""For robots that another proof refutes."""
+WITHOUT_PROOF = Effort(12_000, 1_500, 400)
+"""For robots that nothing else refutes."""
+FOR_A_POSE = Effort(1_000, 1_000, 100)
+"""For a given pose that seems to be impossible."""
+FOR_A_WAY = Effort(800, 800, 40)
+"""For a way at given parameters, which there mostly is."""
+STRAIGHT = 41
+"""Poses on a line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Covering:
+    """A covering, and the number of the question that it says has no answer."""
+
+    tree: ParameterTree
+    question: int
+
+
+def find_covering(demands: MotionDemands, graph: RobotGraph, effort: Effort) -> Covering | None:
+    """A covering of the boxes of a robot's parameters and coordinates; None: none was found.
+
+    ``graph`` is in the joints' own coordinates.  The same arguments, the same answer.
+    """
+    most = max(len(demands.model.dofs), len(demands.model.parameters))
+    if coordinate_sides(demands.model) is None or most > MOST_VARIABLES:
+        return None
+    for question, passages in enumerate(demands.passages):
+        if not passages:
+            return Covering((ParameterLeaf("|", (LEAF,)),), question)
+    for question, passages in enumerate(demands.passages):
+        try:
+            search = Search(demands, passages, graph)
+        except ValueError:  # rules, or derivatives of them, that cannot be read exactly
+            return None
+        found = search.tree(effort)
+        if found is not None:
+            return Covering(found, question)
+    return None
+
+
+class Search:
+    """The search for one question, which has ``passages``.
+
+    Raises:
+        ValueError: the robot's rules have no value over boxes, or its range is unlimited.
+    """
+
+    def __init__(
+        self, demands: MotionDemands, passages: tuple[Passage, ...], graph: RobotGraph
+    ) -> None:
+        sides = coordinate_sides(demands.model)
+        if sides is None:
+            raise ValueError("a prismatic joint has no range")
+        self._side = Side(
+            np.array([float(side.low.mid()) for side in sides]),
+            np.array([float(side.high.mid()) for side in sides]),
+            np.array([side.circle for side in sides], dtype=bool),
+        )
+        self._demands = BoxDemands(demands, passages, graph, self._side.circle)
+        self._parameters = parameter_sides(demands.model)
+
+    def straight(self, start: Array | None, target: Array, theta: Array) -> bool:
+        """Whether poses on the straight line between two are clear, at parameters (p,)."""
+        start = self._demands.given if start is None else start
+        if start is None:
+            return False
+        poses = start + np.linspace(0.0, 1.0, STRAIGHT)[:, None] * (target - start)
+        at = np.concatenate([poses, np.broadcast_to(theta, (STRAIGHT, len(theta)))], axis=1)
+        return bool(self._demands.judged(at, at).open.all())
+
+    def start_excluded(self) -> bool:
+        """Whether the given start is out of a range, or breaks a demand for all parameters."""
+        given = self._demands.given
+        if given is None:
+            return False
+        if np.any((given < self._side.low - NEAR) | (given > self._side.high + NEAR)):
+            return True
+        ends = enclosures(self._parameters, (Part(),) * len(self._parameters))
+        low = np.array([*given, *(float(side.low) for side in ends)])
+        high = np.array([*given, *(float(side.high) for side in ends)])
+        return not self._demands.judged(low[None], high[None]).open[0]
+
+    def way_at(self, theta: Array) -> bool:
+        """Whether a way is seen at parameters (p,)."""
+        fixed = np.zeros(len(theta), dtype=bool)
+        at = FOR_A_WAY
+        growth = BoxGrowth(
+            self._demands, self._side, theta, theta, fixed,
+            coarse=False, leaves=at.leaves, rounds=at.rounds,
+        )  # fmt: skip
+        return isinstance(growth.grown(), Hopeless)
+
+    def tree(self, effort: Effort) -> ParameterTree | None:
+        """A covering without a way; None: none was found."""
+        nodes: list[int | ParameterLeaf] = []
+        waiting: list[Parts] = [(Part(),) * len(self._parameters)]
+        leaves, rounds = effort.leaves, effort.rounds
+        while waiting:
+            box = waiting.pop()
+            growth = self._growth(box, min(leaves, effort.leaves_at_once), rounds)
+            grown = growth.grown()
+            leaves, rounds = leaves - growth.cover.leaves, growth.rounds
+            match grown:
+                case Covered(tree):
+                    nodes.append(ParameterLeaf("|", tree))
+                case Divide(parameter):
+                    nodes.append(parameter)
+                    waiting += [
+                        (*box[:parameter], half, *box[parameter + 1 :])
+                        for half in reversed(box[parameter].halves())
+                    ]
+                case _:
+                    return None
+        return tuple(nodes)
+
+    def even(self, box: Parts) -> EvenGrowth:
+        """A covering that is halved everywhere alike, for a box of parameters."""
+        return EvenGrowth(self._demands, self._side, *self._ends(box))
+
+    def _growth(self, box: Parts, leaves: int, rounds: int) -> BoxGrowth:
+        coarse = sum(part.halvings for part in box) < COARSE * len(box)
+        ends = self._ends(box)
+        return BoxGrowth(self._demands, self._side, *ends, coarse, leaves, rounds)
+
+    def _ends(self, box: Parts) -> tuple[Array, Array, Flags]:
+        """The ends of a box of parameters, and which of them can be divided."""
+        ends = enclosures(self._parameters, box)
+        low = np.array([float(side.low) for side in ends])
+        high = np.array([float(side.high) for side in ends])
+        return low, high, self._divisible(box, low, high)
+
+    def _divisible(self, box: Parts, low: Array, high: Array) -> Flags:
+        """Which parameters of a box can be divided."""
+        found = []
+        for i, (side, part) in enumerate(zip(self._parameters, box, strict=True)):
+            if isinstance(side, ChoiceSide):
+                first, last = side.chosen(part)
+                found.append(last - first > 1)
+            else:
+                found.append(part.halvings < MOST_HALVINGS and bool(high[i] > low[i]))
+        return np.array(found, dtype=bool)
+
+
+# --- A covering of the coordinates for one box of parameters that is halved everywhere alike ------
+
+
+@dataclass(slots=True)
+class EvenGrowth:
+    """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` says which of them are."""
+
+    demands: BoxDemands
+    side: Side
+    low: Array
+    high: Array
+    divisible: Flags
+    cover: CoordinateCover = field(init=False)
+    judged: Judged = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.cover = CoordinateCover(self.side)
+        self._judge()
+
+    def refined(self, size: int) -> CoordinateTree:
+        """A tree with at most so many leaves that are kept, and less than twice as many in all."""
+        while 0 < 2 * len(self.cover.node) <= size and 2 * self.cover.leaves <= 4 * size:
+            effects = self.judged.effects[:, : self.demands.n]
+            able = np.where(self.cover.divisible(), effects, -1.0)
+            where = np.flatnonzero(able.max(axis=1, initial=0.0) > 0)
+            if not len(where):
+                break
+            self.cover.halve(where, np.asarray(np.argmax(able[where], axis=1), dtype=np.int64))
+            self._judge()
+        return self.cover.tree()
+
+    def parameter(self) -> Divide | None:
+        """The parameter of most effect, if one can be divided."""
+        effects = self.judged.effects[:, self.demands.n :].sum(axis=0)
+        effects = np.where(self.divisible, effects, 0.0)
+        return Divide(int(np.argmax(effects))) if np.any(effects > 0) else None
+
+    def _judge(self) -> None:
+        """Judge all kept leaves, and keep those that are open."""
+        low, high = self.cover.boxes()
+        shape = (len(low), len(self.low))
+        judged = self.demands.judged(
+            np.concatenate([low, np.broadcast_to(self.low, shape)], axis=1),
+            np.concatenate([high, np.broadcast_to(self.high, shape)], axis=1),
+        )
+        self.cover.keep(judged.open)
+        self.judged = judged.at(judged.open)

@@ -1,0 +1,137 @@
+"""Search for a covering on which the drives of a robot are shown to be too weak, or too slow.
+
+Boxes of coordinates are halved evenly where the robot may be, and the verifier's own bound is asked
+at a few sizes; parameters are divided where that does not suffice.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.evaluators.balls import working_precision
+from compiler.robots.robot import RobotModel
+from compiler.unreachability.actuation_reach import DriveReach, drive_reach, out_of_reach
+from compiler.unreachability.box_tree import (
+    MOST_VARIABLES,
+    BoxTreeError,
+    CoordinateTree,
+    ParameterLeaf,
+    Part,
+    Parts,
+    text,
+)
+from compiler.unreachability.covered_poses import CoveredPoses
+from compiler.unreachability.motion_conditions import motion_demands
+from grammar_lang import ir
+from solvers.impossibility.box_growth import Divide
+from solvers.impossibility.box_refutation import BoxRefutation
+from solvers.impossibility.box_search import Search
+from solvers.verifier.refutations.box_check import PRECISION, why_not
+
+
+@dataclass(frozen=True, slots=True)
+class DriveEffort:
+    """The sizes of the coverings that are tried in turn, and how many boxes of parameters."""
+
+    leaves: tuple[int, ...]
+    boxes: int
+
+
+BEFORE_MOTIONS = DriveEffort((16,), 1)
+"""Before a motion is searched: only what is far out of reach."""
+AFTER_MOTIONS = DriveEffort((16, 64, 256), 4)
+"""After no motion was found."""
+
+
+def drive_refutation(
+    model: RobotModel,
+    graph: RobotGraph,
+    workspace: ir.Workspace,
+    task: ir.Task,
+    effort: DriveEffort,
+) -> BoxRefutation | None:
+    """A covering that shows the drives to be too weak; None: none was found.
+
+    The arguments are those of ``box_refutation``.
+    """
+    if not model.dofs or max(len(model.dofs), len(model.parameters)) > MOST_VARIABLES:
+        return None
+    with working_precision(PRECISION):
+        try:
+            search = _DriveSearch(model, graph, workspace, task)
+        except (ValueError, BoxTreeError):  # no exact value, or an unlimited range
+            return None
+        found = search.covering(effort)
+    if found is None or why_not(found.boxes, model, workspace, task) is not None:
+        return None
+    return found
+
+
+class _DriveSearch:
+    """The search about one robot, at the verifier's precision."""
+
+    def __init__(
+        self, model: RobotModel, graph: RobotGraph, workspace: ir.Workspace, task: ir.Task
+    ) -> None:
+        demands = motion_demands(model, workspace, task)
+        self._poses = CoveredPoses(demands)
+        self._drive: DriveReach = drive_reach(model, workspace, task)
+        self._searches = [Search(demands, choices, graph) for choices in demands.passages]
+
+    def covering(self, effort: DriveEffort) -> BoxRefutation | None:
+        """A covering with its reason."""
+        nodes: list[int | ParameterLeaf] = []
+        reasons: list[str] = []
+        waiting: list[Parts] = [(Part(),) * len(self._poses.parameters)]
+        for _ in range(2 * effort.boxes - 1):
+            box = waiting.pop()
+            found = self._refuted(box, effort.leaves)
+            if isinstance(found, Divide):
+                nodes.append(found.parameter)
+                halves = reversed(box[found.parameter].halves())
+                at = found.parameter
+                waiting += [(*box[:at], half, *box[at + 1 :]) for half in halves]
+            elif found is None:
+                return None
+            else:
+                nodes.append(ParameterLeaf("!", found[0]))
+                reasons.append(found[1])
+            if not waiting:
+                return BoxRefutation(text(tuple(nodes)), _summary(reasons))
+        return None
+
+    def _refuted(
+        self, box: Parts, sizes: tuple[int, ...]
+    ) -> tuple[CoordinateTree, str] | Divide | None:
+        """A tree for which some question has no answer, and why; else what to divide."""
+        divide: Divide | None = None
+        for number, search in enumerate(self._searches):
+            even = search.even(box)
+            for size in sizes:
+                tree = even.refined(size)
+                reason = self._reason(box, tree, number)
+                if reason is not None:
+                    return tree, reason
+            divide = divide or even.parameter()
+        return divide
+
+    def _reason(self, box: Parts, tree: CoordinateTree, question: int) -> str | None:
+        """Why no passage of a question is possible on a tree, or None."""
+        cover, reason = self._poses.cover(box, tree), ""
+        for passage in self._poses.demands.passages[question]:
+            if not cover.way(passage):
+                continue
+            leaves = cover.leaves(passage)
+            bound = out_of_reach(self._drive, passage, cover.parameters, leaves)
+            if bound is None:
+                return None
+            reason = reason or bound.reason
+        return reason or "no way leads there"
+
+
+def _summary(reasons: list[str]) -> str:
+    """One reason for all parameters."""
+    if len(set(reasons)) == 1:
+        return reasons[0]
+    return f"the drives are too weak for all parameters; for a part of them: {reasons[0]}"

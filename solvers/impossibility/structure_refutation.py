@@ -1,0 +1,176 @@
+"""The kinematic refutation of one structure: sample poses first, then ask the solver, then boxes.
+
+Where the task binds bodies, the same again with the whole body clear of the obstacles.  Poses
+found by inverse kinematics answer a question "possible" for nothing; a script answered
+``unsat`` proves that no parameters whatever let the structure do the task.  What neither poses nor
+scripts answer is asked a covering by boxes, which sees ways between poses and weak drives too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import islice
+
+import numpy as np
+
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.encodings.body_conditions import body_demands
+from compiler.encodings.body_smt import Poses, body_script, body_scripts
+from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
+from compiler.encodings.reachability_smt import refutation_script
+from compiler.robots.robot import RobotModel
+from grammar_lang import ir
+from solvers.backends.smt import RESOURCES, solve_script
+from solvers.impossibility.box_refutation import (
+    BoxRefutation,
+    box_refutation,
+    start_is_excluded,
+    way_is_seen,
+)
+from solvers.impossibility.box_search import FOR_A_POSE, WITHOUT_PROOF
+from solvers.impossibility.clear_poses import clear_poses, designs
+from solvers.impossibility.drive_search import BEFORE_MOTIONS, drive_refutation
+from solvers.impossibility.pose_search import PoseWitness, find_poses
+from solvers.run_context import Conduct
+from solvers.verdict import Fails
+
+REFUTED = 1.0
+FEW_DOFS = 2
+"""With as few coordinates a covering is tried although poses were found."""
+DESIGNS = 6
+"""So many parameters are looked at for a way before a covering is tried."""
+BOTH_POSES = 400_000
+"""z3's resources for two poses of the body with common parameters: those are hard to find."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refutation:
+    """The answer for a structure: a refuting ``script`` or ``boxes``, or the effector of poses.
+
+    ``effector`` (from 0) is one that may start and reach, by the poses found for the first
+    question; None where none were found.
+    """
+
+    reason: str
+    script: str | None
+    effector: int | None
+    solver_calls: int
+    boxes: str | None = None
+
+    @property
+    def refuted(self) -> bool:
+        """Whether a script was answered ``unsat``, or a covering was replayed."""
+        return self.script is not None or self.boxes is not None
+
+
+def refute_structure(
+    model: RobotModel, numeric: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
+) -> Refutation:
+    """Try to prove that a structure cannot bring effectors from the start to where they must be."""
+    asked = _Asked(model, numeric, program.workspaces[task.workspace], task, conduct)
+    for question in pose_questions(asked.workspace, task):
+        refuted = asked.poses(question) or asked.bodies(question)
+        if refuted is not None:
+            return refuted
+    effector = _recorded(task, asked.witnesses[0])
+    found = asked.boxes() or asked.drives()
+    if found is not None:
+        return Refutation(found.reason, None, None, asked.calls, found.boxes)
+    if not asked.calls:
+        return Refutation("poses were found", None, effector, 0)
+    reason = "neither poses nor a refutation were found"
+    return Refutation(reason, None, effector, asked.calls)
+
+
+@dataclass(slots=True)
+class _Asked:
+    """What was asked about a robot so far; ``witnesses`` has the poses found for each question."""
+
+    model: RobotModel
+    numeric: NumericRobot
+    workspace: ir.Workspace
+    task: ir.Task
+    conduct: Conduct
+    witnesses: list[PoseWitness | None] = field(default_factory=list[PoseWitness | None])
+    calls: int = 0
+
+    def poses(self, question: PoseQuestion) -> Refutation | None:
+        """Poses of the effectors alone: found, refuted, or neither."""
+        witness = find_poses(self.numeric, question, self.conduct.seed)
+        self.witnesses.append(witness)
+        if witness is not None:
+            return None
+        script = refutation_script(self.model, question)
+        self.calls += 1
+        if not _refuted(script, self.conduct, RESOURCES):
+            return None
+        return Refutation(_reason(self.model, question), script, None, self.calls)
+
+    def bodies(self, question: PoseQuestion) -> Refutation | None:
+        """Poses of the whole body: found, refuted, or neither."""
+        demands = body_demands(self.workspace, self.task)
+        if demands is None:
+            return None
+        seed = self.conduct.seed
+        known = clear_poses(self.numeric, self.workspace, self.task, question, seed)
+        for poses in body_scripts(question):
+            body = None if poses in known else body_script(self.model, question, demands, poses)
+            if body is None:
+                continue
+            self.calls += 1
+            resources = RESOURCES if len(poses) == 1 else BOTH_POSES
+            if _refuted(body, self.conduct, resources):
+                return Refutation(_body_reason(question, poses), body, None, self.calls)
+        return None
+
+    def boxes(self) -> BoxRefutation | None:
+        """A covering, where there is hope of one."""
+        robot = self.model, self.numeric.graph, self.workspace, self.task
+        if start_is_excluded(*robot):
+            return box_refutation(*robot, FOR_A_POSE)
+        few = len(self.model.dofs) <= FEW_DOFS
+        if not few and not self.calls:
+            return None
+        rng = np.random.default_rng(self.conduct.seed)
+        drawn = list(islice(designs(self.numeric, rng), DESIGNS))
+        if way_is_seen(*robot, self.witnesses, drawn):
+            return None
+        return box_refutation(*robot, WITHOUT_PROOF)
+
+    def drives(self) -> BoxRefutation | None:
+        """A covering that shows the drives to be far too weak."""
+        robot = self.model, self.numeric.graph, self.workspace, self.task
+        return drive_refutation(*robot, BEFORE_MOTIONS)
+
+
+def _refuted(script: str, conduct: Conduct, resources: int) -> bool:
+    """Whether the solver answers ``unsat``; the journal is asked first."""
+    key = f"smt|{script}"
+    known = conduct.journal.recall(key)
+    if known is None:
+        known = REFUTED if isinstance(solve_script(script, resources=resources), Fails) else 0.0
+        conduct.journal.record(key, known)
+    return known == REFUTED
+
+
+def _reason(model: RobotModel, question: PoseQuestion) -> str:
+    fault = start_fault(model, question)
+    if fault:
+        return fault
+    if question.start is None:
+        return f"no pose in {question.goal} for any parameters"
+    return f"no poses in the start region and in {question.goal} for any parameters"
+
+
+def _body_reason(question: PoseQuestion, poses: Poses) -> str:
+    regions = {"start": "the start region", "target": question.goal}
+    where = " and in ".join(regions[pose] for pose in poses)
+    kind = "pose" if len(poses) == 1 else "poses"
+    return f"no {kind} in {where} with the whole body clear, for any parameters"
+
+
+def _recorded(task: ir.Task, witness: PoseWitness | None) -> int | None:
+    """Of the poses of the first question: the effector that reaches, else the one that starts."""
+    if witness is None:
+        return None
+    return witness.effector if task.reach is not None else witness.start_effector

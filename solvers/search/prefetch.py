@@ -1,0 +1,256 @@
+"""The examinations of structures, begun ahead of need by workers that have nothing else to do.
+
+Their order is that of the structures, and so nothing depends on how far ahead the workers are.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
+from compiler.robots.candidate import Candidate
+from compiler.robots.robot import RobotModel
+from compiler.robots.robot_key import robot_key_in_task
+from grammar_lang import ir
+from solvers.execution.shared_payload import Parcel, made_of, packed
+from solvers.execution.workers import InProcess
+from solvers.impossibility.structure_refutation import Refutation, refute_structure
+from solvers.parameters.parameter_space import parameter_space
+from solvers.run_context import Conduct, Memory, Recorded
+
+MOST_DRAWN = 64
+"""So many structures are drawn ahead at most, most of which may be robots seen before."""
+MOST_ASKED = 256
+"""So many answers of the SMT solver are kept by a process: robots may share a question."""
+
+_ASKED = Memory()
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """What is asked about all robots."""
+
+    program: ir.Program
+    task: ir.Task
+    seed: int
+
+    def itself(self) -> _Question:
+        """The question."""
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    question: Parcel[_Question]
+    number: int
+    model: RobotModel
+
+
+def _examined(job: _Job) -> tuple[int, Examination]:
+    """A job: the number of a structure and its examination."""
+    question = made_of(job.question, _Question.itself)
+    numeric = NumericRobot(robot_graph(job.model, question.task.gravity))
+    if len(_ASKED.values) > MOST_ASKED:
+        _ASKED.values.clear()
+    conduct = Conduct(question.seed, journal=_ASKED)
+    return job.number, examine(job.model, numeric, question.program, question.task, conduct)
+
+
+class LookAhead:
+    """The structures in order, and their examinations.
+
+    ``examination`` and ``numeric`` are asked for the structure that was given last.
+    """
+
+    def __init__(
+        self, candidates: Iterable[Candidate], program: ir.Program, task: ir.Task, conduct: Conduct
+    ) -> None:
+        self._candidates = iter(candidates)
+        self._question = _Question(program, task, conduct.seed)
+        self._conduct = conduct
+        self._asked = replace(conduct, journal=Memory())
+        self._alone = isinstance(conduct.workers, InProcess)
+        self._drawn: deque[Candidate] = deque()
+        self._due: deque[Candidate] = deque()
+        self._expected: set[int] = set()
+        self._seen: set[str] = set()
+        self._fault: Exception | None = None
+        self._parcel: Parcel[_Question] | None = None
+        self._results: Iterator[tuple[int, Examination]] | None = None
+        self._numeric: tuple[int, NumericRobot] | None = None
+
+    def __iter__(self) -> Iterator[Candidate]:
+        """All structures, once."""
+        while True:
+            candidate = self._drawn.popleft() if self._drawn else self._draw()
+            if candidate is not None:
+                yield candidate
+            elif self._fault is not None:
+                raise self._fault
+            else:
+                return
+
+    def numeric(self, candidate: Candidate) -> NumericRobot:
+        """The equations of motion of the robot of a structure.
+
+        Raises:
+            ValueError: it has none.
+        """
+        if self._numeric is None or self._numeric[0] != candidate.number:
+            graph = robot_graph(_robot(candidate), self._question.task.gravity)
+            self._numeric = candidate.number, NumericRobot(graph)
+        return self._numeric[1]
+
+    def examination(self, candidate: Candidate) -> Examination:
+        """The examination of the robot of a structure; a journal is asked first.
+
+        Raises:
+            ValueError: it has none.
+        """
+        key = _key(candidate)
+        found = examination_of(self._conduct.journal.recall(key))
+        if found is None:
+            found = self._own(candidate) if self._alone else self._result(candidate)
+            self._conduct.journal.record(key, found.record())
+        return found
+
+    def _own(self, candidate: Candidate) -> Examination:
+        question, numeric = self._question, self.numeric(candidate)
+        model = _robot(candidate)
+        return examine(model, numeric, question.program, question.task, self._asked)
+
+    def _result(self, candidate: Candidate) -> Examination:
+        """The result of the workers; those of structures that nobody asked about are left out."""
+        if candidate.number not in self._expected:
+            return self._own(candidate)
+        while True:
+            if self._results is None:
+                self._results = self._conduct.workers.map(_examined, self._jobs())
+            for number, examination in self._results:
+                self._expected.discard(number)
+                if number == candidate.number:
+                    return examination
+            self._results = None
+
+    # --- drawing --------------------------------------------------------------------------------
+
+    def _jobs(self) -> Iterator[_Job]:
+        """A job for each robot not seen before, of structures drawn for this as well."""
+        if self._parcel is None:
+            self._parcel = packed(self._question)
+        while True:
+            while self._due:
+                candidate = self._due.popleft()
+                yield _Job(self._parcel, candidate.number, _robot(candidate))
+            drawn = self._draw() if len(self._drawn) < MOST_DRAWN else None
+            if drawn is None:
+                return
+            self._drawn.append(drawn)
+
+    def _draw(self) -> Candidate | None:
+        """The next structure; None after the last one, or where the next one cannot be had."""
+        if self._fault is not None:
+            return None
+        try:
+            candidate = next(self._candidates, None)
+        except Exception as fault:
+            self._fault = fault
+            return None
+        if candidate is not None and not self._alone and self._is_new(candidate):
+            self._due.append(candidate)
+            self._expected.add(candidate.number)
+        return candidate
+
+    def _is_new(self, candidate: Candidate) -> bool:
+        """Whether a structure has a robot that is not seen before and has to be examined."""
+        if candidate.model is None:
+            return False
+        key = robot_key_in_task(candidate.model, self._question.task)
+        if key in self._seen:
+            return False
+        self._seen.add(key)
+        return examination_of(self._conduct.journal.recall(_key(candidate))) is None
+
+
+def _key(candidate: Candidate) -> str:
+    return f"examined|{candidate.number}"
+
+
+def _robot(candidate: Candidate) -> RobotModel:
+    if candidate.model is None:
+        raise ValueError(f"structure {candidate.number} has no robot")
+    return candidate.model
+
+
+# --------------------------------------------------------------------------------------------------
+# What is found out about a robot before any motion is searched: refuted, inadmissible, or open.
+#
+# A robot without a regular mass matrix cannot be driven: it is *inadmissible*.  Samples raise the
+# suspicion, a proof settles it.  Where M fails at single poses or parameters only (a length of
+# zero, say), the robot is searched like any other: the certificate proves M along the motion.
+
+
+SAMPLES = 4
+SINGULAR = 1e-12
+BOXES = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Examination:
+    """The refutation that was tried, and why the robot cannot be driven, or None."""
+
+    refutation: Refutation
+    inadmissible: str | None
+
+    def record(self) -> Recorded:
+        """The examination as a value of JSON."""
+        return [asdict(self.refutation), self.inadmissible]
+
+
+def examination_of(record: Recorded) -> Examination | None:
+    """The examination of a record, or None where it is not one of this version."""
+    match record:
+        case [dict(refutation), None | str() as blocked]:
+            try:
+                return Examination(Refutation(**refutation), blocked)  # type: ignore[arg-type]
+            except TypeError:
+                return None
+        case _:
+            return None
+
+
+def examine(
+    model: RobotModel, numeric: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
+) -> Examination:
+    """Examine a robot; a refuted one is not looked at further."""
+    refutation = refute_structure(model, numeric, program, task, conduct)
+    blocked = None if refutation.refuted else inadmissible(model, numeric)
+    return Examination(refutation, blocked)
+
+
+def inadmissible(model: RobotModel, numeric: NumericRobot) -> str | None:
+    """Why a robot cannot be driven, or None."""
+    if not model.dofs or not _singular_at_all_samples(model, numeric):
+        return None
+    found = mass_matrix_check(model, budget=BOXES)
+    return None if found.status == "proved" else f"the mass matrix is {found.text}"
+
+
+def _singular_at_all_samples(model: RobotModel, numeric: NumericRobot) -> bool:
+    """Whether M is singular, indefinite or not finite at all of a few random points."""
+    rng = np.random.default_rng(0)
+    space = parameter_space(model)
+    for _ in range(SAMPLES):
+        theta = rng.uniform(space.lower, space.upper)
+        mass = numeric.mass_matrix(rng.uniform(-1, 1, size=(SAMPLES, len(model.dofs))), theta)
+        finite = mass[np.isfinite(mass).all(axis=(1, 2))]
+        eigenvalues = np.linalg.eigvalsh(finite)
+        if np.any(eigenvalues[:, 0] > SINGULAR * eigenvalues[:, -1]):
+            return False
+    return True

@@ -1,0 +1,352 @@
+"""P.Planning and P.Synthesis for one structure: plans, motions along them, counterexamples, cuts.
+
+Plans come from the SAT solver, fewest changes of cell first.  A plan whose beginning cannot be
+followed is excluded with all that begin so; where that leaves none, a cell at which it happened is
+cut in two and the planning goes on, with the counterexamples that say nothing of that cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.expressions.exact_numbers import decimal
+from compiler.robots.parameter_values import nearest_values
+from compiler.tasks.specification import PlanningProblem, planning_problem
+from compiler.tasks.word_formula import SampledFormula
+from compiler.words.derivation import Derivation
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.bisection import halving
+from grammar_lang import ir
+from solvers.planner import CounterExample, Exhausted, Plan, Planner
+from solvers.run_context import Conduct
+from solvers.search.configuration_search import (
+    Configuration,
+    PathSamples,
+    resolved,
+    search_configuration,
+    within_limits,
+)
+from solvers.search.constraint_tightening import Room, lacking_room, no_room_text
+from solvers.search.design import Design, motion_of
+from solvers.search.path_task import PathTask
+from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
+from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
+from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
+from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
+from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_timing import gentle_entries, polyline, smooth_timing
+from solvers.trajectory.trajectory import Trajectory
+from solvers.verdict import Holds, Unknown
+from solvers.verifier.proofs.checked_condition import decisive
+from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
+from solvers.verifier.proofs.watch import Watch
+
+PLANS = (6, 3)
+"""How many plans are tried, and how many after each cut of a cell."""
+
+
+@dataclass(frozen=True, slots=True)
+class BlockedPrefix:
+    """A counterexample: no path that begins with these cells is tried again (ZEROPREFIX).
+
+    ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
+    the one that could not follow.  ``sample`` is the first that the most robust motion cannot be
+    brought to, None where it is not known; ``robustness`` is what that motion has.
+    """
+
+    structure: int
+    path: int
+    effector: int
+    cells: tuple[str, ...]
+    sample: int | None
+    robustness: float
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """What became of a plan: a proved design, or the best robustness and what to exclude."""
+
+    design: Design | None
+    robustness: float
+    excluded: CounterExample | None = None
+
+
+@dataclass(slots=True)
+class StructureSearch:
+    """The search of one structure; ``number`` is its place among all, ``robot`` its key."""
+
+    program: ir.Program
+    task: ir.Task
+    conduct: Conduct
+    cells: Abstraction
+    formula: SampledFormula | None
+    counts: dict[str, int]
+    derivation: Derivation
+    numeric: NumericRobot
+    number: int
+    robot: str
+    obstacle: str = ""
+    """What stood in the way of the last motion that was tried."""
+    lacking: float = 0.0
+    """How much wider its margin has to be for what the task says of disturbances."""
+    stuck: str = ""
+    """Where the most robust motion that was found for a path could not go on."""
+    best: float = -np.inf
+    known: list[CounterExample] = field(default_factory=list[CounterExample])
+    """The counterexamples found, of cells as they are now."""
+    samples: list[PathSamples] = field(default_factory=list[PathSamples])
+    blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
+    """All counterexamples, as they were found."""
+    top: float = -np.inf
+    """The best robustness of all paths."""
+
+    @property
+    def place(self) -> PathTask:
+        """The robot in its task."""
+        conduct = self.conduct
+        return PathTask(
+            self.program, self.task, self.numeric, self.formula, conduct.seed, conduct.solver
+        )
+
+    def design(self, recorded: int) -> tuple[Design | None, str]:
+        """A proved design in which that effector starts and reaches; else why there is none."""
+        if not self.numeric.graph.model.dofs:
+            return self.standing(recorded)
+        self.best, self.known = -np.inf, []
+        cells, reason = self.cells, ""
+        for budget in PLANS:
+            design, reason = self.plans(cells, recorded, budget)
+            finer = None if design is not None else self.cut(cells)
+            if finer is None:
+                return design, reason
+            cells = finer
+        return None, reason
+
+    def standing(self, recorded: int) -> tuple[Design | None, str]:
+        """A robot that cannot move does the task where it stands, or not at all."""
+        workspace = self.program.workspaces[self.task.workspace]
+        found = standing_configurations(
+            self.numeric, workspace, self.task, self.cells, recorded, self.conduct.seed
+        )
+        for cell, configuration in found:
+            follower = self.place.follower(self.cells, recorded, recorded, (cell,))
+            design = self.certified(follower, configuration)
+            if design is not None:
+                return design, "proved"
+        return None, "the robot cannot move, and no place to stand was found for it"
+
+    # --- plans ----------------------------------------------------------------------------------
+
+    def plans(self, cells: Abstraction, recorded: int, budget: int) -> tuple[Design | None, str]:
+        """Try plans until one leads to a design, none is left or the budget is used up.
+
+        Where no plan goes through cells alone for which poses are found, others are tried, too.
+        """
+        starts = start_cells(cells, self.task, self.numeric)
+        problem = planning_problem(cells, self.task, recorded, starts)
+        reachable = self.within_reach(problem, cells)
+        design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
+        if not tried and reachable != problem:
+            design, reason, _ = self.plans_of(problem, cells, recorded, budget)
+        return design, reason
+
+    def plans_of(
+        self, problem: PlanningProblem, cells: Abstraction, recorded: int, budget: int
+    ) -> tuple[Design | None, str, int]:
+        """The same for one problem, with the number of plans that were tried."""
+        planner = Planner(problem)
+        for counterexample in self.known:
+            planner.block(counterexample)
+        for number in range(budget):
+            match planner.next_plan():
+                case Holds(witness=plan):
+                    pass
+                case Unknown(reason=limit):
+                    return None, f"planning: {limit.value}", number
+                case ended:
+                    return None, self.exhausted(ended.counterexample), number
+            self.conduct.check_time()
+            self.counts["paths"] += 1
+            attempt = self.attempt(cells, plan, recorded)
+            if attempt.design is not None:
+                return attempt.design, "proved", number + 1
+            self.best = max(self.best, attempt.robustness)
+            if attempt.excluded is not None:
+                self.known.append(attempt.excluded)
+                planner.block(attempt.excluded)
+        reason = f"{self.counts['paths']} paths tried, best robustness {self.best:.4g}"
+        return None, reason, budget
+
+    def within_reach(self, problem: PlanningProblem, cells: Abstraction) -> PlanningProblem:
+        """The problem without the cells for which no pose of the effector is found."""
+        planned = []
+        for one in problem.effectors:
+            found = reachable_cells(self.numeric, cells, one.effector, self.conduct.seed)
+            outside = np.flatnonzero(~found).tolist()
+            planned.append(replace(one, forbidden=tuple(sorted({*one.forbidden, *outside}))))
+        return replace(problem, effectors=tuple(planned))
+
+    def exhausted(self, ended: Exhausted) -> str:
+        """Why there is no plan, in words."""
+        if ended.blocked:
+            return (
+                f"no path is left after {len(ended.blocked)} counterexamples; "
+                f"best robustness {self.best:.4g}"
+            )
+        if ended.plans:
+            return f"no path is left; best robustness {self.best:.4g}"
+        return (
+            f"planning: {ended.why.value}; the task has {self.task.steps + 1} samples, "
+            "and a step has one change of cell at most"
+        )
+
+    def cut(self, cells: Abstraction) -> Abstraction | None:
+        """The cells with that one cut at which the shortest excluded plan fails; None without one.
+
+        Counterexamples with that cell are forgotten: they need not hold of its halves.
+        """
+        if not self.known:
+            return None
+        failed = min(self.known, key=lambda item: len(item.prefix))
+        direction = None
+        if len(failed.prefix) > 1:
+            line = polyline(cells, failed.prefix).points
+            direction = (line[-1] - line[-2]).tolist()
+        finer, children = cells.refined([halving(cells, failed.prefix[-1], direction)])
+        whole = {cell: parts[0] for cell, parts in enumerate(children) if len(parts) == 1}
+        self.known = [
+            replace(item, prefix=tuple(whole[cell] for cell in item.prefix))
+            for item in self.known
+            if all(cell in whole for cell in item.prefix)
+        ]
+        self.conduct.reporter.note(
+            f"no plan is left: `{cells.cells[failed.prefix[-1]].name}` is cut"
+        )
+        return finer
+
+    # --- motions along a plan -------------------------------------------------------------------
+
+    def attempt(self, cells: Abstraction, plan: Plan, recorded: int) -> Attempt:
+        """A proved design for a plan; else the best robustness and the prefix to exclude."""
+        leader = max(plan.paths, key=lambda path: (len(path.cells), path.effector == recorded))
+        self.conduct.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
+        others = tuple(path for path in plan.paths if path is not leader)
+        follower = self.place.follower(cells, recorded, leader.effector, leader.cells)
+        follower = timed(replace(follower, others=others), leader.entries)
+        label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
+        found = search_configuration(follower, label, self.conduct)
+        self.counts["evaluations"] += found.evaluations
+        self.keep(found)
+        if found.outcome.status == NOT_FINITE:
+            self.obstacle = "; the equations of motion have no finite value where the search begins"
+        if not found.outcome.feasible:
+            if found.outcome.status.startswith(CONVEX_STEP):
+                self.obstacle = f"; {found.outcome.status}"
+            sample = infeasible_sample(follower, found.outcome, found.entries)
+            prefix = infeasible_prefix(sample, found.entries)
+            robustness = found.outcome.robustness
+            names = [cells.cells[cell].name for cell in leader.cells]
+            if robustness > self.best and sample is not None:
+                self.stuck = f"; nearest, through {' > '.join(names[:prefix])}, "
+                if sample > self.task.steps or robustness >= 0:
+                    problem = follower.problem(found.entries)
+                    self.stuck += f"the motion found {shortfall(problem, found.outcome)}"
+                else:
+                    self.stuck += stuck_text(sample, self.task)
+            place, entered = len(self.samples) - 1, tuple(names[:prefix])
+            self.blocked.append(
+                BlockedPrefix(self.number, place, leader.effector, entered, sample, robustness)
+            )
+            excluded = CounterExample(
+                leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
+            )
+            return Attempt(None, robustness, excluded)
+        return self.widened(follower.along(found.cells, found.entries), found)
+
+    def keep(self, found: Configuration) -> None:
+        """Keep what was evaluated for a path, for tables."""
+        names = tuple(p.label for p in self.numeric.graph.model.parameters)
+        self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
+        self.top = max(self.top, found.outcome.robustness)
+
+    def widened(self, follower: Follower, found: Configuration) -> Attempt:
+        """A proved design from a feasible configuration, with as much room as that takes."""
+        room: Room | None = Room()
+        tried = ""
+        while room is not None:
+            wider = self.roomy(follower, found.outcome.trajectory, room)
+            given = follower.spread, follower.margin, follower.substeps
+            if (wider.spread, wider.margin, wider.substeps) != given:
+                follower = wider
+                found = resolved(follower, found)
+            follower, found = within_limits(follower, found)
+            if not found.outcome.feasible:
+                if follower.spread is not None:
+                    self.obstacle = f"{tried}; {no_room_text(follower.spread)}"
+                break
+            self.lacking = 0.0
+            if room.is_last or seems_to_satisfy(follower, found.outcome.trajectory):
+                design = self.certified(follower, found)
+                if design is not None:
+                    return Attempt(design, found.outcome.robustness)
+                tried = self.obstacle
+                self.conduct.reporter.note("the proof did not go through; trying a wider margin")
+            else:
+                self.obstacle = "; a formula fails between the samples"
+            room = room.wider(self.lacking, follower.spread)
+        return Attempt(None, found.outcome.robustness)
+
+    def roomy(self, follower: Follower, trajectory: Trajectory, room: Room) -> Follower:
+        """The same task with room for what a motion needs of it."""
+        wider = follower.with_margin(room.margin).refined(trajectory)
+        return wider.spreading(trajectory, room.spreads) if self.task.robust else wider
+
+    def certified(self, follower: Follower, found: Configuration) -> Design | None:
+        """The design, if the continuous-time nonlinear robot is proved to do the task."""
+        trajectory, model = found.outcome.trajectory, follower.model
+        parameters = nearest_values(model.parameters, trajectory.theta)
+        if parameters is None:
+            return None
+        design = Design(
+            self.derivation,
+            model,
+            parameters,
+            follower.constraints.recorded,
+            follower.effector,
+            tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
+            tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
+            tuple(tuple(names) for names in follower.cell_names(trajectory, found.entries)),
+            found,
+            follower.abstraction,
+        )
+        scene = scene_of(self.program, self.task, model, follower.abstraction, self.derivation)
+        findings = prove_motion(scene, motion_of(design), Watch(self.conduct.check_time))
+        obstacle = decisive(findings)
+        if obstacle is not None:
+            self.obstacle = f"; last proof tried: {obstacle.reason}"
+            spread = follower.spread
+            self.lacking = 0.0 if spread is None else lacking_room(findings, spread)
+            return None
+        fine = fine_motion(follower.numeric, trajectory, float(self.task.step))
+        outcome = replace(found.outcome, trajectory=fine)
+        configuration = replace(found, outcome=outcome)
+        return replace(design, configuration=configuration, findings=findings)
+
+
+def stuck_text(sample: int, task: ir.Task) -> str:
+    """Where a motion cannot go on, in words: ``sample`` is the first that it does not get to."""
+    what = "cannot go on at" if sample < task.steps else "does not get there by"
+    return f"the motion {what} {float(sample * task.step):.4g} s"
+
+
+def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:
+    """The follower with entries that its formula allows, as gentle as can be."""
+    if follower.formula is None:
+        return follower
+    line, steps = polyline(follower.abstraction, follower.cells), follower.task.steps
+    if planned is None:
+        return replace(follower, timing=smooth_timing(line, steps)[1])
+    return replace(follower, timing=gentle_entries(line, planned, steps, follower.allows))

@@ -1,0 +1,151 @@
+"""How far the effectors and bodies of a robot in some poses are from what they have to avoid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.expressions.evaluators.floats import scalar_floats
+from compiler.robots.robot import Body, RodBody
+from compiler.time_limits.time_limit import check_time
+from compiler.workspaces.polytope import Polytope, polytope_of
+from grammar_lang import ir
+from solvers.parameters.parameter_space import parameter_space
+from solvers.trajectory.position_rows import ConvexSet, Dwell, Separation, separating_planes
+
+ENOUGH = 0.5
+"""Metres: clearances are told apart up to this."""
+
+
+@dataclass(frozen=True, slots=True)
+class BodyClearance:
+    """The demands that hold at any instant, to be measured on many poses at once."""
+
+    separations: tuple[Separation, ...]
+    dwells: tuple[Dwell, ...]
+
+    def of(self, positions: Array, enough: float = ENOUGH) -> Array:
+        """The least clearance (K,) of positions (K, m, d), in metres, at most ``enough``.
+
+        Negative where a demand is broken: by how much, along the best separating direction.
+        """
+        found = np.full(len(positions), enough)
+        for dwell in self.dwells:
+            values = positions[:, dwell.point] @ dwell.region.normals.T
+            found = np.minimum(found, np.min(dwell.region.offsets - values, axis=1))
+        for separation in self.separations:
+            check_time()
+            moving = positions[:, list(separation.points)]
+            near = np.flatnonzero(_box_gap(moving, separation) < found)
+            near = near[_facet_gap(moving[near], separation) < found[near]]
+            if len(near):
+                gap = _gap(moving[near], separation)
+                found[near] = np.minimum(found[near], gap)
+        return found
+
+
+def body_clearance(avoidances: Avoidances) -> BodyClearance:
+    """The demands of a task, those of its bounds included."""
+    bounds = avoidances.bounds
+    effectors = range(len(avoidances.numeric.graph.model.effectors))
+    dwells = [Dwell(effector, 0, 0, bounds) for effector in effectors]
+    dwells += avoidances.bodies_within_bounds(0)
+    return BodyClearance(tuple(avoidances.separations()), tuple(dwells))
+
+
+def _box_gap(moving: Array, separation: Separation) -> Array:
+    """A lower bound (K,) of the gaps, by the boxes about both."""
+    lower, upper = separation.obstacle.box
+    apart = np.maximum(lower - moving.max(axis=1), moving.min(axis=1) - upper)
+    return np.asarray(np.max(apart, axis=1) - separation.distance)
+
+
+def _facet_gap(moving: Array, separation: Separation) -> Array:
+    """A lower bound (K,) of the gaps, by the facets of the obstacle."""
+    obstacle = separation.obstacle
+    ahead = np.min(moving @ obstacle.normals.T, axis=1) - obstacle.offsets
+    return np.asarray(np.max(ahead, axis=1) - separation.distance)
+
+
+def _gap(moving: Array, separation: Separation) -> Array:
+    normal, support = separating_planes(moving, separation.obstacle)
+    nearest = np.min(np.einsum("kd,kwd->kw", normal, moving), axis=1)
+    return np.asarray(nearest - support - separation.distance)
+
+
+# --------------------------------------------------------------------------------------------------
+# What a task keeps effectors and bodies away from, and where it keeps them, at every instant.
+
+
+FAR = Fraction(1000)
+
+
+@dataclass(frozen=True, slots=True)
+class Avoidances:
+    """The demands of a task on a robot that bind all the time; points count effectors first."""
+
+    numeric: NumericRobot
+    workspace: ir.Workspace
+    task: ir.Task
+
+    def region(self, name: str) -> ConvexSet:
+        """A region of the workspace."""
+        return convex_set(polytope_of(self.workspace.region(name).shape, self.workspace.dimension))
+
+    @property
+    def bounds(self) -> ConvexSet:
+        """The bounds of the workspace."""
+        return convex_set(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
+
+    def separations(self) -> Iterator[Separation]:
+        """What every ``avoid`` keeps apart."""
+        graph = self.numeric.graph
+        count = len(graph.model.effectors)
+        for avoid in self.task.avoid:
+            for name in avoid.regions:
+                obstacle = self.region(name)
+                distance = float(avoid.margin)
+                if avoid.subject == "effector":
+                    yield from (Separation((e,), obstacle, distance) for e in range(count))
+                    continue
+                for body, hull in zip(graph.model.bodies, graph.hulls, strict=True):
+                    reach = distance + self._thickness(body)
+                    yield Separation(tuple(count + i for i in hull), obstacle, reach)
+
+    def bodies_within_bounds(self, last: int) -> Iterator[Dwell]:
+        """Where ``bounds with body`` keeps bodies, from sample 0 to the ``last``."""
+        if not self.task.bounds_body:
+            return
+        graph, bounds = self.numeric.graph, self.bounds
+        for body, hull in zip(graph.model.bodies, graph.hulls, strict=True):
+            within = replace(bounds, offsets=bounds.offsets - self._thickness(body))
+            for i in hull:
+                yield Dwell(len(graph.model.effectors) + i, 0, last, within)
+
+    def _thickness(self, body: Body) -> float:
+        """A bound on the radius of a body: search only, the proof reads each one exactly."""
+        if not isinstance(body, RodBody) or body.radius is None:
+            return 0.0
+        model = self.numeric.graph.model
+        values = scalar_floats(model.scalars, parameter_space(model).upper)
+        radii = [b.radius for b in model.bodies if isinstance(b, RodBody)]
+        return max(abs(values[r]) for r in radii if r is not None)
+
+
+def convex_set(polytope: Polytope) -> ConvexSet:
+    """A polytope in floats; an unbounded one is cut far away."""
+    if not polytope.is_bounded:
+        d = polytope.dimension
+        rows = [
+            ir.HalfSpace(tuple(Fraction(sign * (i == j)) for j in range(d)), FAR)
+            for i in range(d)
+            for sign in (-1, 1)
+        ]
+        polytope = polytope.intersection(Polytope(tuple(rows)))
+    vertices = np.array([[float(x) for x in vertex] for vertex in polytope.vertices])
+    return ConvexSet(polytope.A, polytope.b, vertices)

@@ -1,0 +1,292 @@
+"""Configuration robustness by sequential convex programming (P.Synthesis, problem (i)).
+
+Linearise, solve, measure on the nonlinear robot, repeat.  Moves are priced by their squares, so
+that what the objective leaves open stays as it is (a proximal point method); the price adapts to
+what linearisation was seen to cause, and vanishes from the objective where the iteration ends.
+Fictitious inputs are offered, at an exact penalty, as long as a step needs them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from compiler.arrays import Array
+from solvers.trajectory.control_problem import (
+    FULL,
+    ControlOutcome,
+    ControlProblem,
+    Effort,
+    effort_peak,
+    within_bounds,
+)
+from solvers.trajectory.measured_motion import MeasuredMotion, measured
+from solvers.trajectory.step_solver import StepSolver
+from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.trajectory.trajectory import Trajectory
+
+SMALLEST_RADIUS = 1e-4
+PROXIMAL = 2e-4
+CHEAPEST, DEAREST = 1e-5, 10.0
+"""The range of the price of moves, per rad^2 or m^2."""
+SAMPLES = 100
+"""The price is that of so many samples that move alike, whatever the grid."""
+LANDING = 100.0
+"""The price of moves in a landing."""
+FUNNEL = 0.05
+"""Defects up to this part of the effort bound are taken for good steps' own."""
+SINKING = 0.7
+SMALL = 1e-4
+"""Gains below this part of the effort bound are small."""
+PRICES = ((0.2, 0.25), (1.0, 0.5), (4.0, 2.0))
+DEARER = 4.0
+"""By how much the price of moves changes where defects are so many times their level; else."""
+CHEAPER = 0.3
+"""The same after a step that gained nothing."""
+FREE_STEPS = 2
+"""Steps that are taken whatever their defects, to get away from the seed."""
+NEEDED = 1e-6
+"""Steps that concede more than this, relative to the effort bound or in metres, need help."""
+STUCK = 0.9
+"""A step that leaves more of the unavoidable violation than this has hardly helped."""
+LANDED = 1e-9
+"""A defect in SI at which no landing is needed."""
+COARSE = 1e-5
+"""The accuracy of programs whose steps cause larger errors themselves; landings have the full."""
+NEAR = 0.1
+"""Metres up to which a seed that breaks its half-planes is tried without fictitious inputs."""
+NOT_FINITE = "not finite"
+CONVEX_STEP = "convex step"
+"""The status begins so where a convex step was not solved last."""
+WORST = 10.0
+"""The largest violation that is told apart, in units of the effort bound."""
+EXCESS = 1e-4
+"""Position excess in metres that the margin absorbs."""
+LIMIT_EXCESS = 1e-4
+"""The same for joint limits and rates, in rad or m (/s)."""
+DEFECT = 1e-3
+"""Fictitious effort, in units of the bound, up to which simulation closes a defect."""
+
+
+@dataclass(slots=True)
+class _Iteration:
+    """A control synthesis in progress."""
+
+    problem: ControlProblem
+    step: StepSolver
+    effort: Effort
+    region: TrustRegion
+    current: MeasuredMotion
+    used: int = 0
+    status: str = "iteration limit"
+    fictitious: bool = True
+    stuck: int = 0
+    quiet: int = 0
+    level: float = FUNNEL
+    conceded: float = np.inf
+    margin: float = -np.inf
+
+    def run(self) -> None:
+        """Iterate until nothing is gained, nothing helps or the iterations are used up."""
+        while self.used < self.effort.iterations and self.advance():
+            pass
+        if self.conceded <= DEFECT:
+            self.land()
+
+    def advance(self) -> bool:
+        """One convex step; whether another one is due."""
+        self.used += 1
+        result = self.solved(self.region, max(COARSE, self.effort.accuracy))
+        if result is None:
+            return self.region.radius >= SMALLEST_RADIUS
+        trial = measured(self.problem, result.trajectory)
+        if trial is None or self.strayed(trial, result):
+            self.hold()
+            return self.region.radius >= SMALLEST_RADIUS
+        self.current = trial
+        gained = (result.margin - self.margin) / self.problem.scale
+        self.adapt(trial, gained)
+        return not self.ended(result, trial, gained)
+
+    def solved(self, region: TrustRegion, accuracy: float) -> StepResult | None:
+        """The convex step about where we are; what is tried next changes where there is none."""
+        at = self.current
+        result = self.step.solve(at.model, at.rows, region, accuracy, fictitious=self.fictitious)
+        if isinstance(result, StepResult):
+            return result
+        self.status = f"{CONVEX_STEP}: {result.text}"
+        if self.fictitious:
+            self.region = TrustRegion(self.region.radius / 4, self.region.proximal)
+        self.fictitious = True
+        return None
+
+    def strayed(self, trial: MeasuredMotion, result: StepResult) -> bool:
+        """Whether linearisation caused defects that are larger than before, and not small."""
+        scale = self.problem.scale
+        beyond = trial.infeasibility(scale) - _conceded(result, scale)
+        return self.used > FREE_STEPS and beyond > max(
+            FUNNEL, 2 * self.current.infeasibility(scale)
+        )
+
+    def hold(self) -> None:
+        """Make moves dearer and shorter."""
+        dearer = min(DEAREST, 8 * self.region.proximal)
+        self.region = TrustRegion(self.region.radius / 2, dearer)
+
+    def adapt(self, after: MeasuredMotion, gained: float) -> None:
+        """Price moves so that their defects come down to a level that sinks as gains get small.
+
+        A step that loses was too long.
+        """
+        if gained < SMALL:
+            self.level = max(DEFECT, SINKING * self.level)
+        level = self.level
+        caused = after.infeasibility(self.problem.scale)
+        factor = next((f for times, f in PRICES if caused <= times * level), DEARER)
+        if self.used > FREE_STEPS and gained < -self.effort.tolerance:
+            factor = DEARER
+        price = min(DEAREST, max(CHEAPEST, factor * self.region.proximal))
+        self.region = TrustRegion(self.region.radius, price)
+
+    def ended(self, result: StepResult, trial: MeasuredMotion, gained: float) -> bool:
+        """Whether nothing is gained any more, or violations remain that no step reduces."""
+        scale = self.problem.scale
+        conceded = _conceded(result, scale)
+        self.stuck = self.stuck + 1 if conceded > STUCK * self.conceded > STUCK * NEEDED else 0
+        self.conceded, self.margin = conceded, result.margin
+        self.fictitious = conceded > NEEDED
+        if conceded > DEFECT:
+            self.status = "violations remain"
+            return self.stuck > self.effort.quiet
+        self.status = "fixpoint"
+        if abs(gained) >= self.effort.tolerance or trial.infeasibility(scale) >= self.effort.calm:
+            self.quiet = 0
+            return False
+        self.quiet += 1
+        cheaper = max(CHEAPEST, self.region.proximal * CHEAPER)
+        self.region = TrustRegion(self.region.radius, cheaper)
+        return self.quiet >= self.effort.quiet
+
+    def land(self) -> None:
+        """Remove the defects that the last moves left, by steps that hardly move."""
+        region = TrustRegion(self.region.radius, LANDING)
+        for _ in range(self.effort.landings):
+            if self.current.defect <= LANDED:
+                break
+            result = self.solved(region, self.effort.accuracy)
+            trial = None if result is None else measured(self.problem, result.trajectory)
+            if trial is None:
+                break
+            self.used += 1
+            self.current = trial
+
+
+def _conceded(result: StepResult, scale: float) -> float:
+    """The infeasibility that the convex step itself could not avoid."""
+    return result.largest_fictitious / scale + result.position_slack
+
+
+def synthesise_control(
+    problem: ControlProblem,
+    start: Trajectory,
+    theta_box: tuple[Array, Array] | None = None,
+    effort: Effort = FULL,
+    radius: float = 0.5,
+    weights: Weights | None = None,
+) -> ControlOutcome:
+    """Iterate convex steps from a seed trajectory to a fixpoint.
+
+    With ``theta_box`` the parameters are unknowns within that box, else they stay as seeded.
+    """
+    current = measured(problem, start)
+    if current is None:
+        return _hopeless(problem, start)
+    question = StepQuestion(problem.limits, problem.groups, theta_box, weights or Weights())
+    step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
+    # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
+    iteration = _Iteration(problem, step, effort, region, current, fictitious=current.excess > NEAR)
+    iteration.run()
+    return _outcome(problem, iteration.current, iteration.used, iteration.status)
+
+
+def _outcome(
+    problem: ControlProblem, at: MeasuredMotion, iterations: int, status: str
+) -> ControlOutcome:
+    """Close the small remaining defects by simulation, then judge."""
+    defect = float(np.max(at.fictitious, initial=0.0))
+    found = None
+    if at.excess <= EXCESS and defect < DEFECT * problem.scale and at.outside <= LIMIT_EXCESS:
+        found = measured(problem, _simulated(problem, at.trajectory))
+    closed = (
+        found is not None
+        and found.excess <= 3 * EXCESS
+        and found.outside <= LIMIT_EXCESS
+        and found.margin >= 0
+    )
+    if closed and found is not None:
+        best, value = found, found.margin
+    else:
+        violation = defect + max(0.0, -at.margin) + problem.scale * (at.excess + at.outside)
+        best, value = at, -min(violation, WORST * problem.scale)
+    return ControlOutcome(
+        best.trajectory,
+        closed,
+        value,
+        effort_peak(problem.groups, best.trajectory.u),
+        best.fictitious,
+        best.excess,
+        iterations,
+        status,
+        at.defect,
+    )
+
+
+def shortfall(problem: ControlProblem, outcome: ControlOutcome) -> str:
+    """What an infeasible outcome lacks where no force is missing that a drive would have to give.
+
+    In words that follow "the motion found".
+    """
+    if outcome.robustness >= 0:
+        return "does not keep to these cells"
+    at = measured(problem, outcome.trajectory)
+    if at is None:
+        return "has no finite equations of motion"
+    if at.excess > EXCESS:
+        return f"lacks {1000 * at.excess:.2g} mm of the margins to the sets around it"
+    if at.outside > LIMIT_EXCESS:
+        return f"passes a limit of a joint or a rate by {at.outside:.2g} (SI)"
+    if float(np.max(at.fictitious, initial=0.0)) >= DEFECT * problem.scale:
+        return "does not satisfy the equations of motion yet: the iteration has ended before"
+    return "is not what its inputs cause: the simulated robot leaves it, as an unstable one does"
+
+
+def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
+    """The outcome of a seed about which nothing can be computed."""
+    k = len(start.u)
+    peak = effort_peak(problem.groups, start.u)
+    worst = np.full(k, WORST * problem.scale)
+    return ControlOutcome(
+        trajectory=start,
+        feasible=False,
+        robustness=-WORST * problem.scale,
+        effort_peak=peak,
+        fictitious=worst,
+        excess=WORST,
+        iterations=0,
+        status=NOT_FINITE,
+        defect=WORST,
+    )
+
+
+def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
+    """The trajectory that the inputs cause from the same initial state."""
+    first = trajectory.x[0].copy()
+    if problem.limits.start_rates == 0.0:
+        first[problem.numeric.n : 2 * problem.numeric.n] = 0.0
+    if problem.limits.start_values is not None:
+        first[: problem.numeric.n] = problem.limits.start_values
+    first[2 * problem.numeric.n :] = problem.limits.own_start
+    u = within_bounds(problem.groups, trajectory.u)
+    states = problem.numeric.simulate(first, u, trajectory.theta, problem.dt, problem.substeps)
+    return Trajectory(states, u, trajectory.theta)

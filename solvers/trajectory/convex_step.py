@@ -1,0 +1,80 @@
+r"""One convex step: the dynamics and positions linearised about a trajectory.
+
+.. math::
+    \max\ (\rho - w_V V) / S - w_\sigma \sigma
+    - w_u \lVert u / S \rVert^2 - w_q \lVert q - \hat q \rVert^2
+    \quad\text{s.t.}\quad
+    x_{i+1} = A_i x_i + B_i u_i + C_i \theta + r_i + B'_i v_i,\quad
+    \lVert u_i \rVert \le \bar u - \rho,\quad \lVert v_i \rVert_\infty \le V,\quad \rho \ge 0
+
+with the path's half-planes (C.1) softened by ``sigma``.  Definition 7 of the paper with the
+fictitious input kept apart from the effort, so that it can never hide in a sum.  S is the largest
+margin of an input.  The first quadratic term makes the optimum unique; the second one, about the
+reference, vanishes where the iteration ends, so that it changes the way and not the end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solvers.backends.conic import ConvexSolver, NotSolved
+from solvers.backends.solver_portfolio import Fallback
+from solvers.trajectory.linear_model import Model, PositionRows
+from solvers.trajectory.step_program import StepProgram
+from solvers.trajectory.subproblem import StepLayout, StepQuestion, StepResult, TrustRegion
+from solvers.trajectory.trajectory import Trajectory
+
+
+@dataclass(slots=True)
+class ConvexStep:
+    """The convex steps of one question, one after the other.
+
+    ``solver`` is asked; programs of one structure differ in their numbers only.
+    """
+
+    question: StepQuestion
+    solver: ConvexSolver = field(default_factory=Fallback)
+    _programs: dict[bool, StepProgram] = field(default_factory=dict[bool, StepProgram])
+
+    def solve(
+        self,
+        model: Model,
+        rows: PositionRows,
+        region: TrustRegion,
+        accuracy: float = 1e-8,
+        *,
+        fictitious: bool = True,
+    ) -> StepResult | NotSolved:
+        """The optimum of the step about a trajectory.
+
+        Without ``fictitious`` inputs V is 0: what is then infeasible may be feasible with them.
+        """
+        program = self._program(model, rows, fictitious=fictitious)
+        optimum = self.solver.solve(program.program(model, rows, region), accuracy)
+        if isinstance(optimum, NotSolved):
+            return optimum
+        z, layout = optimum.point, program.layout
+        about = model.about
+        theta = about.theta + z[layout.theta] if layout.p else about.theta
+        found = Trajectory(about.x + z[layout.x], z[layout.u], theta)
+        v = z[layout.v] if fictitious else np.zeros_like(found.x[1:])
+        largest = float(np.max(np.abs(v), initial=0.0)) if fictitious else 0.0
+        slack = max(0.0, float(z[layout.sigma]))
+        return StepResult(found, v, largest, slack, float(z[layout.rho]))
+
+    def _program(self, model: Model, rows: PositionRows, *, fictitious: bool) -> StepProgram:
+        """The structure for these rows: the last one, if it still fits."""
+        known = self._programs.get(fictitious)
+        if known is not None and np.array_equal(known.samples, rows.sample):
+            return known
+        question, about = self.question, model.about
+        k, m = about.u.shape
+        layout = StepLayout(
+            n=len(question.limits.lower), width=about.x.shape[1], m=m, k=k,
+            p=0 if question.theta_box is None else len(about.theta),
+            fictitious=fictitious, slacks=question.epsilon is not None,
+        )  # fmt: skip
+        self._programs[fictitious] = StepProgram(question, layout, rows.sample)
+        return self._programs[fictitious]

@@ -1,0 +1,234 @@
+"""What a robot's poses have to keep to on a cell path: the effector's cells, and a clear body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.arrays import Array
+from compiler.discretisation.batched_function import MOST_LANES
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.robots.robot import RobotModel
+from compiler.tasks.word_formula import Obligation
+from compiler.workspaces.abstraction import Abstraction
+from compiler.workspaces.polytope import polytope_of
+from grammar_lang import ir
+from solvers.trajectory.body_clearance import Avoidances, BodyClearance, convex_set
+from solvers.trajectory.inverse_kinematics import Pool, pool
+from solvers.trajectory.path_timing import Entries
+from solvers.trajectory.position_rows import ConvexSet, Dwell, Separation
+
+STRAY = 0.02
+"""How far from its cells the effector may be, in parts of their extent."""
+SPACING = 0.02
+"""The way of any point between two poses that are looked at, in the same parts."""
+
+Flags = NDArray[np.bool_]
+Layers = NDArray[np.int64]
+"""Places on the path, from 0."""
+
+
+@dataclass(frozen=True)
+class Corridor:
+    """A robot with parameters ``theta`` whose ``point`` goes through ``cells`` in order.
+
+    ``box`` bounds the coordinates, (n,) each; ``margin`` is the clearance wanted, in metres.
+    With ``start_is_given`` there is one pose to start from.
+    """
+
+    numeric: NumericRobot
+    theta: Array
+    point: int
+    cells: tuple[ConvexSet, ...]
+    clearance: BodyClearance
+    box: tuple[Array, Array]
+    margin: float
+    start_is_given: bool = False
+
+    @cached_property
+    def extent(self) -> float:
+        """The diagonal of the box about the cells, in metres."""
+        corners = np.concatenate([cell.vertices for cell in self.cells])
+        return float(np.linalg.norm(np.ptp(corners, axis=0)))
+
+    def drawn(self, rng: np.random.Generator) -> Pool:
+        """Random poses of the robot."""
+        reach = max(float(np.max(np.abs(cell.vertices))) for cell in self.cells)
+        return pool(self.numeric, self.theta, self.box, reach, rng)
+
+    @cached_property
+    def levers(self) -> Array:
+        """Metres that a coordinate can move any point per unit, shape (n,), by random poses."""
+        drawn = self.drawn(np.random.default_rng(0))
+        moved = np.linalg.norm(self.numeric.points(drawn.q, self.theta).by_q, axis=2)
+        found: Array = np.maximum(np.max(moved, axis=(0, 1)), 1e-6)
+        return found
+
+    def positions(self, q: Array) -> Array:
+        """Where the points are in poses (K, n), shape (K, m, d)."""
+        # Always as many as fill whole blocks: each number of lanes has a program of its own.
+        filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_LANES, axis=0)])
+        found: Array = self.numeric.points(filled, self.theta).value[: len(q)]
+        return found
+
+    def clear(self, q: Array) -> Flags:
+        """Whether the body is clear in poses (K, n)."""
+        return self.clearance.of(self.positions(q), self.margin) >= self.margin
+
+    def beyond(self, positions: Array) -> Array:
+        """By how much the point leaves each cell, metres, negative inside, shape (K, cells)."""
+        at = positions[:, self.point]
+        columns = [np.max(at @ cell.normals.T - cell.offsets, axis=1) for cell in self.cells]
+        return np.stack(columns, axis=1)
+
+    def follows(self, q: Array) -> bool:
+        """Whether the point goes along the cells in poses (K, n), from the first to the last."""
+        beyond = self.beyond(self.positions(q))
+        ends = [beyond[-1, -1]] if self.start_is_given else [beyond[0, 0], beyond[-1, -1]]
+        return bool(max(*ends, np.max(np.min(beyond, axis=1))) <= STRAY * self.extent)
+
+    def kept(self, q: Array, first: Layers, last: Layers) -> Flags:
+        """Whether poses (K, n) are clear, with the point in one of the cells first to last."""
+        positions = self.positions(q)
+        numbers = np.arange(len(self.cells))
+        others = (numbers < first[:, None]) | (numbers > last[:, None])
+        astray = np.where(others, np.inf, self.beyond(positions)).min(axis=1)
+        near: Flags = astray <= STRAY * self.extent
+        near &= self.clearance.of(positions, self.margin) >= self.margin
+        return near
+
+    def passable(self, starts: Array, ends: Array, first: Layers, last: Layers) -> Flags:
+        """Whether the straight ways in coordinates between poses (E, n) are kept, shape (E,)."""
+        ways = np.abs(ends - starts) @ self.levers
+        counts = np.maximum(2, np.ceil(ways / (SPACING * self.extent)).astype(int) + 1)
+        edge = np.repeat(np.arange(len(starts)), counts)
+        # 0 to 1 along every edge.
+        offsets = np.repeat(np.cumsum(counts) - counts, counts)
+        share = (np.arange(len(edge)) - offsets) / np.repeat(counts - 1, counts)
+        q = starts[edge] + share[:, None] * (ends - starts)[edge]
+        good = self.kept(q, first[edge], last[edge])
+        found: Flags = np.bincount(edge, weights=~good, minlength=len(starts)) == 0
+        return found
+
+
+# --- What binds the positions of a robot that follows a cell path: dwells and separations ---------
+#
+# The cells of the path, the bounds, every ``avoid``, and what a formula asks of which samples.
+
+
+CELL_SHARE = 0.25
+"""The part of the margin that samples keep from the facets between cells of the path."""
+ON_FACET = 1e-9
+"""Metres, and cosines of angles, up to which two facets are one."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionConstraints:
+    """A robot in a task; ``effector`` follows ``cells``, ``recorded`` starts and reaches."""
+
+    numeric: NumericRobot
+    workspace: ir.Workspace
+    task: ir.Task
+    abstraction: Abstraction
+    effector: int
+    recorded: int
+    cells: tuple[int, ...]
+
+    @property
+    def model(self) -> RobotModel:
+        """The robot."""
+        return self.numeric.graph.model
+
+    @property
+    def avoidances(self) -> Avoidances:
+        """What binds positions all the time."""
+        return Avoidances(self.numeric, self.workspace, self.task)
+
+    @property
+    def start_effector(self) -> int:
+        """The effector that starts in the start region."""
+        start = self.task.start
+        named = start.effector if isinstance(start, ir.StartIn) else None
+        return self.recorded if named is None else named - 1
+
+    @property
+    def starts_in_its_cell(self) -> bool:
+        """Whether the task asks where the effector of the path starts."""
+        own = self.start_effector == self.effector
+        return own and isinstance(self.task.start, ir.StartIn)
+
+    def dwells(
+        self, entries: Entries | None, obligations: Sequence[Obligation]
+    ) -> tuple[Dwell, ...]:
+        """Where points stay; without ``entries`` only the two ends of the path bind to cells."""
+        k = self.task.steps
+        last = convex_set(self.abstraction.cells[self.cells[-1]].polytope)
+        found = [Dwell(self.effector, k, k, last)]
+        if self.starts_in_its_cell:
+            first = convex_set(self.abstraction.cells[self.cells[0]].polytope)
+            found.insert(0, _planned_start(self.effector, first))
+        if entries is not None:
+            ends = [*(entry - 1 for entry in entries[1:]), k]
+            path = zip(self.cells, entries, ends, strict=True)
+            found += [self._stay(cell, first, last) for cell, first, last in path]
+        found += self._within_bounds(with_own=entries is None)
+        found += self._ends()
+        found += [
+            Dwell(item.effector, item.first, item.last, self._set(item.region))
+            for item in obligations
+            if item.inside
+        ]
+        return tuple(found)
+
+    def _stay(self, cell: int, first: int, last: int) -> Dwell:
+        """A stay in a cell of the path, near enough to the facets that it is entered through.
+
+        Only samples of the planned motion lie in cells, for the proof; the bounds hold all the
+        time, and of disturbed motions.
+        """
+        region = convex_set(self.abstraction.cells[cell].polytope)
+        bounds = convex_set(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
+        alike = region.normals @ bounds.normals.T > 1 - ON_FACET
+        level = np.abs(region.offsets[:, None] - bounds.offsets) < ON_FACET
+        bounding = np.any(alike & level, axis=1)
+        shares = np.where(bounding, 1.0, CELL_SHARE)
+        return Dwell(self.effector, first, last, region, shares, bounding.astype(float))
+
+    def _within_bounds(self, *, with_own: bool) -> Iterator[Dwell]:
+        """Effectors, and bodies where the task says so, stay inside the bounds."""
+        k, count = self.task.steps, len(self.model.effectors)
+        bounds = self.avoidances.bounds
+        for effector in range(count):
+            if with_own or effector != self.effector:
+                yield Dwell(effector, 0, k, bounds)
+        yield from self.avoidances.bodies_within_bounds(k)
+
+    def _ends(self) -> Iterator[Dwell]:
+        """Start and target of effectors that follow no path of their own."""
+        k, start, reach = self.task.steps, self.task.start, self.task.reach
+        if isinstance(start, ir.StartIn) and self.start_effector != self.effector:
+            yield _planned_start(self.start_effector, self._set(start.region))
+        if reach is not None and self.recorded != self.effector:
+            yield Dwell(self.recorded, k, k, self._set(reach.region))
+
+    def separations(self, obligations: Sequence[Obligation]) -> tuple[Separation, ...]:
+        """What points and bodies stay away from."""
+        found = list(self.avoidances.separations())
+        found += [
+            Separation((item.effector,), self._set(item.region), 0.0, item.first, item.last)
+            for item in obligations
+            if not item.inside
+        ]
+        return tuple(found)
+
+    def _set(self, name: str) -> ConvexSet:
+        return self.avoidances.region(name)
+
+
+def _planned_start(effector: int, region: ConvexSet) -> Dwell:
+    """Where the planned motion starts; disturbed ones may start beside it."""
+    return Dwell(effector, 0, 0, region, spreads=np.zeros(len(region.offsets)))

@@ -1,0 +1,65 @@
+r"""Counterexamples: the shortest prefix of a path that already cannot be followed (ZEROPREFIX).
+
+Problem 4 of the paper's appendix on the linearised robot: slacks g_i = max(s_i, 0) of the
+fictitious inputs are minimised with
+
+.. math:: \epsilon \sum_{l<i} g_l \le g_i \qquad (C.6)
+
+which moves them to the end of the path, so that the zeros at the beginning are the part that can
+be followed.  Found for one parameter by sampling: it prunes the search and proves nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compiler.arrays import Array
+from solvers.backends.conic import NotSolved
+from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.measured_motion import measured
+from solvers.trajectory.path_following import Follower
+from solvers.trajectory.subproblem import StepQuestion, TrustRegion, Weights
+
+THRESHOLD = 1e-3
+RADIUS = 0.5
+
+
+def infeasible_sample(
+    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]
+) -> int | None:
+    """The first sample that an infeasible outcome cannot be brought to; None: it is not known.
+
+    One more than there are where all can be got to: something else is in the way.
+    """
+    slacks = _slacks(follower, outcome, entries)
+    return None if slacks is None else zero_prefix(slacks, THRESHOLD) + 1
+
+
+def infeasible_prefix(sample: int | None, entries: tuple[int, ...]) -> int:
+    """The number of cells, from the start, that are entered up to a sample.
+
+    All of the path's where the sample is not known.
+    """
+    if sample is None:
+        return len(entries)
+    return int(np.searchsorted(np.array(entries), sample, side="right"))
+
+
+def zero_prefix(slacks: Array, threshold: float) -> int:
+    """ZEROPREFIX: the least m whose partial sum g_0 + ... + g_m exceeds the threshold, else k."""
+    above = np.flatnonzero(np.cumsum(slacks) > threshold)
+    return int(above[0]) if len(above) else len(slacks)
+
+
+def _slacks(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> Array | None:
+    """The slacks (k,) of Problem 4 about an infeasible outcome."""
+    problem = follower.problem(entries)
+    about = measured(problem, outcome.trajectory)
+    if about is None:
+        return None
+    epsilon = float(follower.task.slack)
+    question = StepQuestion(problem.limits, problem.groups, None, Weights(), epsilon)
+    result = problem.steps(question).solve(about.model, about.rows, TrustRegion(RADIUS))
+    if isinstance(result, NotSolved):
+        return None
+    return np.asarray(np.max(np.abs(result.fictitious), axis=1, initial=0.0))

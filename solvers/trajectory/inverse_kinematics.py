@@ -1,0 +1,186 @@
+"""Inverse kinematics by damped least squares, from many starts at once (Levenberg-Marquardt).
+
+Only a source of seeds: what it does not find may still exist.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from solvers.trajectory.position_rows import ConvexSet
+
+ROUNDS = 60
+DAMPING = 1e-3
+SLIDE = 10.0
+"""Metres beyond the target's distance up to which an unlimited slide is sampled."""
+APART = 0.1
+"""Branches differ by this much in some coordinate: sin of half an angle, or metres."""
+
+
+def solve_positions(
+    numeric: NumericRobot,
+    starts: Array,
+    theta: Array,
+    point: int,
+    targets: Array,
+    box: tuple[Array, Array],
+    rounds: int = ROUNDS,
+) -> tuple[Array, Array]:
+    """Bring one point to targets from K starts; starts (K, n), targets (K, d).
+
+    Returns coordinates (K, n), within the box, and remaining distances (K,) in metres.
+    """
+    lower, upper = box
+    q = np.clip(starts, lower, upper)
+    eye = np.eye(numeric.n)
+    damping = np.full(len(q), DAMPING)
+    points = numeric.points(q, theta)
+    error = targets - points.value[:, point]
+    for _ in range(rounds):
+        jacobian = points.by_q[:, point]
+        normal = jacobian.transpose(0, 2, 1) @ jacobian + damping[:, None, None] * eye
+        gradient = jacobian.transpose(0, 2, 1) @ error[:, :, None]
+        step = np.linalg.solve(normal, gradient)[:, :, 0]
+        trial = np.clip(q + np.clip(step, -0.5, 0.5), lower, upper)
+        trial_points = numeric.points(trial, theta)
+        trial_error = targets - trial_points.value[:, point]
+        better = np.linalg.norm(trial_error, axis=1) < np.linalg.norm(error, axis=1)
+        if not better.any() and float(damping.min()) > 1e3:
+            break
+        q = np.where(better[:, None], trial, q)
+        damping = np.clip(np.where(better, damping / 5, damping * 5), 1e-9, 1e6)
+        points = numeric.points(q, theta)
+        error = targets - points.value[:, point]
+        if float(np.linalg.norm(error, axis=1).max()) < 1e-10:
+            break
+    return q, np.linalg.norm(error, axis=1)
+
+
+def branches(
+    numeric: NumericRobot,
+    theta: Array,
+    point: int,
+    target: Array,
+    box: tuple[Array, Array],
+    seed: int,
+    count: int,
+) -> Array:
+    """Distinct coordinates that bring a point nearest to a target, best first, shape (b, n).
+
+    ``count`` bounds the number of branches; random starts are drawn with ``seed`` from the box,
+    from one turn (or SLIDE metres about the target's distance) where it is wider or unlimited.
+    """
+    turns = _turns(numeric)
+    lower, upper = sampled_box(numeric, box, float(np.linalg.norm(target)))
+    starts = np.random.default_rng(seed).uniform(lower, upper, size=(24, numeric.n))
+    q, distance = solve_positions(
+        numeric, starts, theta, point, np.tile(target, (len(starts), 1)), box
+    )
+    chosen: list[Array] = []
+    for index in np.lexsort((*q.T[::-1], np.round(distance, 6))):
+        if all(_gap(q[index] - other, turns) > APART for other in chosen):
+            chosen.append(q[index])
+        if len(chosen) == count:
+            break
+    return np.array(chosen).reshape(-1, numeric.n)
+
+
+def _turns(numeric: NumericRobot) -> NDArray[np.bool_]:
+    """Which coordinates are angles."""
+    return np.array([dof.kind == "revolute" for dof in numeric.graph.model.dofs], dtype=bool)
+
+
+def sampled_box(
+    numeric: NumericRobot, box: tuple[Array, Array], distance: float
+) -> tuple[Array, Array]:
+    """A bounded part (n,), (n,) of the box of coordinates, to draw them from.
+
+    On either side of its point nearest to zero half a turn, or the ``distance`` in metres of what
+    is to be reached and SLIDE more.
+    """
+    lower, upper = box
+    width = np.where(_turns(numeric), np.pi, SLIDE + distance)
+    centre = np.clip(0.0, lower, upper)
+    # A range that begins or ends beyond zero keeps the whole width on its own side.
+    low = np.where(centre == upper, centre - 2 * width, centre - width)
+    high = np.where(centre == lower, centre + 2 * width, centre + width)
+    return np.maximum(lower, low), np.minimum(upper, high)
+
+
+def apart(numeric: NumericRobot, q: Array, other: Array) -> bool:
+    """Whether two poses (n,) are of different branches."""
+    return _gap(q - other, _turns(numeric)) > APART
+
+
+def _gap(difference: Array, turns: NDArray[np.bool_]) -> float:
+    """How far two coordinate vectors are apart: sin of half the angle, metres for slides."""
+    apart = np.where(turns, np.abs(np.sin(difference / 2)), np.abs(difference))
+    return float(np.max(apart, initial=0.0))
+
+
+# --------------------------------------------------------------------------------------------------
+# Random poses of a robot with one point in a convex region: sampling and inverse kinematics.
+
+
+POOL = 1024
+"""Poses drawn at once."""
+POOL_ROUNDS = 20
+"""Of inverse kinematics: nearly all that ends well has by then."""
+REACHED = 1e-6
+"""Metres within which a point counts as brought to its target."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pool:
+    """Poses (K, n) drawn from the box of coordinates, with the points' positions (K, m, d)."""
+
+    q: Array
+    positions: Array
+
+
+def pool(
+    numeric: NumericRobot,
+    theta: Array,
+    box: tuple[Array, Array],
+    reach: float,
+    rng: np.random.Generator,
+) -> Pool:
+    """Draw poses; unlimited slides up to the ``reach`` in metres and some more."""
+    lower, upper = sampled_box(numeric, box, reach)
+    q = rng.uniform(lower, upper, size=(POOL, numeric.n))
+    return Pool(q, numeric.points(q, theta).value)
+
+
+def poses_in(
+    numeric: NumericRobot,
+    theta: Array,
+    drawn: Pool,
+    box: tuple[Array, Array],
+    point: int,
+    region: ConvexSet,
+    count: int,
+    rng: np.random.Generator,
+) -> Array:
+    """At most ``count`` poses (K, n) with a point in a region.
+
+    As drawn, if there are as many; else also those nearest to the region, with the point brought
+    to random places of it by inverse kinematics.
+    """
+    gap = np.max(drawn.positions[:, point] @ region.normals.T - region.offsets, axis=1)
+    order = np.argsort(gap, kind="stable")
+    inside = drawn.q[order[gap[order] <= 0]]
+    if len(inside) >= count:
+        chosen: Array = inside[rng.permutation(len(inside))[:count]]
+        return chosen
+    starts = drawn.q[order[: 2 * (count - len(inside))]]
+    weights = rng.exponential(size=(len(starts), len(region.vertices)))
+    targets = weights @ region.vertices / weights.sum(axis=1, keepdims=True)
+    q, distance = solve_positions(numeric, starts, theta, point, targets, box, POOL_ROUNDS)
+    brought = q[distance < REACHED]
+    found: Array = np.concatenate([inside, brought])
+    return found[:count]

@@ -1,0 +1,357 @@
+"""A robot, a task and a cell path made into a control problem: timing, seeds and half-planes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.robots.robot import RobotModel
+from compiler.tasks.word_formula import Obligation, SampledFormula, Word, holds, obligations
+from compiler.workspaces.abstraction import Abstraction
+from grammar_lang import ir
+from solvers.trajectory.body_clearance import body_clearance, convex_set
+from solvers.trajectory.control import WORST, synthesise_control
+from solvers.trajectory.control_problem import FULL, ControlOutcome, ControlProblem, Effort
+from solvers.trajectory.corridor import Corridor, MotionConstraints
+from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
+from solvers.trajectory.inverse_kinematics import branches
+from solvers.trajectory.path_timing import (
+    Entries,
+    in_order,
+    polyline,
+    smooth_timing,
+    timing_of,
+    word_of,
+)
+from solvers.trajectory.position_rows import PositionPlan
+from solvers.trajectory.seed_motions import body_seeds
+from solvers.trajectory.step_solver import step_maker
+from solvers.trajectory.task_limits import (
+    MotionLimits,
+    input_groups,
+    motion_limits,
+    resting_inputs,
+    state_limits,
+)
+from solvers.trajectory.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from solvers.planner import EffectorPath
+
+SUBSTEPS = 2
+MOST_SUBSTEPS = 32
+INTEGRATION_SHARE = 0.2
+"""The part of the margins that the error of the discretisation may use up."""
+LIMIT_MARGIN = 1e-3
+"""Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
+LEAST_MARGIN = 2e-3
+"""The position margin in metres that a search begins with."""
+OVERSHOOT = 4.0
+"""A wider position margin widens that distance so much faster: motions overshoot within steps."""
+WITHIN = 4
+"""How often limits are looked at within a step once a motion is there."""
+BEYOND = 1.25
+"""How much farther a limit is moved than motions went beyond it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Follower:
+    """An effector of a robot that has to follow a path of cells, and what else binds the robot.
+
+    ``recorded`` is the effector that starts (unless the task names another) and reaches, None: the
+    one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
+    (n, 2, 2): motions were seen to pass them within steps.  A word of cells has to satisfy
+    ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
+    are entered, where smooth timing will not do.  ``spread`` is the room that disturbed motions are
+    given beside the margins.  ``solver`` is the name in cvxpy of what solves
+    the convex steps, None: our own programs.
+    """
+
+    numeric: NumericRobot
+    workspace: ir.Workspace
+    task: ir.Task
+    abstraction: Abstraction
+    effector: int
+    cells: tuple[int, ...]
+    margin: float
+    seed: int
+    branch_count: int = 4
+    substeps: int = SUBSTEPS
+    insets: Array | None = None
+    recorded: int | None = None
+    formula: SampledFormula | None = None
+    others: tuple[EffectorPath, ...] = ()
+    timing: Entries | None = None
+    spread: DisturbanceSpread | None = None
+    solver: str | None = None
+
+    @property
+    def model(self) -> RobotModel:
+        """The robot."""
+        return self.numeric.graph.model
+
+    @property
+    def constraints(self) -> MotionConstraints:
+        """What binds positions."""
+        recorded = self.effector if self.recorded is None else self.recorded
+        return MotionConstraints(
+            self.numeric, self.workspace, self.task, self.abstraction, self.effector, recorded,
+            self.cells,
+        )  # fmt: skip
+
+    @property
+    def limit_margin(self) -> float:
+        """The distance kept from joint and rate limits, in rad or m (/s)."""
+        return LIMIT_MARGIN + OVERSHOOT * max(0.0, self.margin - LEAST_MARGIN)
+
+    @property
+    def limits(self) -> MotionLimits:
+        """The limits of the motion, narrowed so that the proof passes."""
+        insets = 0.0 if self.insets is None else self.insets
+        room = 0.0 if self.spread is None else self.spread.states[:, :, None]
+        return motion_limits(self.model, self.task, self.limit_margin + insets + room)
+
+    # --- timing and formulas --------------------------------------------------------------------
+
+    def waypoints(self) -> tuple[Array, Entries]:
+        """Positions (k + 1, d) along the path from rest to rest, and each cell's entry step."""
+        line, k = polyline(self.abstraction, self.cells), self.task.steps
+        if self.timing is None:
+            along, entries = smooth_timing(line, k)
+        else:
+            along, entries = timing_of(line, self.timing, k), self.timing
+        return line.at(along), entries
+
+    def along(self, cells: tuple[int, ...], entries: Entries) -> Follower:
+        """The same task on another path, of which the entries are known."""
+        return replace(self, cells=cells, timing=None if self.formula is None else entries)
+
+    def word(self, entries: Entries) -> Word:
+        """The propositions of the cells of every effector that has a path, by sample."""
+        own = [(self.effector, self.cells, entries)]
+        own += [(path.effector, path.cells, path.entries or (0,)) for path in self.others]
+        return word_of(self.abstraction, own, self.task.steps)
+
+    def allows(self, entries: Entries) -> bool:
+        """Whether the path may be entered so: every cell has samples, and the formula holds."""
+        if not in_order(entries, self.task.steps):
+            return False
+        return self.formula is None or holds(self.formula, self.word(entries))
+
+    def obligations(self, entries: Entries) -> tuple[Obligation, ...]:
+        """What the formula needs of the motion; none where it does not hold."""
+        if self.formula is None:
+            return ()
+        return obligations(self.formula, self.word(entries)) or ()
+
+    # --- constraints ----------------------------------------------------------------------------
+
+    def plan(self, entries: Entries, *, released: bool = False) -> PositionPlan:
+        """All half-planes for given entry steps; ``released``, only both ends bind to cells."""
+        place, needs = self.waypoints()[0], self.obligations(entries)
+        constraints = self.constraints
+        return PositionPlan(
+            self.task.steps,
+            constraints.dwells(None if released else entries, needs),
+            constraints.separations(needs),
+            self.margin,
+            None if released else self.effector,
+            place,
+            None if self.spread is None else self.spread.points,
+        )
+
+    def problem(self, entries: Entries, *, released: bool = False) -> ControlProblem:
+        """The control problem for given entry steps, or with all cells but the ends released."""
+        task = self.task
+        limits = self.limits
+        groups = input_groups(self.model, task)
+        plan = self.plan(entries, released=released)
+        return ControlProblem(
+            self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
+            step_maker(self.solver),
+        )  # fmt: skip
+
+    # --- seeds and solutions --------------------------------------------------------------------
+
+    def seeds(self, theta: Array) -> list[Trajectory]:
+        """Seed trajectories, the most hopeful first.
+
+        One per branch of the inverse kinematics at the start; where the task binds bodies, those
+        that are clear, or such as a roadmap of clear poses gives.
+        """
+        place, _ = self.waypoints()
+        limits = self.limits
+        box = (limits.lower, limits.upper)
+        if limits.start_values is not None:
+            first = limits.start_values[None, :]
+        else:
+            first = branches(
+                self.numeric, theta, self.effector, place[0], box, self.seed, self.branch_count
+            )
+        dt = float(self.task.step)
+        u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.numeric.m)
+        motions = [self.numeric.track(start, theta, self.effector, place, box) for start in first]
+        if self.binds_bodies and motions:
+            motions = body_seeds(
+                self.corridor(theta), motions, self.waypoints()[1], self.branch_count, self.seed
+            )
+        found = []
+        for q in motions:
+            v = np.gradient(q, dt, axis=0)
+            v[0] = 0.0
+            own = np.tile(limits.own_start, (len(q), 1))
+            found.append(Trajectory(np.concatenate([q, v, own], axis=1), u, theta))
+        return found
+
+    @property
+    def binds_bodies(self) -> bool:
+        """Whether the task asks anything of bodies."""
+        return self.task.bounds_body or any(a.subject == "body" for a in self.task.avoid)
+
+    def corridor(self, theta: Array) -> Corridor:
+        """What poses have to keep to on the path."""
+        limits, avoidances = self.limits, self.constraints.avoidances
+        cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
+        return Corridor(
+            self.numeric, theta, self.effector, cells, body_clearance(avoidances),
+            (limits.lower, limits.upper), self.margin, limits.start_values is not None,
+        )  # fmt: skip
+
+    def solve(
+        self,
+        start: Trajectory,
+        entries: Entries | None = None,
+        box: tuple[Array, Array] | None = None,
+        effort: Effort = FULL,
+        radius: float = 0.5,
+    ) -> ControlOutcome:
+        """Control synthesis from a seed; with ``box`` the parameters are unknowns too."""
+        if entries is None:
+            entries = self.waypoints()[1]
+        return self._solve(self.problem(entries), start, box, effort, radius)
+
+    def released(
+        self,
+        start: Trajectory,
+        entries: Entries,
+        box: tuple[Array, Array] | None,
+        effort: Effort,
+        radius: float,
+    ) -> ControlOutcome:
+        """The same with the cells between the two ends released; what else binds does as before."""
+        return self._solve(self.problem(entries, released=True), start, box, effort, radius)
+
+    def _solve(
+        self,
+        problem: ControlProblem,
+        start: Trajectory,
+        box: tuple[Array, Array] | None,
+        effort: Effort,
+        radius: float,
+    ) -> ControlOutcome:
+        # Trial motions may diverge; what is not finite counts as infeasible.
+        with np.errstate(all="ignore"):
+            outcome = synthesise_control(problem, start, box, effort, radius)
+        if np.isfinite(outcome.robustness):
+            return outcome
+        worst = -WORST * problem.scale
+        return replace(outcome, feasible=False, robustness=worst, trajectory=start)
+
+    def with_margin(self, margin: float) -> Follower:
+        """The same task with another margin."""
+        return replace(self, margin=margin)
+
+    def spreading(self, trajectory: Trajectory, factor: float) -> Follower:
+        """The same task with so many times the room that a motion's disturbed ones take."""
+        with np.errstate(all="ignore"):
+            found = disturbance_spread(self.numeric, self.task, trajectory, self.substeps)
+        return replace(self, spread=found.scaled(factor))
+
+    def refined(self, trajectory: Trajectory) -> Follower:
+        """The same task with as many substeps as a motion needs to be integrated accurately.
+
+        Doubling them once more moves no point and no coordinate by more than a share of its margin.
+        """
+        numeric, n, dt = self.numeric, self.numeric.n, float(self.task.step)
+        substeps, theta, u = self.substeps, trajectory.theta, trajectory.u
+        share = INTEGRATION_SHARE * np.array([self.margin, self.limit_margin])
+        with np.errstate(all="ignore"):
+            x = numeric.simulate(trajectory.x[0], u, theta, dt, substeps)
+            while substeps < MOST_SUBSTEPS:
+                finer = numeric.simulate(trajectory.x[0], u, theta, dt, 2 * substeps)
+                points = (numeric.points(states[:, :n], theta).value for states in (x, finer))
+                gaps = np.array([_largest_gap(*points), _largest_gap(x, finer)])
+                if bool(np.all(gaps <= share)):
+                    break
+                substeps, x = 2 * substeps, finer
+        return replace(self, substeps=substeps)
+
+    def narrowed(self, trajectory: Trajectory) -> Follower | None:
+        """The same task with the limits narrowed that a motion passes within its steps, or None."""
+        numeric, n = self.numeric, self.numeric.n
+        u = np.repeat(trajectory.u, WITHIN, axis=0)
+        dt, theta = float(self.task.step) / WITHIN, trajectory.theta
+        with np.errstate(all="ignore"):
+            x = numeric.simulate(trajectory.x[0], u, theta, dt, max(1, self.substeps // WITHIN))
+        states = x[:, : 2 * n].reshape(len(x), 2, n).transpose(2, 1, 0)
+        limits = state_limits(self.model)
+        below = limits[:, :, 0] - np.min(states, axis=2)
+        above = np.max(states, axis=2) - limits[:, :, 1]
+        beyond = np.stack([below, above], axis=2) + LIMIT_MARGIN / 2
+        if not bool(np.any(beyond > 0)):
+            return None
+        before = 0.0 if self.insets is None else self.insets
+        return replace(self, insets=before + np.maximum(0.0, BEYOND * beyond))
+
+    def visited(self, trajectory: Trajectory) -> tuple[tuple[int, ...], Entries] | None:
+        """The cells a trajectory visits and when it enters them, if that is a path of the task."""
+        positions = self.numeric.points(trajectory.x[:, : self.numeric.n], trajectory.theta).value
+        avoided = {
+            name
+            for avoid in self.task.avoid
+            if avoid.subject == "effector"
+            for name in avoid.regions
+        }
+        cells: list[int] = []
+        entries: list[int] = []
+        for sample, point in enumerate(positions[:, self.effector]):
+            cell = self.abstraction.locate(point)
+            if cell is None or self.abstraction.cells[cell].propositions & avoided:
+                return None
+            if not cells or cells[-1] != cell:
+                if cells and cell not in self.abstraction.neighbours[cells[-1]]:
+                    return None
+                cells.append(cell)
+                entries.append(sample)
+        starts = cells[0] == self.cells[0] or not self.constraints.starts_in_its_cell
+        if not starts or cells[-1] != self.cells[-1]:
+            return None
+        found = tuple(cells), tuple(entries)
+        return found if self.along(*found).allows(found[1]) else None
+
+    def cell_names(self, trajectory: Trajectory, entries: Entries) -> list[list[str]]:
+        """The cell of every effector at every sample."""
+        cells = self.abstraction.cells
+        positions = self.numeric.points(trajectory.x[:, : self.numeric.n], trajectory.theta).value
+        ends = [*entries[1:], self.task.steps + 1]
+        own = [
+            cells[cell].name
+            for cell, first, last in zip(self.cells, entries, ends, strict=True)
+            for _ in range(first, last)
+        ]
+        names = []
+        for effector in range(len(self.model.effectors)):
+            if effector == self.effector:
+                names.append(own)
+                continue
+            located = [self.abstraction.locate(point) for point in positions[:, effector]]
+            names.append(["free" if i is None else cells[i].name for i in located])
+        return names
+
+
+def _largest_gap(before: Array, after: Array) -> float:
+    return float(np.max(np.abs(after - before), initial=0.0))

@@ -1,0 +1,243 @@
+r"""One convex step as it is written on paper, in cvxpy: the reference for the sparse one.
+
+About a trajectory :math:`\hat x, \hat u, \hat\theta`, with the step linearised there
+(:math:`f_i, A_i, B_i, C_i`), unit fictitious inputs :math:`B'_i` and points :math:`p(i, j)`,
+
+.. math::
+    \max_{x, u, v, \theta, V, \sigma, \rho}\quad & (\rho - w_V V) / S - w_\sigma \sigma
+        - w_u \lVert u / S \rVert^2 - w_q \lVert q - \hat q \rVert^2
+        - w_q (k + 1) \lVert (\theta - \hat\theta) / \bar\theta \rVert^2 \\
+    \text{(C.1)}\quad & n_r \cdot p(i_r, j_r) \le b_r + \sigma, \qquad \sigma \ge 0 \\
+    \text{(C.2)}\quad & x_{i+1} = f_i + A_i (x_i - \hat x_i) + B_i (u_i - \hat u_i)
+        + C_i (\theta - \hat\theta) + B'_i v_i \\
+    \text{(C.3)}\quad & \underline u + \rho \le u_{ij} \le \bar u - \rho
+        \quad\text{or}\quad \lVert u_{ig} \rVert_2 \le \bar u - \rho, \qquad \rho \ge 0 \\
+    \text{(C.4), (C.5)}\quad & \lVert v_i \rVert_\infty \le V
+
+within the limits of the motion and the trust region.  With :math:`\epsilon` (Problem 4) every step
+has a slack of its own, the sum of which is paid for, and rho is worth nothing:
+
+.. math::
+    \text{(C.6)}\quad \lVert v_i \rVert_\infty \le g_i, \qquad \epsilon \sum_{l<i} g_l \le g_i.
+
+S is the largest margin of an input.  Further terms, the same tiny share of the square of every
+other unknown, make the optimum unique.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cvxpy as cp
+import numpy as np
+
+from compiler.arrays import Array
+from solvers.backends.conic import NotSolved
+from solvers.backends.cvxpy_solvers import solved
+from solvers.trajectory.linear_model import Model, PositionRows
+from solvers.trajectory.subproblem import LEAST, StepQuestion, StepResult, TrustRegion
+from solvers.trajectory.trajectory import Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceStep:
+    """The convex steps of one question, each written and solved from scratch."""
+
+    question: StepQuestion
+    solver: str = "CLARABEL"
+
+    def solve(
+        self,
+        model: Model,
+        rows: PositionRows,
+        region: TrustRegion,
+        accuracy: float = 1e-8,
+        *,
+        fictitious: bool = True,
+    ) -> StepResult | NotSolved:
+        """The optimum of the step about a trajectory; without ``fictitious`` inputs v is 0."""
+        step = _Step(self.question, model, rows, region, fictitious)
+        problem = cp.Problem(cp.Maximize(step.objective()), step.constraints())
+        failure = solved(problem, self.solver, accuracy)
+        return step.result() if failure is None else failure
+
+
+@dataclass(slots=True)
+class _Step:
+    """The unknowns of one step, and what binds them."""
+
+    question: StepQuestion
+    model: Model
+    rows: PositionRows
+    region: TrustRegion
+    fictitious: bool
+    x: cp.Variable = field(init=False)
+    u: cp.Variable = field(init=False)
+    v: cp.Variable = field(init=False)
+    theta: cp.Expression = field(init=False)
+    g: cp.Variable = field(init=False)
+    largest: cp.Variable = field(init=False)
+    sigma: cp.Variable = field(init=False)
+    rho: cp.Variable = field(init=False)
+
+    def __post_init__(self) -> None:
+        about = self.model.about
+        k = len(about.u)
+        self.x, self.u = cp.Variable(about.x.shape), cp.Variable(about.u.shape)
+        self.v, self.g = cp.Variable(about.x[1:].shape), cp.Variable(k)
+        self.largest, self.sigma, self.rho = (cp.Variable(nonneg=True) for _ in range(3))
+        if self.free:
+            self.theta = cp.Variable(len(about.theta))
+        else:
+            self.theta = cp.Constant(about.theta)
+
+    @property
+    def free(self) -> bool:
+        """Whether the parameters are unknowns."""
+        return self.question.theta_box is not None and len(self.model.about.theta) > 0
+
+    @property
+    def n(self) -> int:
+        """The number of coordinates."""
+        return len(self.question.limits.lower)
+
+    # --- the objective --------------------------------------------------------------------------
+
+    def objective(self) -> cp.Expression:
+        """What is maximised."""
+        weights, scale, about = self.question.weights, self.question.scale, self.model.about
+        moves = cp.sum_squares(self.x[:, : self.n] - about.x[:, : self.n])
+        if self.free:
+            size = np.maximum(np.abs(about.theta), LEAST)
+            moves += len(about.x) * cp.sum_squares((self.theta - about.theta) / size)
+        if self.question.epsilon is None:
+            worth = (self.rho - weights.fictitious * self.largest) / scale
+        else:
+            worth = -weights.fictitious * cp.sum(self.g) / scale
+        rest = [self.x[:, self.n :], self.v, self.g, self.largest, self.sigma, self.rho]
+        return (
+            worth
+            - weights.position * self.sigma
+            - weights.quadratic * cp.sum_squares(self.u / scale)
+            - self.region.proximal * moves
+            - weights.regular / 2 * sum(cp.sum_squares(unknown) for unknown in rest)
+        )
+
+    # --- the constraints ------------------------------------------------------------------------
+
+    def constraints(self) -> list[cp.Constraint]:
+        """All of them."""
+        return [
+            *self.positions(),
+            *self.dynamics(),
+            *self.inputs(),
+            *self.slacks(),
+            *self.limits(),
+            *self.trust(),
+        ]
+
+    def positions(self) -> list[cp.Constraint]:
+        """C.1: points in the half-planes of the path, and of what is avoided."""
+        rows, points, about = self.rows, self.model.points, self.model.about
+        if not len(rows.sample):
+            return []
+        normal, pick = rows.normal[:, None, :], (rows.sample, rows.point)
+        value = np.einsum("rd,rd->r", rows.normal, points.value[pick])
+        by_q = (normal @ points.by_q[pick])[:, 0, :]
+        at = value + _rowwise(by_q, (self.x - about.x)[rows.sample, : self.n])
+        if self.free:
+            at += (normal @ points.by_theta[pick])[:, 0, :] @ (self.theta - about.theta)
+        return [at <= rows.offset + self.sigma]
+
+    def dynamics(self) -> list[cp.Constraint]:
+        """C.2: the linearised step, one entry of the state after the other."""
+        about, step = self.model.about, self.model.dynamics
+        dx, du = self.x[:-1] - about.x[:-1], self.u - about.u
+        found = []
+        for j in range(about.x.shape[1]):
+            after = step.value[:, j] + _rowwise(step.state[:, j], dx)
+            after += _rowwise(step.input[:, j], du) + _rowwise(self.model.fictitious[:, j], self.v)
+            if self.free:
+                after += step.parameter[:, j] @ (self.theta - about.theta)
+            found.append(self.x[1:, j] == after)
+        return found
+
+    def inputs(self) -> list[cp.Constraint]:
+        """C.3: inputs keep a distance rho from their bounds."""
+        found = [] if self.question.groups else [self.rho <= 0]
+        for group in self.question.groups:
+            u = self.u[:, list(group.inputs)]
+            found.append(self.rho <= group.widest_margin)
+            if group.norm2:
+                found.append(cp.norm(u, 2, axis=1) <= group.upper - self.rho)
+            else:
+                found += [u <= group.upper - self.rho, u >= group.lower + self.rho]
+        return found
+
+    def slacks(self) -> list[cp.Constraint]:
+        """C.4 and C.5: fictitious inputs up to V; or C.6, the least of them first."""
+        epsilon = self.question.epsilon
+        if not self.fictitious:
+            return [self.v == 0, self.g == 0, self.largest == 0]
+        if epsilon is None:
+            return [cp.abs(self.v) <= self.largest, self.g == 0]
+        earlier = np.tri(len(self.model.about.u), k=-1)
+        own = [cp.abs(self.v[:, j]) <= self.g for j in range(self.v.shape[1])]
+        return [*own, epsilon * (earlier @ self.g) <= self.g, self.largest == 0]
+
+    def limits(self) -> list[cp.Constraint]:
+        """Joints, rates and the two ends."""
+        limits, n = self.question.limits, self.n
+        first = 0 if limits.start_values is None else 1
+        q, rates, own = self.x[:, :n], self.x[:, n : 2 * n], self.x[0, 2 * n :]
+        found = _between(q[first:], limits.lower, limits.upper)
+        found += _between(rates, limits.rate_lower, limits.rate_upper)
+        for end, bound in (rates[0], limits.start_rates), (rates[-1], limits.final_rates):
+            if np.isfinite(bound):
+                found.append(cp.abs(end) <= bound)
+        if limits.start_values is not None:
+            found.append(q[0] == limits.start_values)
+        if len(limits.own_start):
+            found.append(own == limits.own_start)
+        return found
+
+    def trust(self) -> list[cp.Constraint]:
+        """Where the linearisation is believed, and the box of the parameters."""
+        limits, radius, about = self.question.limits, self.region.radius, self.model.about
+        first = 0 if limits.start_values is None else 1
+        centre = np.clip(about.x[first:, : self.n], limits.lower, limits.upper)
+        found = [cp.abs(self.x[first:, : self.n] - centre) <= radius]
+        box = self.question.theta_box
+        if self.free and box is not None:
+            reach = radius * np.maximum(np.abs(about.theta), LEAST)
+            found += [self.theta >= box[0], self.theta <= box[1]]
+            found.append(cp.abs(self.theta - about.theta) <= reach)
+        return found
+
+    # --- the answer -----------------------------------------------------------------------------
+
+    def result(self) -> StepResult:
+        """The values of the unknowns."""
+        x, u, theta = (np.array(part.value) for part in (self.x, self.u, self.theta))
+        v = np.array(self.v.value) if self.fictitious else np.zeros_like(x[1:])
+        return StepResult(
+            Trajectory(x, u, theta),
+            v,
+            float(np.max(np.abs(v), initial=0.0)),
+            max(0.0, float(self.sigma.value)),
+            float(self.rho.value),
+        )
+
+
+def _rowwise(matrix: Array, unknown: cp.Expression) -> cp.Expression:
+    """The products of corresponding rows."""
+    return cp.sum(cp.multiply(matrix, unknown), axis=1)
+
+
+def _between(values: cp.Expression, lower: Array, upper: Array) -> list[cp.Constraint]:
+    """Columns within bounds, as far as these are finite."""
+    found = []
+    for j, (low, high) in enumerate(zip(lower, upper, strict=True)):
+        found += [values[:, j] >= low] if np.isfinite(low) else []
+        found += [values[:, j] <= high] if np.isfinite(high) else []
+    return found

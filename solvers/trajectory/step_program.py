@@ -1,0 +1,287 @@
+"""The convex step as sparse arrays: its structure is built once, then only numbers are filled in.
+
+States and parameters are deviations from those of the trajectory, so that nothing is lost to
+rounding where the iteration ends; inputs are inputs.
+
+The structure depends on the robot, the limits, the grid and on which sample every position row is
+about; it is built anew when one of these changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import csc_matrix
+
+from compiler.arrays import Array
+from solvers.backends.conic import Cones, ConvexProgram
+from solvers.trajectory.linear_model import Model, PositionRows
+from solvers.trajectory.subproblem import LEAST, Indices, StepLayout, StepQuestion, TrustRegion
+from solvers.trajectory.task_limits import MotionLimits
+
+
+@dataclass(slots=True)
+class StepProgram:
+    """The structure of the convex steps of one question about trajectories of one size."""
+
+    question: StepQuestion
+    layout: StepLayout
+    samples: Indices
+    """The sample that each position row is about, (R,)."""
+    _equal: EntryPattern = field(init=False)
+    _given: Indices = field(init=False)
+    """Places of the states that are given, in the states laid out in a row."""
+    _given_values: Array = field(init=False)
+    _less: EntryPattern = field(init=False)
+    _less_tail: Array = field(init=False)
+    _less_right: Array = field(init=False)
+    _cones: Cones | None = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._lay_equalities()
+        self._lay_inequalities()
+        self._cones = self._second_order()
+
+    # --- structure ------------------------------------------------------------------------------
+
+    @property
+    def _fictitious(self) -> tuple[Indices, Indices]:
+        """The places in B' (N, N) that need not be zero."""
+        n, own = self.layout.n, np.arange(2 * self.layout.n, self.layout.width)
+        row, column = np.divmod(np.arange(n * n), n)
+        return np.concatenate([row, n + row, own]), np.concatenate([column, n + column, own])
+
+    def _lay_equalities(self) -> None:
+        """C.2, one block of N rows per step, then values given at the two ends."""
+        layout, limits = self.layout, self.question.limits
+        k, width, n = layout.k, layout.width, layout.n
+        entries = EntryList()
+        wide = [layout.x[:-1], layout.u]
+        if layout.p:
+            wide.append(np.broadcast_to(layout.theta, (k, layout.p)))
+        blocks = [np.repeat(columns, width, axis=0) for columns in wide]
+        entries.add(*blocks, layout.x[1:].reshape(-1, 1))
+        if layout.fictitious:
+            row, column = self._fictitious
+            steps = np.arange(k)[:, None]
+            entries.row.append((steps * width + row).ravel())
+            entries.column.append(layout.v[:, column].ravel())
+        given = [(layout.x[0, 2 * n :], limits.own_start)]
+        if limits.start_values is not None:
+            given.append((layout.x[0, :n], limits.start_values))
+        for sample, bound in ((0, limits.start_rates), (k, limits.final_rates)):
+            if bound == 0.0:
+                given.append((layout.x[sample, n : 2 * n], np.zeros(n)))
+        for columns, _ in given:
+            entries.add(columns[:, None])
+        self._equal = entries.compressed(layout.size)
+        self._given = np.concatenate([columns for columns, _ in given])
+        self._given_values = np.concatenate([values for _, values in given])
+
+    def _lay_inequalities(self) -> None:
+        """C.1, then C.4 and C.5 with C.6, then C.3."""
+        layout, question = self.layout, self.question
+        entries, tail, right = EntryList(), list[Array](), list[Array]()
+        rows = len(self.samples)
+        at = [layout.x[self.samples, : layout.n]]
+        if layout.p:
+            at.append(np.broadcast_to(layout.theta, (rows, layout.p)))
+        entries.add(*at, np.full((rows, 1), layout.sigma))
+        if layout.fictitious:
+            bound = np.full_like(layout.v, layout.largest)
+            if layout.slacks:
+                bound = np.broadcast_to(layout.g[:, None], layout.v.shape)
+            for sign in (1.0, -1.0):
+                entries.add(layout.v.reshape(-1, 1), bound.reshape(-1, 1))
+                tail += [np.full(bound.size, sign), np.full(bound.size, -1.0)]
+                right.append(np.zeros(bound.size))
+        if layout.slacks:
+            entries.add(np.tile(layout.g, (layout.k, 1)))
+            tail.append(
+                ((question.epsilon or 0.0) * np.tri(layout.k, k=-1) - np.eye(layout.k)).ravel()
+            )
+            right.append(np.zeros(layout.k))
+        for group in question.groups:
+            if group.norm2:
+                continue
+            columns = layout.u[:, list(group.inputs)].reshape(-1, 1)
+            for sign, end in ((1.0, group.upper), (-1.0, -group.lower)):
+                entries.add(columns, np.full_like(columns, layout.rho))
+                tail += [np.full(len(columns), sign), np.ones(len(columns))]
+                right.append(np.full(len(columns), end))
+        self._less = entries.compressed(layout.size)
+        self._less_tail = np.concatenate([*tail, np.zeros(0)])
+        self._less_right = np.concatenate([*right, np.zeros(0)])
+
+    def _second_order(self) -> Cones | None:
+        """C.3 for groups of inputs that are bounded together: |u|_2 <= bound - rho."""
+        layout, sizes = self.layout, list[int]()
+        entries, values, right = EntryList(), list[Array](), list[Array]()
+        for group in self.question.groups:
+            if not group.norm2:
+                continue
+            for columns in layout.u[:, list(group.inputs)]:
+                entries.add(np.array([[layout.rho]]))
+                entries.add(columns[:, None])
+                values += [np.ones(1), np.full(len(columns), -1.0)]
+                right.append(np.array([group.upper, *np.zeros(len(columns))]))
+                sizes.append(1 + len(columns))
+        if not sizes:
+            return None
+        matrix = entries.compressed(layout.size).matrix(values)
+        return Cones(matrix, np.concatenate(right), tuple(sizes))
+
+    # --- numbers --------------------------------------------------------------------------------
+
+    def program(self, model: Model, rows: PositionRows, region: TrustRegion) -> ConvexProgram:
+        """The program about a trajectory."""
+        values, right = self._dynamics(model)
+        row_values, row_right = self._positions(model, rows)
+        lower, upper = self._bounds(model, region.radius)
+        quadratic, linear = self._objective(model, region.proximal)
+        return ConvexProgram(
+            quadratic, linear,
+            self._equal.matrix(values), right,
+            self._less.matrix([*row_values, self._less_tail]),
+            np.concatenate([row_right, self._less_right]),
+            lower, upper, self._cones, self,
+        )  # fmt: skip
+
+    def _dynamics(self, model: Model) -> tuple[list[Array], Array]:
+        layout, about, lin = self.layout, model.about, model.dynamics
+        known = about.x[1:] - lin.value
+        known += np.matmul(lin.input, about.u[:, :, None])[:, :, 0]
+        values = [lin.state.ravel(), lin.input.ravel()]
+        if layout.p:
+            values.append(lin.parameter.ravel())
+        values.append(np.full(layout.k * layout.width, -1.0))
+        if layout.fictitious:
+            values.append(model.fictitious[:, *self._fictitious].ravel())
+        values.append(np.ones(len(self._given)))
+        given = self._given_values - about.x.ravel()[self._given]
+        return values, np.concatenate([known.ravel(), given])
+
+    def _positions(self, model: Model, wanted: PositionRows) -> tuple[list[Array], Array]:
+        """C.1: half-planes on positions linearised in the coordinates and parameters."""
+        points = model.points
+        pick = (wanted.sample, wanted.point)
+        normal = wanted.normal[:, None, :]
+        by_q = np.matmul(normal, points.by_q[pick])[:, 0, :]
+        right = wanted.offset - np.einsum("rd,rd->r", wanted.normal, points.value[pick])
+        values = [by_q.ravel()]
+        if self.layout.p:
+            by_theta = np.matmul(normal, points.by_theta[pick])[:, 0, :]
+            values.append(by_theta.ravel())
+        return [*values, np.full(len(right), -1.0)], right
+
+    def _bounds(self, model: Model, radius: float) -> tuple[Array, Array]:
+        """Limits and trust region together; a centre outside the limits is moved onto them."""
+        layout, question, about = self.layout, self.question, model.about
+        n, limits = layout.n, question.limits
+        lower, upper = np.full(layout.size, -np.inf), np.full(layout.size, np.inf)
+        low = np.tile(limits.lower, (layout.k + 1, 1))
+        high = np.tile(limits.upper, (layout.k + 1, 1))
+        if limits.start_values is not None:
+            low[0] = high[0] = limits.start_values
+        q, v = about.x[:, :n], about.x[:, n : 2 * n]
+        centre = np.clip(q, low, high)
+        lower[layout.x[:, :n]] = np.maximum(low, centre - radius) - q
+        upper[layout.x[:, :n]] = np.minimum(high, centre + radius) - q
+        if limits.start_values is not None:  # an equality says it
+            lower[layout.x[0, :n]], upper[layout.x[0, :n]] = -np.inf, np.inf
+        low, high = rate_bounds(limits, layout.k)
+        lower[layout.x[:, n : 2 * n]], upper[layout.x[:, n : 2 * n]] = low - v, high - v
+        if question.theta_box is not None:
+            reach, box = radius * np.maximum(np.abs(about.theta), LEAST), question.theta_box
+            lower[layout.theta] = np.maximum(box[0] - about.theta, -reach)
+            upper[layout.theta] = np.minimum(box[1] - about.theta, reach)
+        lower[layout.sigma] = lower[layout.rho] = 0.0
+        upper[layout.rho] = min((group.widest_margin for group in question.groups), default=0.0)
+        if layout.fictitious:
+            lower[layout.largest] = 0.0
+        return lower, upper
+
+    def _objective(self, model: Model, proximal: float) -> tuple[Array, Array]:
+        layout, question = self.layout, self.question
+        weights, scale = question.weights, question.scale
+        linear, quadratic = np.zeros(layout.size), np.full(layout.size, weights.regular)
+        linear[layout.sigma] = weights.position
+        if layout.fictitious:
+            linear[layout.largest] = weights.fictitious / scale
+        if layout.slacks:
+            linear[layout.g] = weights.fictitious / scale
+        else:
+            linear[layout.rho] = -1.0 / scale
+        quadratic[layout.u] = 2 * weights.quadratic / scale**2
+        quadratic[layout.x[:, : layout.n]] = 2 * proximal
+        if layout.p:
+            # A parameter bears on every sample.
+            size = np.maximum(np.abs(model.about.theta), LEAST)
+            quadratic[layout.theta] = 2 * proximal * (layout.k + 1) / size**2
+        return quadratic, linear
+
+
+def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:
+    """Bounds of the rates (k + 1, n); infinite at ends at rest, where an equality says it."""
+    shape = (steps + 1, len(limits.lower))
+    low = np.array(np.broadcast_to(limits.rate_lower, shape))
+    high = np.array(np.broadcast_to(limits.rate_upper, shape))
+    for sample, bound in ((0, limits.start_rates), (steps, limits.final_rates)):
+        if bound == 0.0:
+            low[sample], high[sample] = -np.inf, np.inf
+        else:
+            low[sample] = np.maximum(low[sample], -bound)
+            high[sample] = np.minimum(high[sample], bound)
+    return low, high
+
+
+# --- A sparse matrix whose entries are known in place before they are known in value --------------
+
+
+@dataclass(slots=True)
+class EntryList:
+    """Places of entries, block by block; every place occurs once."""
+
+    rows: int = 0
+    row: list[Indices] = field(default_factory=list[Indices])
+    column: list[Indices] = field(default_factory=list[Indices])
+
+    def add(self, *blocks: Indices) -> None:
+        """Further rows, with one entry in each of the columns of blocks of shape (rows, width)."""
+        count = len(blocks[0])
+        numbers = np.arange(self.rows, self.rows + count)
+        for columns in blocks:
+            self.row.append(np.broadcast_to(numbers[:, None], columns.shape).ravel())
+            self.column.append(columns.ravel())
+        self.rows += count
+
+    def compressed(self, width: int) -> EntryPattern:
+        """The pattern of a matrix with so many columns."""
+        none = np.zeros(0, dtype=np.int64)
+        row = np.concatenate([*self.row, none])
+        column = np.concatenate([*self.column, none])
+        order = np.lexsort((row, column))
+        starts = np.searchsorted(column[order], np.arange(width + 1))
+        shape = (self.rows, width)
+        empty = csc_matrix((np.zeros(len(order)), row[order], starts), shape=shape)
+        return EntryPattern(order, empty)
+
+
+@dataclass(frozen=True, slots=True)
+class EntryPattern:
+    """Compressed columns whose data are values of entries in the order of the list."""
+
+    order: Indices
+    empty: csc_matrix
+    """The pattern with zeros."""
+
+    def matrix(self, values: Sequence[Array]) -> csc_matrix:
+        """The matrix with these values, block by block as the entries were listed."""
+        flat = np.concatenate([*values, np.zeros(0)])
+        # The pattern is known to be sound: a copy is forty times as fast as building it anew.
+        matrix = copy(self.empty)
+        matrix.data = flat[self.order]
+        return matrix

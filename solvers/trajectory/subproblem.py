@@ -1,0 +1,159 @@
+"""The convex subproblem of one step: what it is asked, where its unknowns lie, what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.arrays import Array
+from solvers.trajectory.task_limits import InputGroup, MotionLimits, effort_scale
+from solvers.trajectory.trajectory import Trajectory
+
+# --- What a convex step is asked and what it answers ----------------------------------------------
+
+
+LEAST = 0.1
+"""Parameters smaller than this move as if they were of this size, in SI."""
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Penalties of the convex step: per unit of effort (V), per metre (sigma), of squares.
+
+    Squares of inputs are in units of the largest margin; ``regular`` is given to every other
+    unknown, for the solver's sake.
+    """
+
+    fictitious: float = 20.0
+    position: float = 200.0
+    quadratic: float = 1e-4
+    regular: float = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class TrustRegion:
+    """Where a linearisation is believed.
+
+    ``radius`` bounds the moves of coordinates (rad or m) and, relative, of parameters;
+    ``proximal`` is the price of their squares.
+    """
+
+    radius: float
+    proximal: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class StepQuestion:
+    """What of a convex step stays the same from one to the next.
+
+    With ``epsilon`` every step has a slack of its own under C.6.
+    """
+
+    limits: MotionLimits
+    groups: tuple[InputGroup, ...]
+    theta_box: tuple[Array, Array] | None
+    weights: Weights
+    epsilon: float | None = None
+
+    @property
+    def scale(self) -> float:
+        """The unit of effort."""
+        return effort_scale(self.groups)
+
+
+@dataclass(frozen=True, slots=True)
+class StepResult:
+    """The optimum of a convex step; slack and margin in metres and units of effort."""
+
+    trajectory: Trajectory
+    fictitious: Array
+    largest_fictitious: float
+    position_slack: float
+    margin: float
+
+
+# --------------------------------------------------------------------------------------------------
+# Where the unknowns of a convex step live in one vector z: motion, parameters, scalars, slacks.
+
+
+Indices: TypeAlias = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class StepLayout:
+    """``n`` coordinates, states of ``width`` entries, ``m`` inputs, ``k`` steps, ``p`` parameters.
+
+    ``fictitious`` says whether there are fictitious inputs v and their bound V; ``slacks``, whether
+    each step has a slack g of its own.
+    """
+
+    n: int
+    width: int
+    m: int
+    k: int
+    p: int
+    fictitious: bool
+    slacks: bool
+
+    @property
+    def x(self) -> Indices:
+        """States, (k + 1, width)."""
+        return np.arange((self.k + 1) * self.width).reshape(self.k + 1, self.width)
+
+    @property
+    def u(self) -> Indices:
+        """Inputs, (k, m)."""
+        return self._after_x + np.arange(self.k * self.m).reshape(self.k, self.m)
+
+    @property
+    def v(self) -> Indices:
+        """Fictitious inputs, (k, width), or (0, width)."""
+        rows = self.k if self.fictitious else 0
+        return self._after_u + np.arange(rows * self.width).reshape(rows, self.width)
+
+    @property
+    def theta(self) -> Indices:
+        """Parameters that are unknowns, (p,)."""
+        return self._after_v + np.arange(self.p)
+
+    @property
+    def sigma(self) -> int:
+        """The position slack in metres."""
+        return self._after_v + self.p
+
+    @property
+    def rho(self) -> int:
+        """The margin of the inputs."""
+        return self._after_v + self.p + 1
+
+    @property
+    def largest(self) -> int:
+        """V, the bound of the fictitious inputs; only where there are any."""
+        return self._after_v + self.p + 2
+
+    @property
+    def g(self) -> Indices:
+        """One slack per step, (k,) or (0,)."""
+        rows = self.k if self.slacks else 0
+        return self._after_v + self.p + 2 + int(self.fictitious) + np.arange(rows)
+
+    @property
+    def size(self) -> int:
+        """The number of unknowns."""
+        slacks = self.k if self.slacks else 0
+        return self._after_v + self.p + 2 + int(self.fictitious) + slacks
+
+    @property
+    def _after_x(self) -> int:
+        return (self.k + 1) * self.width
+
+    @property
+    def _after_u(self) -> int:
+        return self._after_x + self.k * self.m
+
+    @property
+    def _after_v(self) -> int:
+        return self._after_u + (self.k * self.width if self.fictitious else 0)

@@ -1,0 +1,132 @@
+"""What a robot and a task bound, in floats: joints and rates, inputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.robots.given_start import given_start
+from compiler.robots.input_bounds import input_bounds
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_states
+from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
+
+NARROW = 0.1
+"""Limits are narrowed at most by this part of a range's width."""
+RATE_MARGIN = 0.5
+"""A final rest is asked for at this fraction of its bound."""
+
+
+def state_limits(model: RobotModel) -> Array:
+    """Ranges and rate limits of the joints, shape (n, 2, 2); infinite where there are none."""
+
+    def ends(interval: ir.Interval | None) -> tuple[float, float]:
+        if interval is None:
+            return -np.inf, np.inf
+        return to_float(interval.lower), to_float(interval.upper)
+
+    limits = [(ends(dof.range), ends(dof.rate)) for dof in model.dofs]
+    return np.array(limits).reshape(-1, 2, 2)
+
+
+def motion_limits(model: RobotModel, task: ir.Task, slack: Array | float = 0.0) -> MotionLimits:
+    """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
+
+    Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width; an
+    array gives the slacks of ranges and rates at their lower and upper ends, shape (n, 2, 2).
+    """
+    slacks = np.broadcast_to(slack, (len(model.dofs), 2, 2))
+    limits = state_limits(model)
+    width = np.diff(limits, axis=2)
+    most = np.where(np.isfinite(width), NARROW * width, 0.0)
+    inset = np.minimum(slacks, most) * np.array([1.0, -1.0])
+    ranges, rates = (limits + inset).transpose(1, 0, 2)
+    start = task.start
+    values = None
+    if isinstance(start, ir.StartAt):
+        values = np.array([to_float(value) for value in given_start(model, start).values])
+    start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
+    rests = task.reach is not None and task.reach.at_rest
+    final = RATE_MARGIN * 1e-3 if rests else np.inf
+    own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
+    return MotionLimits(
+        ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values,
+        np.array(own),
+    )  # fmt: skip
+
+
+def input_groups(model: RobotModel, task: ir.Task) -> tuple[InputGroup, ...]:
+    """The bounded inputs of a robot in a task."""
+    return tuple(
+        InputGroup(bound.inputs, float(bound.lower), float(bound.upper), bound.norm2, bound.effort)
+        for bound in input_bounds(model, task)
+    )
+
+
+def resting_inputs(groups: tuple[InputGroup, ...], steps: int, count: int) -> Array:
+    """Inputs (steps, count) as near to zero as their bounds allow."""
+    u = np.zeros((steps, count))
+    for group in groups:
+        if not group.norm2:
+            u[:, list(group.inputs)] = min(max(0.0, group.lower), group.upper)
+    return u
+
+
+# --- What bounds a motion apart from positions, in floats: inputs, joints, rates, its two ends ----
+
+
+@dataclass(frozen=True, slots=True)
+class InputGroup:
+    """Inputs in [lower, upper] each, or of Euclidean norm at most ``upper`` (``norm2``).
+
+    ``effort`` says that they are free inputs of joints, not declared ones.
+    """
+
+    inputs: tuple[int, ...]
+    lower: float
+    upper: float
+    norm2: bool
+    effort: bool = True
+
+    @property
+    def widest_margin(self) -> float:
+        """The margin of inputs in the middle of their bounds."""
+        return self.upper if self.norm2 else (self.upper - self.lower) / 2
+
+    def margin(self, u: Array) -> float:
+        """The least distance of inputs (k, m) from the bounds."""
+        own = u[:, list(self.inputs)]
+        if self.norm2:
+            own = np.linalg.norm(own, axis=1, keepdims=True)
+        gaps = self.upper - own if self.norm2 else np.minimum(self.upper - own, own - self.lower)
+        return float(np.min(gaps, initial=self.widest_margin))
+
+
+def effort_scale(groups: tuple[InputGroup, ...]) -> float:
+    """The unit in which defects and fictitious inputs are weighed: the largest margin of an input.
+
+    Where every input has one value only, it is 1.
+    """
+    return max((group.widest_margin for group in groups), default=1.0) or 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class MotionLimits:
+    """What binds the state apart from positions; arrays have one entry per degree of freedom.
+
+    ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones (inf:
+    free), ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial states
+    of the modules' own.
+    """
+
+    lower: Array
+    upper: Array
+    rate_lower: Array
+    rate_upper: Array
+    start_rates: float
+    final_rates: float
+    start_values: Array | None
+    own_start: Array = field(default_factory=lambda: np.zeros(0))
