@@ -133,7 +133,7 @@ def result(made: Callable[[str], Path], tmp_path: Path) -> Callable[[str], Path]
 @pytest.fixture
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """For tests that look at no picture: syntheses of this process draw none, which saves time."""
-    from srgc.pictures import figures
+    from srgc.render import result_pictures
 
     for name in ("workspace_figure", "input_figure"):
-        monkeypatch.setattr(figures, name, lambda *_: "<svg/>")
+        monkeypatch.setattr(result_pictures, name, lambda *_: "<svg/>")
