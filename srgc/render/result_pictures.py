@@ -14,8 +14,13 @@ from solvers.search.design import Design
 from solvers.search.synthesis import Synthesis
 from srgc.render.html_text import number, with_unit
 from srgc.render.line_chart import Curve, colour_class, curve_marks, plot_of, thinned
-from srgc.render.motion_samples import motion_samples
-from srgc.render.robot_drawing import DrawnRobot, drawn_robot, ghost_marks, pose_marks
+from srgc.render.robot_drawing import (
+    DrawnRobot,
+    drawn_robot,
+    ghost_marks,
+    motion_samples,
+    pose_marks,
+)
 from srgc.render.svg import SAMPLE, document, label, line_path, moved, symbol
 from srgc.render.view import View, from_above
 from srgc.render.workspace_drawing import (

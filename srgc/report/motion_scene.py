@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compiler.arrays import Array
-from srgc.render.motion_samples import motion_samples
-from srgc.render.robot_drawing import DrawnRobot, drawn_robot
+from srgc.render.robot_drawing import DrawnRobot, drawn_robot, motion_samples
 from srgc.render.view import View, fitted
 from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
 from srgc.report.evidence import Evidence

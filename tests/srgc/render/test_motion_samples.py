@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from srgc.render.motion_samples import SHARPEST, MotionSamples, motion_samples
+from srgc.render.robot_drawing import SHARPEST, MotionSamples, motion_samples
 
 
 def sampled(count: int, most: int, *, turning: bool = True) -> MotionSamples:
