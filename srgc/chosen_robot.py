@@ -11,7 +11,7 @@ from compiler.robots.family import RobotFamily
 from compiler.robots.planarity import is_planar
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from srgc.graphs.chosen_derivation import chosen_derivation
+from srgc.graphs.graph_request import chosen_derivation
 from srgc.session import UsageFault, chosen
 
 

@@ -77,3 +77,11 @@ class SpecErrors(SrgcError):
 
         findings = to_text(self.checked.diagnostics, self.checked.sources, most=MOST_FINDINGS)
         return f"the spec has errors\n{findings}".rstrip()
+
+
+# --- The exit statuses of the commands ------------------------------------------------------------
+
+
+FOUND, REFUSED, USAGE, IMPOSSIBLE, UNKNOWN, SPEC_ERRORS, UNEXPECTED = 0, 1, 2, 3, 4, 5, 6
+INTERNAL, INTERRUPTED, NO_READER = 70, 130, 141
+VERDICT_STATUS = {"found": FOUND, "impossible": IMPOSSIBLE, "unknown": UNKNOWN}

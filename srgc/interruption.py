@@ -20,7 +20,7 @@ from select import select
 from threading import Lock, Thread
 from types import FrameType
 
-from srgc.exit_status import INTERRUPTED
+from srgc.faults import INTERRUPTED
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 PATIENCE = 2.0

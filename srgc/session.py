@@ -43,7 +43,7 @@ def _with_near_name(path: Path, checked: Checked) -> Checked:
     """Of a file that is not there, the hint says which one may be meant."""
     if path.exists() or checked.program is not None or len(checked.diagnostics) != 1:
         return checked
-    from srgc.near_places import near_spec
+    from srgc.paths import near_spec
 
     meant = near_spec(path)
     if meant is None:

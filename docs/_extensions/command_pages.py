@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from srgc.cli.command_table import all_commands, cli
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from solvers.verifier.report import Report
     from srgc.chosen_robot import ChosenRobot
     from srgc.text_reports.plan_report import PlanReport
-    from srgc.text_reports.used_inputs import UsedInputs
+    from srgc.text_reports.synthesis_report import UsedInputs
 
 HEIGHT = 640
 """Of the frame of a report."""
@@ -86,7 +86,7 @@ def _facts(design: Mapping[str, Any], used: Sequence[UsedInputs]) -> Iterator[tu
     for one in design["parameters"]:
         name = f"{one['symbol']}.{one['name']}"
         yield name, with_unit(float(one["value"]), str(one["unit"]), 6)
-    from srgc.text_reports.used_inputs import amount
+    from srgc.text_reports.synthesis_report import amount
 
     for each in used:
         name = "effort" if each.effort else each.name.removeprefix("input ")
@@ -171,7 +171,7 @@ def _coloured_source(content: str) -> str:
 def findings_html(checked: Checked) -> str:
     """A display of findings, as ``srgc check`` prints them."""
     from grammar_lang.diagnostics.render import to_text
-    from srgc.text_reports.check_summary import summary
+    from srgc.text_reports.findings_text import summary
 
     said = summary([checked])
     if not checked.diagnostics:

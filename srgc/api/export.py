@@ -44,8 +44,7 @@ def export(
     Raises:
         SrgcError: there is no robot, it has no such form, or the path cannot be written.
     """
-    from srgc.exports.design_export import BINARY, FOLDERS, FORMS
-    from srgc.exports.written_export import written_export
+    from srgc.exports.design_export import BINARY, FOLDERS, FORMS, written_export
 
     if to not in (*FORMS, *FOLDERS):
         raise UsageFault(f"there is no format `{to}`: there are {', '.join((*FORMS, *FOLDERS))}")

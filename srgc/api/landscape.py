@@ -95,9 +95,8 @@ def landscape_of(
     """
     from srgc.landscapes.landscape import landscape
     from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
-    from srgc.results.found_design import found_design
-    from srgc.results.found_record import found_record
-    from srgc.workers import workers_for
+    from srgc.results.found_design import found_design, found_record
+    from srgc.search_options import workers_for
 
     found = found_design(folder)
     record = found_record(folder, found)

@@ -15,7 +15,7 @@ from grammar_lang.load import load_text
 from srgc.api.spoken_faults import spoken
 from srgc.faults import MOST_FINDINGS, Checked, SpecErrors, UsageFault
 from srgc.session import check_file, check_loaded, chosen
-from srgc.text_reports.check_summary import summary
+from srgc.text_reports.findings_text import summary
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +236,7 @@ def words(
     Raises:
         SrgcError: there is no such grammar, or several and none is named.
     """
-    from srgc.text_reports.word_list import listed
+    from srgc.text_reports.language_report import listed
 
     if limit < 0 or (max_length is not None and max_length < 0):
         raise UsageFault("`limit` and `max_length` are not negative")

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from srgc.report.trajectory import Trajectory
     from srgc.results.found_design import FoundDesign
-    from srgc.text_reports.used_inputs import UsedInputs
+    from srgc.text_reports.synthesis_report import UsedInputs
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,7 @@ class Result:
 
     def _used(self) -> tuple[UsedInputs, ...]:
         """What the motion uses of its inputs; nothing without one that can be read."""
-        from srgc.text_reports.used_inputs import used_inputs
+        from srgc.text_reports.synthesis_report import used_inputs
 
         if self.word is None:
             return ()
@@ -255,7 +255,7 @@ def _unpickled(
 
 
 def _design(folder: Path) -> dict[str, Any]:
-    from srgc.results.json_object import json_object
+    from srgc.results.result_folder import json_object
 
     return json_object(folder / "design.json")
 
@@ -279,7 +279,7 @@ class Page:
         Raises:
             SrgcError: it cannot be written.
         """
-        from srgc.output_file import write_output
+        from srgc.paths import write_output
 
         write_output(Path(path), self.html)
         return Path(path)

@@ -17,7 +17,7 @@ from typing import ParamSpec, TypeVar
 
 from compiler.words.budget import BudgetExceededError
 from srgc.faults import NoAnswer, SrgcError, UsageFault
-from srgc.possible_path import refuse_impossible
+from srgc.paths import refuse_impossible
 
 P = ParamSpec("P")
 T = TypeVar("T")

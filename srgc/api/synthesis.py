@@ -57,9 +57,8 @@ def synthesize(
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
     refuse_unsupported(program.ir, chosen_task)
     _refuse_numbers(seed, jobs, cells, time_limit)
-    from srgc.named_search import named_search
-    from srgc.named_solver import named_solver
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
+    from srgc.search_options import named_search, named_solver
 
     keeper = TemporaryFolder.made() if folder is None else None
     place = Path(folder) if folder is not None else keeper.path if keeper is not None else Path()

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import click
 
 from srgc.cli.completions import complete_file, complete_folder, complete_name
-from srgc.possible_path import refuse_impossible
+from srgc.paths import refuse_impossible
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 

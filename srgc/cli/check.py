@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILES
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 
 
 @click.command(
@@ -36,7 +36,7 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
         items = [entry for r in results for entry in records(r.diagnostics, r.sources)]
         click.echo(json.dumps(items, indent=1, ensure_ascii=False))
     else:
-        from srgc.text_reports.check_summary import summary
+        from srgc.text_reports.findings_text import summary
 
         for result in results:
             show(result, stderr=False)

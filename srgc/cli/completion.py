@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 
 
 @click.command(

@@ -40,7 +40,7 @@ def complete_folder(
     _context: click.Context, _parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
     """Result folders whose path begins so; else what the shell knows of folders."""
-    from srgc.near_places import holds_results
+    from srgc.paths import holds_results
 
     return _paths(incomplete, holds_results, "dir")
 

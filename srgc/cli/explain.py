@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from srgc.cli.completions import complete_code
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 
 
 @click.command(
@@ -21,7 +21,7 @@ def explain(codes: tuple[str, ...]) -> int:
     `SRG0301`, `srg0301` and `301` are the same code.
     """
     from srgc.terminal import out_colours
-    from srgc.text_reports.explanation import explanation, list_of_codes
+    from srgc.text_reports.findings_text import explanation, list_of_codes
 
     text = explanation(codes, colour=out_colours()) if codes else list_of_codes()
     click.echo(text, nl=False)

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, PathOf
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 from srgc.faults import UsageFault
 
 FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
@@ -57,7 +57,7 @@ def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int
     file = None if output == Path("-") else output
     if file is None and form in BINARY and sys.stdout.isatty():
         raise UsageFault(f"{form} is not for a terminal; name a file with -o")
-    from srgc.exports.written_export import written_export
+    from srgc.exports.design_export import written_export
 
     written = written_export(folder, form, file, efforts=not no_effort)
     for note in written.notes:

@@ -10,8 +10,19 @@ from functools import partial
 
 import click
 
-from srgc.exit_status import INTERNAL, INTERRUPTED, NO_READER, SPEC_ERRORS, UNKNOWN, USAGE
-from srgc.faults import MOST_FINDINGS, Checked, NoAnswer, SpecErrors, UsageFault
+from srgc.faults import (
+    INTERNAL,
+    INTERRUPTED,
+    MOST_FINDINGS,
+    NO_READER,
+    SPEC_ERRORS,
+    UNKNOWN,
+    USAGE,
+    Checked,
+    NoAnswer,
+    SpecErrors,
+    UsageFault,
+)
 from srgc.interruption import interrupted_text
 from srgc.terminal import colours, silence
 

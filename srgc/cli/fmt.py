@@ -8,9 +8,8 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILES_OR_STDIN
-from srgc.cli.taught_command import TaughtCommand
-from srgc.exit_status import FOUND, INTERNAL, INTERRUPTED, REFUSED, SPEC_ERRORS, USAGE
-from srgc.faults import UsageFault
+from srgc.cli.documented_command import TaughtCommand
+from srgc.faults import FOUND, INTERNAL, INTERRUPTED, REFUSED, SPEC_ERRORS, USAGE, UsageFault
 
 PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
 """Of the statuses of several files the first of these is that of the command."""
@@ -35,7 +34,7 @@ def fmt(files: tuple[Path, ...], only_check: bool, as_diff: bool) -> int:  # noq
     Comments are kept, and what the text means.  `-` is standard input, to standard output.
     """
     from srgc.cli.fault_report import guarded
-    from srgc.formatting.format_run import FormatRun
+    from srgc.formatting.canonical_form import FormatRun
     from srgc.interruption import as_exception
     from srgc.terminal import out_colours
 

@@ -8,7 +8,7 @@ import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE
 from srgc.cli.completions import complete_word
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 
 
 @click.command(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from srgc.cli.arguments import FOLDER, QUIET, PathOf
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
@@ -85,8 +85,7 @@ def landscape(
     """
     from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
     from srgc.results.folder_output import folder_output
-    from srgc.results.found_design import found_design
-    from srgc.results.found_record import found_record
+    from srgc.results.found_design import found_design, found_record
 
     picture, grid = output or folder / PICTURE, table or folder / GRID
     if picture.suffix.lower() != ".svg":
@@ -104,7 +103,7 @@ def landscape(
     from srgc.landscapes.landscape import landscape_csv, landscape_text, title
     from srgc.landscapes.landscape_picture import landscape_svg
     from srgc.results.progress_display import progress
-    from srgc.workers import workers_for
+    from srgc.search_options import workers_for
 
     with workers_for(jobs) as workers, progress("landscape", quiet=quiet, unit="points") as display:
         content = evaluated(found, record, folder, axes, request.marks, workers, display.part)
@@ -166,7 +165,7 @@ def _number(text: str) -> float:
 
 def _make_room(path: Path) -> None:
     """Make the folder of a file."""
-    from srgc.near_places import unwritable
+    from srgc.paths import unwritable
 
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

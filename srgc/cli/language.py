@@ -8,7 +8,7 @@ import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, QUIET
 from srgc.cli.completions import complete_name, complete_symbol
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 from srgc.faults import UsageFault
 
 
@@ -58,7 +58,7 @@ def words(
         raise UsageFault("--limit goes with the list of words, not with --count or --sample")
     from srgc.results.progress_display import progress
     from srgc.session import chosen, program_of
-    from srgc.text_reports.word_list import counted, listed, sampled
+    from srgc.text_reports.language_report import counted, listed, sampled
 
     program = program_of(file)
     family = chosen(program.grammars, grammar, "grammar")
@@ -93,7 +93,7 @@ def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ..
     Of a word that is not accepted the place is named at which no word goes on.
     """
     from srgc.session import chosen, program_of
-    from srgc.text_reports.acceptance_report import acceptance_text
+    from srgc.text_reports.language_report import acceptance_text
 
     program = program_of(file)
     family = chosen(program.grammars, grammar, "grammar")
@@ -140,7 +140,7 @@ def compare(file: Path, first: str, second: str, max_length: int, quiet: bool) -
     """
     from srgc.results.progress_display import progress
     from srgc.session import chosen, program_of
-    from srgc.text_reports.comparison_report import comparison_text
+    from srgc.text_reports.language_report import comparison_text
 
     program = program_of(file)
     families = [chosen(program.grammars, name, "grammar") for name in (first, second)]

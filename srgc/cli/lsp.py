@@ -6,7 +6,7 @@ import sys
 
 import click
 
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 from srgc.faults import UsageFault
 
 

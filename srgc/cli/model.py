@@ -9,7 +9,7 @@ import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT
 from srgc.cli.completions import complete_name, complete_word
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 
 
 @click.command(
@@ -66,7 +66,7 @@ def model(
     M(q) q'' + c(q, q') + g(q) = u, with the parameters of the modules left as letters.
     """
     from srgc.chosen_robot import RobotRequest
-    from srgc.output_file import write_output
+    from srgc.paths import write_output
     from srgc.session import program_of
     from srgc.text_reports.model_report import model_report
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILE, QUIET, TASK, PathOf
-from srgc.cli.taught_command import TaughtCommand
-from srgc.exit_status import FOUND, VERDICT_STATUS
-from srgc.faults import UsageFault
+from srgc.cli.documented_command import TaughtCommand
+from srgc.faults import FOUND, VERDICT_STATUS, UsageFault
 
 
 @click.command(
@@ -55,7 +54,7 @@ def plan(
     """
     if output is not None and dump is None and output.suffix.lower() != ".svg":
         raise UsageFault(f"{output}: a plan is drawn as SVG; let the name end in .svg")
-    from srgc.output_file import write_output
+    from srgc.paths import write_output
     from srgc.results.progress_display import progress
     from srgc.session import chosen, program_of, refuse_unsupported
     from srgc.text_reports.plan_report import dump_text, plan_report

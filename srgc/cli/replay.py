@@ -9,9 +9,8 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER
-from srgc.cli.taught_command import TaughtCommand
-from srgc.exit_status import UNKNOWN
-from srgc.faults import UsageFault
+from srgc.cli.documented_command import TaughtCommand
+from srgc.faults import UNKNOWN, UsageFault
 
 
 @click.command(

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, QUIET, PathOf
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 from srgc.faults import UsageFault
 
 NAME = "report.html"

@@ -8,9 +8,8 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILE, QUIET, TASK, PathOf, limit_of_time
-from srgc.cli.taught_command import TaughtCommand
-from srgc.exit_status import VERDICT_STATUS
-from srgc.faults import UsageFault
+from srgc.cli.documented_command import TaughtCommand
+from srgc.faults import VERDICT_STATUS, UsageFault
 from srgc.time_limit import TimeLimit
 
 
@@ -75,11 +74,9 @@ def synth(
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     refuse_unsupported(program, chosen_task)
-    from srgc.named_search import named_search
-    from srgc.named_solver import named_solver
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
-    from srgc.text_reports.reconfiguration_report import change_of
-    from srgc.text_reports.synthesis_report import synthesis_text
+    from srgc.search_options import named_search, named_solver
+    from srgc.text_reports.synthesis_report import change_of, synthesis_text
 
     folder = output or Path("out") / chosen_task.name
     options = SynthesisOptions(

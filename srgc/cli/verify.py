@@ -9,9 +9,8 @@ import click
 
 from srgc.cli.arguments import FOLDER, QUIET, PathOf
 from srgc.cli.completions import complete_file
-from srgc.cli.taught_command import TaughtCommand
-from srgc.exit_status import REFUSED, UNEXPECTED, UNKNOWN
-from srgc.faults import UsageFault
+from srgc.cli.documented_command import TaughtCommand
+from srgc.faults import REFUSED, UNEXPECTED, UNKNOWN, UsageFault
 
 if TYPE_CHECKING:
     from solvers.verdict import Claimed
@@ -64,7 +63,7 @@ def verify(
     """
     from solvers.verifier.proofs.watch import Watch
     from solvers.verifier.verification import Expected, Outcome, verify_directory
-    from srgc.near_places import no_folder
+    from srgc.paths import no_folder
     from srgc.results.progress_display import progress
     from srgc.text_reports.verification_report import verification_json, verification_text
 

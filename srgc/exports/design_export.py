@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
+from pathlib import Path
 
-from srgc.exports.design_robot import exported_robot, remarks
 from srgc.exports.exported_motion import ExportedMotion, exported_motion
-from srgc.exports.exported_robot import ExportedRobot
-from srgc.exports.friction import left_out
-from srgc.exports.joint_trajectory import joint_trajectory
+from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
 from srgc.exports.mjcf import mjcf_text
-from srgc.exports.trajectory_arrays import trajectory_arrays
-from srgc.exports.trajectory_json import trajectory_json
-from srgc.exports.trajectory_table import torque_table, trajectory_table
+from srgc.exports.motion_formats import (
+    joint_trajectory,
+    torque_table,
+    trajectory_arrays,
+    trajectory_json,
+    trajectory_table,
+)
 from srgc.exports.urdf import urdf_text
 from srgc.faults import UsageFault
-from srgc.results.found_design import FoundDesign
+from srgc.results.folder_output import folder_output
+from srgc.results.found_design import FoundDesign, found_design
 
 ROBOTS: Mapping[str, Callable[[ExportedRobot], str]] = {"urdf": urdf_text, "mjcf": mjcf_text}
 MOTIONS: Mapping[str, Callable[[ExportedMotion], str | bytes]] = {
@@ -121,3 +124,58 @@ def _robot_text(design: FoundDesign, form: str) -> str:
 
 def _encoded(content: str | bytes) -> bytes:
     return content.encode() if isinstance(content, str) else content
+
+
+# --- The export of a result folder, written where its user wants it -------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenExport:
+    """The files that were written, or the content where none was named; notes for a reader."""
+
+    files: tuple[Path, ...]
+    content: bytes | None
+    notes: tuple[str, ...]
+
+
+def written_export(
+    folder: Path, form: str, output: Path | None, *, efforts: bool = True
+) -> WrittenExport:
+    """Export a result folder.
+
+    Args:
+        folder: one that ``synth`` has written, with the verdict found.
+        form: one of the ``FORMS`` or ``FOLDERS``.
+        output: the file to write, or for ``FOLDERS`` the folder, which is made; None: nothing is
+            written.
+        efforts: whether a ROS 2 message has efforts.
+
+    Raises:
+        UsageFault: there is no robot, the format cannot hold it, the output is one of the results
+            or cannot be written, or a folder is due and none is named.
+    """
+    if form in FOLDERS:
+        return _written_folder(folder, form, output)
+    file = None if output is None else folder_output(folder, output)
+    design = found_design(folder)
+    content = export_bytes(design, form, efforts=efforts)
+    notes = remarks(design)
+    if file is None:
+        return WrittenExport((), content, notes)
+    file.write(content)
+    return WrittenExport((file.path,), None, notes)
+
+
+def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExport:
+    if output is None:
+        raise UsageFault(f"--to {form} writes several files; name a folder with -o")
+    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES}
+    made = export_folder(found_design(folder), form)
+    if any(files[name].name is None for name in made.files):
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageFault(f"{output}: {error.strerror}") from None
+    for name, content in made.files.items():
+        files[name].write(content)
+    return WrittenExport(tuple(output / name for name in sorted(made.files)), None, made.notes)

@@ -1,8 +1,4 @@
-"""The planned motion of a design, sampled at the steps of its task, with names for its columns.
-
-It is integrated anew from the certificate (start, parameters, inputs), as ``trajectory.csv`` was:
-no proof rests on it.
-"""
+"""The planned motion of a design, sampled at the steps of its task, with names for its columns."""
 
 from __future__ import annotations
 
@@ -15,13 +11,54 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
+from grammar_lang.ir.constants import to_float
 from solvers.trajectory.fine_motion import fine_motion
-from srgc.exports.design_names import design_names, design_tree
-from srgc.exports.friction import dampings, left_out
-from srgc.exports.planned_inputs import free_inputs, planned_inputs
+from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.claims.certificate import CertificateError, exact
+from srgc.exports.exported_robot import dampings, design_names, design_tree, left_out
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
+
+# --- What a certificate says of a motion, as doubles: its start, its inputs, its parameters -------
+
+
+def planned_inputs(design: FoundDesign) -> Trajectory:
+    """The initial state alone (1, 2n + r), the inputs (k, m) and the parameters (p,).
+
+    Raises:
+        UsageFault: there are not as many inputs as the task has steps, or one is no number.
+    """
+    model = design.model
+    if len(design.claim.inputs) != design.task.steps:
+        raise UsageFault("the inputs of the certificate are not those of the task")
+    try:
+        own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
+        start = [float(value) for value in design.start[: 2 * len(model.dofs)]]
+        rows = [[float(exact(text)) for text in row] for row in design.claim.inputs]
+    except CertificateError as error:
+        raise UsageFault(str(error)) from None
+    inputs = np.array(rows, dtype=float).reshape(len(rows), len(robot_inputs(model)))
+    return Trajectory(np.array([[*start, *own]]), inputs, design.theta)
+
+
+def free_inputs(model: RobotModel) -> list[int]:
+    """The column of the free input of every degree of freedom.
+
+    Raises:
+        KeyError: one has none, since its module's own dynamics do without.
+    """
+    columns = {item.dof: column for column, item in enumerate(robot_inputs(model))}
+    return [columns[dof] for dof in range(len(model.dofs))]
+
+
+# --------------------------------------------------------------------------------------------------
+# The planned motion of a design, sampled at the steps of its task, with names for its columns.
+#
+# It is integrated anew from the certificate (start, parameters, inputs), as ``trajectory.csv`` was:
+# no proof rests on it.
+
 
 POSITION_UNITS = {"revolute": "rad", "prismatic": "m"}
 EFFORT_UNITS = {"revolute": "N*m", "prismatic": "N"}

@@ -7,7 +7,16 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import TypeAlias
 
-from srgc.exports.plain_line import plain_line
+# --- A text as one printable line, as comments need it --------------------------------------------
+
+
+def plain_line(text: str) -> str:
+    """The text with everything that is not printable spelt out."""
+    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
+
+
+# --- XML documents written line by line: same content, same bytes ---------------------------------
+
 
 Value: TypeAlias = str | float | Sequence[float]
 

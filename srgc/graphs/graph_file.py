@@ -6,7 +6,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from srgc.output_file import write_output
+from srgc.paths import write_output
 from srgc.session import UsageFault
 
 DRAWN = (".svg", ".png", ".pdf")

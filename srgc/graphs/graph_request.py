@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from compiler.robots.attributes import SemanticsError
-from compiler.views.automaton_views import family_dfa_view, sra_view
-from compiler.views.grammar_view import grammar_view
+from compiler.views.family_views import family_dfa_view, grammar_view, sra_view
 from compiler.views.picture import (
     HighlightError,
     Picture,
     not_accepted,
     refuse_unknown,
+    run_of,
 )
 from compiler.views.words_view import all_words, longest_drawn, near_run, words_view
+from compiler.words.derivation import Derivation, replay
 from compiler.words.deterministic_pushdown import deterministic_pushdown
+from compiler.words.grammar import cyclic, trimmed
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton, LrTooLarge
 from compiler.words.pushdown_automaton import sra
+from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from srgc.faults import Argument, UsageFault, argument
-from srgc.graphs.chosen_derivation import chosen_derivation
 from srgc.session import chosen
 
 VIEWS = ("sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace")
@@ -136,7 +140,7 @@ def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> 
         case "grammar":
             return Drawing(grammar_view(words, request.highlight))
         case "fra":
-            from compiler.views.automaton_views import functional_view
+            from compiler.views.family_views import functional_view
 
             if request.highlight is not None:
                 _refuse_foreign(words, request.highlight)
@@ -199,8 +203,59 @@ def _refuse_too_many(words: Language, depth: int, *, near: bool) -> None:
 
 def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> Drawing:
     from compiler.robots.labelled_graph import labelled_graph
-    from compiler.views.robot_view import robot_view
+    from compiler.views.family_views import robot_view
 
     words = language(grammar, program.terminals, program.modules)
     found = chosen_derivation(words, grammar, request.word or (), request.derivation)
     return Drawing(robot_view(labelled_graph(program, grammar, found.derivation)), found.remarks)
+
+
+# --- The derivation of a word that a command is about ---------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenDerivation:
+    """A derivation, and what a reader has to know beside it."""
+
+    derivation: Derivation
+    remarks: tuple[str, ...]
+
+
+def chosen_derivation(
+    words: Language, grammar: ir.Grammar, word: tuple[str, ...], wanted: int | None
+) -> ChosenDerivation:
+    """A derivation of a word: the ``wanted``-th, counted from 1, or the first.
+
+    Raises:
+        UsageFault: the word is not in the family, or has not so many derivations.
+    """
+    try:
+        refuse_unknown(word, words.srg.terminals)
+        if not words.accepts(word):
+            raise not_accepted(word)
+        derivations = _derivations(words, grammar, word)
+    except HighlightError as error:
+        raise UsageFault(str(error)) from None
+    number = wanted or 1
+    first = list(islice(derivations, number))
+    if len(first) < number:
+        noun = "derivation" if len(first) == 1 else "derivations"
+        raise UsageFault(
+            f"the word has {len(first)} {noun}: there is no ", argument("derivation"), f" {number}"
+        )
+    remarks: tuple[str, ...] = ()
+    if cyclic(trimmed(words.srg.cfg)):
+        remarks = ("a nonterminal of the grammar derives itself: one derivation is shown",)
+    elif wanted is None and next(derivations, None) is not None:
+        remarks = ("the word has several derivations: --derivation 2 shows the next",)
+    return ChosenDerivation(first[-1], remarks)
+
+
+def _derivations(
+    words: Language, grammar: ir.Grammar, word: tuple[str, ...]
+) -> Iterator[Derivation]:
+    """The derivations of a word; one of them where there may be infinitely many."""
+    if not cyclic(trimmed(words.srg.cfg)):
+        return derivations_of(words, word)
+    run = run_of(sra(words.srg, words.accept), word)
+    return iter([replay(grammar, [step.label for step in run if step.label is not None])])

@@ -32,8 +32,7 @@ from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import exact
 from srgc.landscapes.landscape_request import Axis, Mark
 from srgc.results.evaluations_file import last_samples
-from srgc.results.found_design import FoundDesign
-from srgc.results.found_record import FoundRecord
+from srgc.results.found_design import FoundDesign, FoundRecord
 from srgc.session import UsageFault
 
 

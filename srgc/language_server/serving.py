@@ -1,18 +1,137 @@
-"""A server on standard input and output, or on a port of this machine."""
+"""A server on standard input and output, or on a port: frames of bounded size, and its end."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 import os
+import re
 import socket
 import sys
 from typing import BinaryIO
 
+from lsprotocol import types as lsp
 from pygls.io_ import StdoutWriter
 
-from srgc.language_server.message_stream import MessageStream, UnreadableMessage
 from srgc.language_server.server import Server
+
+# --- The messages of a client, cut out of the stream in which they come ---------------------------
+#
+# Source: *Language Server Protocol Specification 3.17*, "Base Protocol": a message is a header of
+# ``Name: value`` lines, of which ``Content-Length`` is due, an empty line, and so many bytes.
+#
+# pygls takes a header that it cannot read for none, reads a line of any length, and waits for bytes
+# that never come.  Here each message that cannot be read has its error, and what is held of it is
+# limited.
+
+
+HEADER_LIMIT = 2**13
+"""So many bytes may a header have."""
+MESSAGE_LIMIT = 2**26
+"""So many bytes may a message have: a text of the greatest size, every character escaped."""
+SKIPPED_LIMIT = 2**30
+"""So many bytes of a longer message are passed over; no client sends more."""
+
+_PIECE = 2**16
+_LENGTH = re.compile(rb"0*([0-9]{1,20})")
+_FIELD = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]+)[ \t]*:[ \t]*(.*?)[ \t\r]*\n", re.DOTALL)
+_CHARSET = re.compile(rb";[ \t]*charset[ \t]*=[ \t]*\"?([^\";, \t]*)", re.IGNORECASE)
+_UTF8 = {b"utf-8", b"utf8"}
+
+
+class UnreadableMessage(Exception):
+    """A message that cannot be read; ``lost`` if nobody can tell where the next one begins."""
+
+    CODE = lsp.ErrorCodes.InvalidRequest.value
+
+    def __init__(self, message: str, *, lost: bool) -> None:
+        super().__init__(message)
+        self.lost = lost
+
+
+class MessageStream:
+    """The messages in a stream of bytes, one after the other."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self._skipped = 0
+
+    def next(self) -> bytes | None:
+        """The body of the next message; None at the end of the stream.
+
+        Raises:
+            UnreadableMessage: it cannot be read; the next call goes on with the one after it.
+        """
+        self._skip()
+        fields = self._fields()
+        if fields is None:
+            return None
+        length = _length(fields.get(b"content-length", set()))
+        if length > MESSAGE_LIMIT:
+            self._skipped = length
+            said = f"a message of {length:,} bytes, more than {MESSAGE_LIMIT:,}"
+            raise UnreadableMessage(said, lost=length > SKIPPED_LIMIT)
+        charsets = {
+            found[1].lower()
+            for value in fields.get(b"content-type", set())
+            for found in _CHARSET.finditer(value)
+        }
+        if not charsets <= _UTF8:
+            self._skipped = length
+            raise UnreadableMessage("a message in another charset than UTF-8", lost=False)
+        body = self._stream.read(length)
+        if len(body) < length:
+            said = f"the input ends after {len(body):,} of the {length:,} bytes of a message"
+            raise UnreadableMessage(said, lost=True)
+        return body
+
+    def _skip(self) -> None:
+        """Pass over what is left of a message that was refused."""
+        while self._skipped:
+            piece = self._stream.read(min(self._skipped, _PIECE))
+            self._skipped = self._skipped - len(piece) if piece else 0
+
+    def _fields(self) -> dict[bytes, set[bytes]] | None:
+        """The values in a header by name in lower case; None at the end of the stream.
+
+        Empty lines before a header are passed over, as some clients end a message with one.
+        """
+        found: dict[bytes, set[bytes]] = {}
+        left = HEADER_LIMIT
+        while True:
+            line = self._stream.readline(left + 1)
+            if not line and not found:
+                return None
+            if len(line) > left:
+                said = f"the header of a message has more than {HEADER_LIMIT:,} bytes"
+                raise UnreadableMessage(said, lost=True)
+            if not line.endswith(b"\n"):
+                raise UnreadableMessage("the input ends in the header of a message", lost=True)
+            if line in {b"\r\n", b"\n"}:
+                if found:
+                    return found
+                continue
+            field = _FIELD.fullmatch(line)
+            if field is None:
+                raise UnreadableMessage("a line that is no field of a header", lost=True)
+            found.setdefault(field[1].lower(), set()).add(field[2])
+            left -= len(line)
+
+
+def _length(values: set[bytes]) -> int:
+    """The one length that a header gives."""
+    if not values:
+        raise UnreadableMessage("a header without Content-Length", lost=True)
+    if len(values) > 1:
+        raise UnreadableMessage("a header with more than one Content-Length", lost=True)
+    [value] = values
+    found = _LENGTH.fullmatch(value)
+    if found is None:
+        raise UnreadableMessage("a Content-Length that is no length", lost=True)
+    return int(found[1])
+
+
+# --- A server on standard input and output, or on a port of this machine --------------------------
 
 
 def _log_to_stderr() -> None:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from compiler.arrays import Array
 from solvers.trajectory.trajectory import Trajectory
 from srgc.exports.design_export import mujoco_text
-from srgc.exports.design_names import design_names, design_tree
-from srgc.exports.planned_inputs import free_inputs, planned_inputs
+from srgc.exports.exported_motion import free_inputs, planned_inputs
+from srgc.exports.exported_robot import design_names, design_tree
 from srgc.faults import UsageFault
 from srgc.replays.replayed_motion import ReplayedMotion
 from srgc.results.found_design import FoundDesign

@@ -11,8 +11,7 @@ from math import log2
 import numpy as np
 
 from solvers.verifier.report import Outcome, Report
-from srgc.replays.replay_run import Replay
-from srgc.replays.tube_comparison import Deviation, Farthest, TubeComparison
+from srgc.replays.replay_run import Deviation, Farthest, Replay, TubeComparison
 
 PARTS = ("coordinates", "rates", "effectors")
 

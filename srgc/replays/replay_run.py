@@ -1,26 +1,162 @@
-"""A replay of a result folder from its arguments: the runs and the tube they are compared with."""
+"""A replay of a result folder from its arguments: the runs, and how far they are from the tube."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
 
+import numpy as np
+import scipy
+from scipy.integrate import solve_ivp
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from solvers.verifier.report import Refused, Report
 from solvers.verifier.verification import verify_directory
-from srgc.exports.design_names import design_names, design_tree
-from srgc.exports.exported_motion import POSITION_UNITS
+from srgc.exports.exported_motion import POSITION_UNITS, planned_inputs
+from srgc.exports.exported_robot import design_names, design_tree
 from srgc.exports.mjcf import substeps
 from srgc.faults import NoAnswer, UsageFault
 from srgc.replays.mujoco_replay import refuse_unsimulable, replay_in_mujoco
 from srgc.replays.replayed_motion import ReplayedMotion
-from srgc.replays.tube_comparison import TubeComparison, tube_comparison
 from srgc.results.found_design import FoundDesign, found_design
+
+# --- The planned inputs held in a Runge-Kutta method of order eight, in doubles -------------------
+#
+# Source: Dormand & Prince's DOP853, of SciPy (Hairer, Norsett & Wanner, *Solving Ordinary
+# Differential Equations I*, II.5).  It integrates the same equations of motion as the verifier, the
+# modules' own dynamics included, by another method, in other numbers.
+
+
+RELATIVE, ABSOLUTE = 1e-13, 1e-15
+INSTANTS = 8
+"""Of every step of the task."""
+
+
+def replay_in_python(design: FoundDesign) -> ReplayedMotion:
+    """The motion under the inputs of a design, each held for its step.
+
+    Raises:
+        UsageFault: it has numbers that are no doubles, or the method finds no steps.
+    """
+    planned = planned_inputs(design)
+    numeric = NumericRobot(robot_graph(design.model, design.task.gravity))
+    n, step = len(design.model.dofs), design.task.step
+
+    def rate(_time: float, x: Array, u: Array) -> Array:
+        rest = numeric.acceleration(x[None, :], u[None, :], planned.theta)[0][0]
+        return np.concatenate([x[n : 2 * n], rest])
+
+    within = np.linspace(0.0, float(step), INSTANTS + 1)
+    times, states = [0.0], [planned.x[0]]
+    for number, u in enumerate(planned.u):
+        solution = solve_ivp(
+            rate, (0.0, within[-1]), states[-1], "DOP853", within[1:], args=(u,),
+            rtol=RELATIVE, atol=ABSOLUTE,
+        )  # fmt: skip
+        if not solution.success or not np.isfinite(solution.y).all():
+            raise UsageFault(f"the integration fails in step {number}: {solution.message}")
+        states += list(solution.y.T)
+        times += [float((number + i / Fraction(INSTANTS)) * step) for i in range(1, INSTANTS + 1)]
+    found = np.array(states)
+    tips = numeric.points(found[:, :n], planned.theta).value[:, : len(design.model.effectors)]
+    return ReplayedMotion(
+        "SciPy", scipy.__version__, "DOP853", None, np.array(times), found[:, : 2 * n], tips,
+        INSTANTS,
+    )  # fmt: skip
+
+
+# --- How far a replayed motion is from the certified tube -----------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Farthest:
+    """A largest distance: of what, in which SI unit, and at which time in seconds."""
+
+    value: float
+    unit: str
+    name: str
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """How far one kind of quantity gets at most: out of the tube, and from its middle."""
+
+    outside: Farthest
+    middle: Farthest
+
+
+@dataclass(frozen=True, slots=True)
+class TubeComparison:
+    """A replayed motion beside the tube; None where there is nothing of the kind."""
+
+    motion: ReplayedMotion
+    coordinates: Deviation | None
+    rates: Deviation | None
+    effectors: Deviation | None
+
+
+def tube_comparison(
+    tube: CertifiedTube,
+    motion: ReplayedMotion,
+    joints: Sequence[tuple[str, str]],
+    effectors: Sequence[str],
+) -> TubeComparison:
+    """The comparison; ``joints`` are names and units, ``effectors`` names."""
+    n = len(joints)
+    times = np.minimum(motion.times, tube.times[-1])
+    outside, middle = tube.distances(times, motion.states)
+    names = [name for name, _ in joints]
+    units = [unit for _, unit in joints]
+
+    def deviation(part: slice, suffix: str) -> Deviation | None:
+        shown = [f"{unit}{suffix}" for unit in units]
+        return _deviation(outside[:, part], middle[:, part], times, names, shown)
+
+    beyond, apart = _effector_distances(tube, times, motion.effectors)
+    metres = ["m"] * len(effectors)
+    return TubeComparison(
+        motion,
+        deviation(slice(None, n), ""),
+        deviation(slice(n, None), "/s"),
+        _deviation(beyond, apart, times, effectors, metres),
+    )
+
+
+def _effector_distances(tube: CertifiedTube, times: Array, positions: Array) -> tuple[Array, Array]:
+    """Distances (k, e) of effectors from their boxes, 0 inside, and from the boxes' middles."""
+    count = positions.shape[1]
+    boxes = np.array([tube.points_at(float(time))[:count] for time in times])
+    boxes = boxes.reshape(*positions.shape, 2)
+    lower, upper = boxes[..., 0], boxes[..., 1]
+    gaps = np.maximum(np.maximum(lower - positions, positions - upper), 0.0)
+    middles = positions - (lower + upper) / 2
+    return np.linalg.norm(gaps, axis=2), np.linalg.norm(middles, axis=2)
+
+
+def _deviation(
+    outside: Array, middle: Array, times: Array, names: Sequence[str], units: Sequence[str]
+) -> Deviation | None:
+    if not names:
+        return None
+    return Deviation(*(_farthest(table, times, names, units) for table in (outside, middle)))
+
+
+def _farthest(table: Array, times: Array, names: Sequence[str], units: Sequence[str]) -> Farthest:
+    row, column = (int(i) for i in np.unravel_index(int(np.argmax(table)), table.shape))
+    return Farthest(float(table[row, column]), units[column], names[column], float(times[row]))
+
+
+# --------------------------------------------------------------------------------------------------
+# A replay of a result folder from its arguments: the runs and the tube they are compared with.
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +210,7 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
 
 def _motions(design: FoundDesign, request: ReplayRequest) -> Iterator[ReplayedMotion]:
     if request.simulator == "python":
-        from srgc.replays.python_replay import replay_in_python
+        from srgc.replays.replay_run import replay_in_python
 
         yield replay_in_python(design)
         return

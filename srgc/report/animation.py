@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from math import degrees, floor, log10
+from typing import Any
 
 import numpy as np
 
 from compiler.arrays import Array
 from srgc.render.html_text import json_script, number, text, with_unit
-from srgc.render.robot_drawing import DrawnRobot, pose_marks
+from srgc.render.robot_drawing import THINNEST_CAPSULE, DrawnRobot, pose_marks
 from srgc.render.svg import line_path
-from srgc.render.view import NAMED, View
+from srgc.render.view import NAMED, View, sight
 from srgc.render.workspace_drawing import (
     boxes_path,
     scale_bar,
@@ -21,7 +22,6 @@ from srgc.render.workspace_drawing import (
 )
 from srgc.report.evidence import Evidence
 from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes, motion_scene
-from srgc.report.scene_data import scene_data
 from srgc.results.found_design import FoundDesign
 
 POSES = 6
@@ -274,3 +274,96 @@ def _pose(robot: DrawnRobot, motion: RobotMotion, index: int, view: View) -> str
         for tips in np.swapaxes(motion.tips, 0, 1)
     )
     return f'{traces}<g class="robot">{pose_marks(robot, motion.points[index], view)}</g>'
+
+
+# --- The data of the animation for the page's script, on a grid that is finer than the picture ----
+
+
+GRID = 0.04
+"""Width of the grid in units of the picture."""
+
+
+def scene_data(scene: MotionScene) -> dict[str, Any]:
+    """What the script needs.
+
+    Coordinates are whole multiples of ``unit`` metres from ``centre``.  In space there are views,
+    each with its name, azimuth and elevation.
+    """
+    grid = _Grid(scene.view)
+    view = scene.view
+    data: dict[str, Any] = {
+        "dimension": scene.dimension,
+        "unit": grid.unit,
+        "scale": view.scale,
+        "width": view.width,
+        "height": view.height,
+        "axes": sight(*NAMED[0][1:]).tolist() if scene.dimension == 3 else view.axes.tolist(),
+        "views": [list(named) for named in NAMED] if scene.dimension == 3 else [],
+    }
+    if scene.dimension == 3:
+        data["shapes"] = [
+            {"corners": grid.whole(shape.corners), "edges": np.ravel(shape.edges).tolist()}
+            for shape in scene.shapes
+        ]
+    cells = [shape.name for shape in scene.shapes if shape.kind == "cell"]
+    if scene.motion is not None:
+        data["motion"] = _motion(scene.motion, grid, cells, view)
+    return data
+
+
+class _Grid:
+    """Rounds points to the grid."""
+
+    def __init__(self, view: View) -> None:
+        self.centre = view.centre
+        self.unit = GRID / view.scale
+
+    def whole(self, points: Array) -> list[int]:
+        """The coordinates of all points in turn."""
+        found: list[int] = np.rint((points - self.centre) / self.unit).astype(int).ravel().tolist()
+        return found
+
+
+def _motion(motion: RobotMotion, grid: _Grid, cells: list[str], view: View) -> dict[str, Any]:
+    robot = motion.robot
+    visits = [
+        [[visit.since, cells.index(visit.cell) if visit.cell in cells else -1] for visit in each]
+        for each in motion.visits
+    ]
+    return {
+        "steps": motion.steps,
+        "step": motion.step,
+        "times": [_short(t) for t in motion.times],
+        "q": [[_short(v) for v in row] for row in motion.q],
+        "points": [grid.whole(row) for row in motion.points],
+        "bones": [list(bone) for bone in robot.bones],
+        "rods": [
+            [*rod.ends, int(2 * (rod.radius or 0.0) * view.scale > THINNEST_CAPSULE)]
+            for rod in robot.rods
+        ],
+        "joints": [[joint.point, -1 if joint.tip is None else joint.tip] for joint in robot.joints],
+        "masses": [mass.point for mass in robot.masses],
+        "effectors": list(robot.effectors),
+        "kinds": [dof.kind for dof in robot.numeric.graph.model.dofs],
+        "cells": cells,
+        "visits": visits,
+        "tube": None if motion.tube is None else _tube(motion.tube, grid),
+    }
+
+
+def _short(value: float) -> float:
+    """A number to seven digits, whatever its size."""
+    return float(f"{value:.7g}")
+
+
+def _tube(tube: TubeBoxes, grid: _Grid) -> dict[str, Any]:
+    """Boxes on the grid rounded outwards; half widths as they are, to three digits."""
+    low = np.floor((tube.boxes[..., 0] - grid.centre) / grid.unit).astype(int)
+    high = np.ceil((tube.boxes[..., 1] - grid.centre) / grid.unit).astype(int)
+    return {
+        "times": [_short(t) for t in tube.times],
+        "low": low.reshape(len(low), -1).tolist(),
+        "high": high.reshape(len(high), -1).tolist(),
+        "instants": [_short(t) for t in tube.instants],
+        "half": [[float(f"{v:.3g}") for v in row.ravel()] for row in tube.half_widths],
+    }

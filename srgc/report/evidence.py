@@ -14,8 +14,7 @@ from solvers.verifier.claims.certificate import Claim
 from solvers.verifier.report import Report
 from srgc.report.evaluation_table import Evaluation
 from srgc.report.trajectory import Trajectory
-from srgc.results.found_design import FoundDesign
-from srgc.results.found_record import FoundRecord
+from srgc.results.found_design import FoundDesign, FoundRecord
 
 if TYPE_CHECKING:
     from solvers.verifier.certified_tube import CertifiedTube

@@ -28,9 +28,8 @@ from srgc.report.evaluation_table import evaluations
 from srgc.report.evidence import CoveringSize, Evidence
 from srgc.report.structure_groups import GROUPS
 from srgc.report.trajectory import planned_trajectory
-from srgc.results.found_design import FoundDesign, found_design
-from srgc.results.found_record import found_record
-from srgc.results.json_object import json_object
+from srgc.results.found_design import FoundDesign, found_design, found_record
+from srgc.results.result_folder import json_object
 from srgc.results.why_folder import TriedFolder, tried_folder
 
 if TYPE_CHECKING:

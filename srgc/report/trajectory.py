@@ -14,7 +14,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.trajectory.fine_motion import fine_motion
-from srgc.exports.planned_inputs import planned_inputs
+from srgc.exports.exported_motion import planned_inputs
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
 

@@ -8,10 +8,9 @@ from os.path import normpath, realpath
 from pathlib import Path
 
 from srgc.faults import WITH_O, UsageFault
-from srgc.output_file import write_output
+from srgc.paths import write_output
 from srgc.results.folder_layout import OWN_FILES, OWN_FOLDERS, UNFINISHED
-from srgc.results.folder_lock import only_writer
-from srgc.results.folder_writer import FolderWriter
+from srgc.results.folder_writer import FolderWriter, only_writer
 
 _OWN = {name.casefold() for name in (*OWN_FILES, *OWN_FOLDERS, *UNFINISHED)}
 """As file systems compare names that do not tell capitals apart."""

@@ -8,14 +8,14 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from typing import Any
 
 from solvers.run_context import Recorded
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text
 from srgc.faults import WITH_O, UsageFault, argument
-from srgc.near_places import unwritable
+from srgc.paths import unwritable
 from srgc.results.folder_layout import JOURNAL, OWN_FILES, OWN_FOLDERS, UNFINISHED, refuse_links
-from srgc.results.folder_lock import only_writer
-from srgc.results.folder_writer import FolderWriter
+from srgc.results.folder_writer import FolderWriter, only_writer
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,3 +200,25 @@ def _journal_values(path: Path) -> dict[str, Recorded]:
         except (ValueError, TypeError, RecursionError):
             break
     return values
+
+
+# --- The object that a JSON file of a result folder holds -----------------------------------------
+
+
+def json_object(path: Path, *, needed: bool = True) -> dict[str, Any]:
+    """The object in a file; an empty one where the file is missing and not ``needed``.
+
+    Raises:
+        UsageFault: it holds none, or cannot be read.
+    """
+    try:
+        content = json.loads(bounded_bytes(path))
+    except OSError as error:
+        if not needed and not path.exists():
+            return {}
+        raise UsageFault(f"{path}: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise UsageFault(f"{path} is not JSON") from None
+    if not isinstance(content, dict):
+        raise UsageFault(f"{path} is no JSON object")
+    return content

@@ -5,10 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
+from compiler.robots.family import family_of
 from compiler.tasks.obstacle_pieces import expanded
+from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
+from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
 from solvers.run_context import Conduct
 from solvers.search.design import Design
@@ -27,12 +31,11 @@ from srgc.results.evaluations_file import evaluations_csv
 from srgc.results.folder_writer import FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
-from srgc.results.structure_total import structure_total
+from srgc.search_options import workers_for
 from srgc.session import UsageFault
-from srgc.text_reports.reconfiguration_report import change_of
+from srgc.text_reports.synthesis_report import change_of
 from srgc.time_limit import TimeLimit
 from srgc.version import VERSION
-from srgc.workers import workers_for
 
 PICTURES = ("figures/workspace.svg", "figures/inputs.svg")
 
@@ -258,3 +261,23 @@ def _draw(
 
     files.write(PICTURES[0], workspace_figure(result, design, workspace, task))
     files.write(PICTURES[1], input_figure(design, task))
+
+
+# --- How many structures a search may have to try -------------------------------------------------
+
+
+MOST_COUNTED = 500
+"""More are not counted: that takes a tenth of a second."""
+
+
+def structure_total(program: ir.Program, task: ir.Task) -> int | None:
+    """The structures up to the bound of a task; None where they are very many, or only limited."""
+    family = family_of(program, task)
+    if robot_limit(family, task) is not None:
+        return None
+    try:
+        found = structures(family.language, module_bound(family, task))
+    except InfiniteAmbiguityError:
+        return None
+    number = sum(1 for _ in islice(found, MOST_COUNTED + 1))
+    return None if number > MOST_COUNTED else number

@@ -21,10 +21,9 @@ from solvers.explanation.posed_task import PosedTask
 from solvers.verdict import NotFound
 from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_copy
-from srgc.named_search import named_search
-from srgc.named_solver import named_solver
-from srgc.near_places import no_folder
+from srgc.paths import no_folder
 from srgc.results.folder_layout import refuse_links
+from srgc.search_options import named_search, named_solver
 from srgc.session import UsageFault
 
 

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
+from random import Random
 
 from compiler.words.ambiguity import ambiguity
+from compiler.words.derivation import Derivation, replay
 from compiler.words.deterministic_pushdown import deterministic_pushdown
+from compiler.words.equivalence import compare
 from compiler.words.grammar import cyclic, linearity, trimmed, useful_rules
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge
-from compiler.words.pushdown_automaton import sra
+from compiler.words.pushdown_automaton import Pda, Transition, run_along, sra
+from compiler.words.pushdown_runs import accepting_run
+from compiler.words.recogniser import PushdownReader
+from compiler.words.sampling import WordSampler
 from compiler.words.structures import derivations_of
 from compiler.words.transition_network import transition_network
+from compiler.words.word_reader import viable_prefix
 from grammar_lang import ir
+from srgc.session import UsageFault
 
 MOST_TRANSITIONS = 20_000
 
@@ -129,3 +137,170 @@ def _ambiguity(family: Language) -> Iterator[tuple[str, str]]:
     yield "ambiguous", f"yes: {' '.join(found.words[0])}"
     for derivation in islice(derivations_of(family, found.words[0]), 2):
         yield "  derived by", " ".join(derivation.labels)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``srgc accepts``: membership, with the run of the automaton and a derivation where asked for.
+
+
+SHOWN_STACK = 8
+"""So many symbols are shown from the top of the stack."""
+SHOWN_WORD = 12
+"""So many symbols are shown of the word that cannot go on."""
+
+
+def acceptance_text(
+    program: ir.Program, grammar: ir.Grammar, word: tuple[str, ...], *, trace: bool
+) -> tuple[bool, str]:
+    """Whether the word is accepted, and what to print."""
+    family = language(grammar, program.terminals, program.modules)
+    if not family.accepts(word):
+        return False, f"not accepted: {_reason(family, word)}"
+    if not trace:
+        return True, "accepted"
+    pda = sra(family.srg, family.accept)
+    derivation = _first_derivation(family, grammar, pda, word)
+    run = run_along(pda, derivation.labels)
+    lines = ["accepted", *_run(pda, run), *_derivation(derivation)]
+    return True, "\n".join(lines)
+
+
+def _first_derivation(
+    family: Language, grammar: ir.Grammar, pda: Pda, word: tuple[str, ...]
+) -> Derivation:
+    """The first one; any one where there may be infinitely many."""
+    if not cyclic(trimmed(family.srg.cfg)):
+        return next(derivations_of(family, word))
+    run = accepting_run(pda, word) or ()
+    return replay(grammar, tuple(step.label for step in run if step.label is not None))
+
+
+def _reason(family: Language, word: tuple[str, ...]) -> str:
+    names = family.srg.terminals
+    unknown = next((symbol for symbol in word if symbol not in names), None)
+    if unknown is not None:
+        return f"`{unknown}` is no symbol of the file"
+    length = viable_prefix(family.binary, names, word)
+    if length < len(word):
+        shown = " ".join(word[max(0, length + 1 - SHOWN_WORD) : length + 1])
+        cut = "… " if length >= SHOWN_WORD else ""
+        return f"no word of the grammar begins with `{cut}{shown}` ({length + 1} symbols)"
+    if PushdownReader(family.binary, names).accepts(word):
+        return "the grammar derives it, but the accept condition does not hold"
+    return "it is only the beginning of a word" if word else "the grammar does not derive it"
+
+
+def _run(pda: Pda, run: Sequence[Transition]) -> Iterator[str]:
+    """The configurations: symbols read so far, state, stack; and what leads to the next one."""
+    yield ""
+    yield "run of the pushdown automaton (symbols read, state, stack from its top; step):"
+    stack = list(reversed(pda.initial_stack))
+    rows: list[tuple[str, str, str, str]] = []
+    position, state = 0, pda.initial
+    for step in run:
+        rows.append((str(position), pda.states[state], _stack(pda, stack), _step(pda, step)))
+        stack.pop()
+        stack += reversed(step.push)
+        position += step.read is not None
+        state = step.target
+    rows.append((str(position), pda.states[state], _stack(pda, stack), "accepted"))
+    widths = [max(len(row[i]) for row in rows) for i in range(3)]
+    for row in rows:
+        cells = [row[0].rjust(widths[0]), row[1].ljust(widths[1]), row[2].ljust(widths[2])]
+        yield f"  {'  '.join(cells)}  {row[3]}"
+
+
+def _stack(pda: Pda, stack: Sequence[int]) -> str:
+    shown = [pda.stack_alphabet[symbol] for symbol in stack[: -SHOWN_STACK - 1 : -1]]
+    rest = len(stack) - len(shown)
+    return " ".join([*shown, *([f"… {rest} more"] if rest else [])]) or "empty"
+
+
+def _step(pda: Pda, step: Transition) -> str:
+    if step.read is not None:
+        return f"read {pda.alphabet[step.read]}"
+    if step.label is None:
+        return "end"
+    left = pda.stack_alphabet[step.pop]
+    right = " ".join(pda.stack_alphabet[symbol] for symbol in step.push) or "empty"
+    return f"{step.label}: {left} -> {right}"
+
+
+def _derivation(derivation: Derivation) -> Iterator[str]:
+    """The productions of the leftmost derivation, each with the part of the word it derives."""
+    yield ""
+    yield "leftmost derivation (production, which symbols it derives):"
+    label = max(len(node.production.label) for node in derivation.nodes)
+    width = 2 * len(str(len(derivation.word))) + 2
+    for node, (begin, end) in zip(derivation.nodes, derivation.spans(), strict=True):
+        production = node.production
+        right = " ".join(symbol.name for symbol in production.right) or "empty"
+        part = f"{begin + 1}..{end}" if begin < end else "none"
+        yield f"  {production.label:<{label}}  {part:<{width}}  {production.left} -> {right}"
+
+
+# --- ``srgc compare``: whether two grammars have the same words -----------------------------------
+
+
+def comparison_text(
+    program: ir.Program, first: ir.Grammar, second: ir.Grammar, max_length: int
+) -> tuple[bool, str]:
+    """Whether no difference is found, and what to print.
+
+    Raises:
+        BudgetExceededError: it would take too long.
+    """
+    families = [language(g, program.terminals, program.modules) for g in (first, second)]
+    found = compare(families[0], families[1], max_length)
+    if found.word is not None:
+        owner, other = (first, second) if found.in_first else (second, first)
+        word = " ".join(found.word) or "the empty word"
+        return False, f"different: {owner.name} has a word that {other.name} has not:\n{word}"
+    if found.longest is None:
+        return True, f"{first.name} and {second.name} have the same words"
+    return True, (
+        f"{first.name} and {second.name} have the same words of at most {found.longest} symbols; "
+        "longer ones were not compared"
+    )
+
+
+# --- ``srgc words``: the lines of the list, of the counts, of the sample --------------------------
+
+
+def listed(
+    program: ir.Program, grammar: ir.Grammar, max_length: int | None, limit: int
+) -> Iterator[str]:
+    """The first words."""
+    family = language(grammar, program.terminals, program.modules)
+    return map(" ".join, islice(family.words(max_length=max_length), limit))
+
+
+def counted(program: ir.Program, grammar: ir.Grammar, max_length: int | None) -> Iterator[str]:
+    """The number of words of each length.
+
+    Raises:
+        UsageFault: a length is needed.
+        BudgetExceededError: it would take too long.
+    """
+    family = language(grammar, program.terminals, program.modules)
+    if max_length is None and not family.is_finite():
+        raise UsageFault("the language is infinite: give --max-length to count it")
+    counts = family.count_words(max_length)
+    return (f"{length} {number}" for length, number in enumerate(counts))
+
+
+def sampled(
+    program: ir.Program, grammar: ir.Grammar, length: int, number: int, seed: int
+) -> Iterator[str]:
+    """Words of one length, drawn independently and uniformly.
+
+    Raises:
+        UsageFault: there is no word of that length.
+        BudgetExceededError: it would take too long.
+    """
+    family = language(grammar, program.terminals, program.modules)
+    sampler = WordSampler(family, length)
+    if not sampler.number:
+        raise UsageFault(f"there is no word of {length} symbols")
+    random = Random(seed)  # noqa: S311  (a sample, not a secret)
+    return (" ".join(sampler.draw(random)) for _ in range(number))

@@ -1,15 +1,102 @@
-"""The outcome of a synthesis as plain text."""
+"""The outcome of a synthesis as plain text: the robot, what it changes, the inputs it uses."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from compiler.robots.reconfiguration import Reconfiguration
+import numpy as np
+
+from compiler.robots.family import family_of
+from compiler.robots.input_bounds import input_bounds
+from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.search.design import Design
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
-from srgc.text_reports.reconfiguration_report import change_lines
-from srgc.text_reports.used_inputs import amount, used_inputs
+from solvers.verifier.claims.certificate import exact
+
+# --- How much of its inputs a design uses, bound by bound -----------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class UsedInputs:
+    """Inputs that share a bound, all figures in ``unit``.
+
+    They are from ``low`` to ``high``; ``peak`` is the largest size of one of them, or of their norm
+    where that is bounded; ``margin`` what they keep from the bound; ``effort``: whether they are
+    efforts of joints.
+    """
+
+    name: str
+    low: float
+    high: float
+    peak: float
+    margin: float
+    unit: str
+    effort: bool
+
+
+def used_inputs(
+    model: RobotModel, task: ir.Task, inputs: Sequence[Sequence[str]]
+) -> tuple[UsedInputs, ...]:
+    """What a motion uses of each bound on its inputs, in the order of the bounds.
+
+    Args:
+        model: the robot.
+        task: what bounds its inputs.
+        inputs: a row (m,) of decimals per step.
+    """
+    rows = np.array([[float(exact(text)) for text in row] for row in inputs])
+    used = []
+    for bound in input_bounds(model, task):
+        values = rows[:, list(bound.inputs)]
+        sizes = np.linalg.norm(values, axis=1) if bound.norm2 else np.abs(values)
+        inner = sizes if bound.norm2 else values
+        below, above = inner.min() - float(bound.lower), float(bound.upper) - inner.max()
+        used.append(
+            UsedInputs(
+                bound.name,
+                float(values.min()),
+                float(values.max()),
+                float(sizes.max()),
+                float(above if bound.norm2 else min(below, above)),
+                bound.unit,
+                bound.effort,
+            )
+        )
+    return tuple(used)
+
+
+def amount(value: float, unit: str, digits: int = 4) -> str:
+    """A number of so many significant digits with its unit; a plain number has none."""
+    return f"{value:.{digits}g}{'' if unit == '1' else ' ' + unit}"
+
+
+# --- What a design changes of the existing robot of its task, as text -----------------------------
+
+
+def change_of(program: ir.Program, task: ir.Task, design: Design | None) -> Reconfiguration | None:
+    """The way from the existing robot of a task to a design; None without one or the other."""
+    if design is None or task.origin is None:
+        return None
+    rules = family_of(program, task).language.srg
+    return reconfiguration(rules, task.origin.word, design.derivation.word)
+
+
+def change_lines(change: Reconfiguration) -> list[str]:
+    """The number of modules that change, and the configurations on the way."""
+    words = [" ".join(word) for word in change.configurations]
+    if len(words) == 1:
+        return ["change:  none, this is the existing robot"]
+    added, removed = len(change.aligned.added), len(change.aligned.removed)
+    edges = "" if added or removed else ", other edges"
+    many = "module" if added == 1 else "modules"
+    first = f"change:  {added} {many} added, {removed} removed{edges}"
+    return [first, *(f"         {step}: {word}" for step, word in enumerate(words))]
+
+
+# --- The outcome of a synthesis as plain text -----------------------------------------------------
 
 
 def _inputs(design: Design, task: ir.Task) -> Iterator[str]:

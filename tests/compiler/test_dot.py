@@ -15,9 +15,8 @@ import networkx as nx
 import pydot
 import pytest
 
-from compiler.views.automaton_views import family_dfa_view, sra_view
 from compiler.views.dot import to_dot
-from compiler.views.grammar_view import grammar_view
+from compiler.views.family_views import family_dfa_view, grammar_view, sra_view
 from compiler.views.networkx_graph import to_networkx
 from compiler.views.picture import Arrow, Edge, Node, Picture
 from compiler.views.words_view import words_view

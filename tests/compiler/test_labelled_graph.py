@@ -15,7 +15,7 @@ from compiler.robots.attributes import evaluate
 from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
 from compiler.robots.robot import Joint, Offset, RobotModel
 from compiler.views.dot import to_dot
-from compiler.views.robot_view import robot_view
+from compiler.views.family_views import robot_view
 from compiler.words.derivation import Derivation, replay
 from compiler.words.language import language
 from compiler.words.structures import derivations_of, structures

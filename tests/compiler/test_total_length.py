@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compiler.discretisation.total_length import total_length
 from compiler.robots.family import RobotFamily
 from compiler.words.structures import derivations_of
 from grammar_lang.load import load_text
+from srgc.results.pareto_table import total_length
 
 FAMILY = """
 module B { role base; } module J { role joint; dof q: revolute z; }

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.views.automaton_views import dfa_view, family_dfa_view, sra_view
-from compiler.views.grammar_view import grammar_view
+from compiler.views.family_views import dfa_view, family_dfa_view, grammar_view, sra_view
 from compiler.views.picture import HighlightError, Picture
 from compiler.views.words_view import added, near_run, words_view
 from compiler.words.language import Language, language

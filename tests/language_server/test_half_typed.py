@@ -10,20 +10,16 @@ from pathlib import Path
 import pytest
 from lsprotocol import types as lsp
 
-from srgc.language_server.completions.completion import completions
-from srgc.language_server.completions.signatures import signature
+from srgc.language_server.completions.completion import completions, signature
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.documents.open_documents import Document
 from srgc.language_server.documents.places import definition, highlights, references
 from srgc.language_server.documents.published import diagnostics_of
 from srgc.language_server.documents.uris import uri_of
-from srgc.language_server.edits.format_edits import format_edits
-from srgc.language_server.edits.quick_fixes import quick_fixes
+from srgc.language_server.edits.quick_fixes import format_edits, quick_fixes
 from srgc.language_server.edits.rename import RenameRefused, renamable, rename
 from srgc.language_server.hovers.hover import hover
-from srgc.language_server.outlines.folding import folding
-from srgc.language_server.outlines.include_links import include_links
-from srgc.language_server.outlines.outline import outline, workspace_symbols
+from srgc.language_server.outlines.outline import folding, include_links, outline, workspace_symbols
 from srgc.language_server.outlines.semantic_tokens import semantic_tokens
 from srgc.language_server.tasks.task_lenses import task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts

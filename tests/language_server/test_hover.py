@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from srgc.language_server.documents.analysis import Analysis, analyse
-from srgc.language_server.hovers.hover import hover
-from srgc.language_server.hovers.hover_numbers import hover_number
+from srgc.language_server.hovers.hover import hover, hover_number
 from srgc.language_server.hovers.production_physics import AddedPhysics, added_physics
 from srgc.language_server.keywords import explained
 

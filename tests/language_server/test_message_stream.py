@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from srgc.language_server.message_stream import (
+from srgc.language_server.serving import (
     HEADER_LIMIT,
     MESSAGE_LIMIT,
     SKIPPED_LIMIT,

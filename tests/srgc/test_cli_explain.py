@@ -83,7 +83,7 @@ def test_headings_are_bold_on_a_terminal_only(srgc, monkeypatch):
     assert "\x1b" not in srgc("explain", "301").out
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     monkeypatch.delenv("NO_COLOR", raising=False)
-    from srgc.text_reports.explanation import explanation
+    from srgc.text_reports.findings_text import explanation
 
     out = explanation(["301"], colour=True)
     assert out.startswith("\x1b[1m# SRG0301: a value of the wrong unit\x1b[0m\n")

@@ -291,7 +291,7 @@ def test_a_fault_of_the_formatter_writes_nothing(
 def test_an_interrupt_ends_it(
     spec: Spec, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from srgc.formatting import format_run
+    from srgc.formatting import canonical_form as format_run
 
     first, second, third = spec(UGLY), spec(UGLY, "second.srg"), spec(UGLY, "third.srg")
     right = format_run.formatted_file

@@ -108,7 +108,9 @@ def test_a_sample_that_cannot_be(srgc, arm_file, arguments, word):
 
 def test_a_budget_that_is_used_up(srgc, file_of, monkeypatch):
     path = file_of(MIRROR)
-    monkeypatch.setattr("srgc.text_reports.word_list.WordSampler", partial(WordSampler, budget=500))
+    monkeypatch.setattr(
+        "srgc.text_reports.language_report.WordSampler", partial(WordSampler, budget=500)
+    )
     ran = srgc("words", path, "--sample", "2", "--length", "41")
     assert (ran.status, ran.out) == (4, "")
     assert re.fullmatch("unknown: counting the words needs more than 500 moves: .*\n", ran.err)
@@ -272,7 +274,7 @@ def test_a_comparison_that_cannot_be(srgc, file_of, arguments, word):
 
 
 def test_a_comparison_that_takes_too_long(srgc, file_of, monkeypatch):
-    monkeypatch.setattr("srgc.text_reports.comparison_report.compare", partial(compare, budget=500))
+    monkeypatch.setattr("srgc.text_reports.language_report.compare", partial(compare, budget=500))
     path = file_of(MIRROR, MIRROR_AGAIN)
     ran = srgc("compare", path, "Mirror", "MirrorAgain", "--max-length", "41")
     assert (ran.status, ran.out) == (4, "")

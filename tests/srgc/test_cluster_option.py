@@ -96,7 +96,7 @@ def test_workers_that_are_lost_give_no_verdict(made, tmp_path, monkeypatch, caps
 
 def test_the_processes_are_ended_however_the_run_ends(monkeypatch):
     from solvers.execution.process_pool import ProcessPool
-    from srgc.workers import workers_for
+    from srgc.search_options import workers_for
 
     closed = []
 

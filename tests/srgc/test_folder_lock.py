@@ -11,14 +11,14 @@ import pytest
 import srgc as public
 from srgc.faults import UsageFault
 from srgc.results.folder_layout import LOCK
-from srgc.results.folder_lock import only_writer
+from srgc.results.folder_writer import only_writer
 from tests.conftest import ROOT, srgc_process
 from tests.oracles.small_specs import TURNER
 
 HOLDER = """\
 import sys
 from pathlib import Path
-from srgc.results.folder_lock import only_writer
+from srgc.results.folder_writer import only_writer
 with only_writer(Path(sys.argv[1])):
     print("held", flush=True)
     sys.stdin.read()

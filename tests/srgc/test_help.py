@@ -11,7 +11,7 @@ import pytest
 
 from srgc.cli import run
 from srgc.cli.command_table import GROUPS, TABLE, all_commands, command_named
-from srgc.cli.taught_command import TaughtCommand
+from srgc.cli.documented_command import TaughtCommand
 from tests.conftest import ROOT
 from tests.oracles.some_cases import some
 

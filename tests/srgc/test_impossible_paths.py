@@ -11,8 +11,7 @@ import pytest
 
 import srgc as interface
 from srgc.cli import run
-from srgc.near_places import near_spec, no_folder
-from srgc.possible_path import refuse_impossible
+from srgc.paths import near_spec, no_folder, refuse_impossible
 from srgc.terminal import escape_unencodable
 from tests.oracles.small_specs import SLIDER
 from tests.srgc.conftest import Ran

@@ -7,7 +7,7 @@ import os
 
 import pytest
 
-from srgc.near_places import unwritable
+from srgc.paths import unwritable
 from tests.oracles.small_specs import TURNER
 
 

@@ -13,9 +13,17 @@ from compiler.robots.family import family_of
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import structures
 from srgc.results import progress_display
-from srgc.results.estimate import NO_ESTIMATE, duration_text, estimate_text, remaining
-from srgc.results.progress_display import LiveProgress, PlainProgress, QuietProgress, progress
-from srgc.results.structure_total import structure_total
+from srgc.results.progress_display import (
+    NO_ESTIMATE,
+    LiveProgress,
+    PlainProgress,
+    QuietProgress,
+    duration_text,
+    estimate_text,
+    progress,
+    remaining,
+)
+from srgc.results.synthesis_run import structure_total
 from srgc.session import program_of
 
 

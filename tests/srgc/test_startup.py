@@ -13,8 +13,8 @@ from tests.conftest import ROOT
 from tests.oracles.loaded_modules import loaded_after
 
 OURS = {
-    "srgc", "srgc.cli", "srgc.cli.command_table", "srgc.exit_status", "srgc.cli.fault_report",
-    "srgc.faults", "srgc.interruption", "srgc.terminal", "srgc.version",
+    "srgc", "srgc.cli", "srgc.cli.command_table", "srgc.faults", "srgc.cli.fault_report",
+    "srgc.interruption", "srgc.terminal", "srgc.version",
 }  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from srgc.cli import run
 from srgc.results.found_design import found_design
-from srgc.text_reports.used_inputs import amount, used_inputs
+from srgc.text_reports.synthesis_report import amount, used_inputs
 from tests.oracles import result_files
 from tests.oracles.html_page import Page
 from tests.oracles.small_specs import MOTOR, TURNER

@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from lsprotocol import types as lsp
 
 from grammar_lang.source import Span
 from grammar_lang.units import UNIT_NAMES
 from srgc.language_server.completions.completion_names import NamesDue, Offer
-from srgc.language_server.completions.cursor import Cursor, cursor_at
-from srgc.language_server.completions.snippets import EMISSIONS, ITEMS, STATEMENTS
+from srgc.language_server.completions.cursor import Cursor, cursor_at, open_call
+from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.keywords import explained
 
@@ -44,7 +45,7 @@ def _snippets(cursor: Cursor) -> Iterator[Offer]:
     elif cursor.statement or "}" not in cursor.expected:
         return
     elif kind == "semantics":
-        forms = EMISSIONS if cursor.block else STATEMENTS[kind]
+        forms = EMISSION_SNIPPETS if cursor.block else STATEMENTS[kind]
     else:
         forms = STATEMENTS.get(kind, {})
     for name, body in forms.items():
@@ -117,3 +118,99 @@ def completions(
             ),
         )
     return list(items.values())
+
+
+# --- What is offered as a whole where an item or a statement may begin ----------------------------
+
+
+ITEMS = MappingProxyType(
+    {
+        "module": "module ${1:L} {\n  role ${2|link,joint,base,effector|};\n  $0\n}",
+        "edge": "edge ${1:eps};",
+        "include": 'include "${1:modules.srg}";',
+        "grammar": ("grammar ${1:Arm} {\n  start ${2:N};\n  ${3:base}: ${2:N} -> ${4:B};\n  $0\n}"),
+        "semantics": "semantics ${1:Arm} {\n  ${2:base} { this.frame = world; }\n  $0\n}",
+        "workspace": (
+            "workspace ${1:Bench} {\n  plane xy;\n  bounds box [${2:0, 5}] x [${3:0, 5}] m;\n"
+            "  region ${4:S} box [${5:0, 1}] x [${6:0, 1}] m;\n"
+            "  target ${7:T} box [${8:2, 3}] x [${9:2, 3}] m;\n  $0\n}"
+        ),
+        "task": (
+            "task ${1:Reach} {\n  robot ${2:Arm};\n  workspace ${3:Bench};\n"
+            "  start in ${4:S} at rest;\n  reach ${5:T};\n  effort <= ${6:10} N*m;\n"
+            "  horizon ${7:40} steps of ${8:0.1} s;\n  $0\n}"
+        ),
+    }
+)
+
+STATEMENTS = MappingProxyType(
+    {
+        "module": {
+            "param": "param ${1:length} in [${2:0.5}, ${3:5}] ${4:m};",
+            "const": "const ${1:density} = ${2:1} ${3:kg/m};",
+            "dof": "dof ${1:q}: ${2|revolute,prismatic|} ${3:z} in [${4:-180}, ${5:180}] ${6:deg};",
+            "state": "state ${1:current} ${2:A} = ${3:0};",
+            "input": "input ${1:voltage} in [${2:-24}, ${3:24}] ${4:V};",
+            "der": "der(${1:current}) = $0;",
+            "torque": "torque(${1:q}) = ${0:u};",
+        },
+        "grammar": {
+            "production": "${1:label}: ${2:N} -> ${3:N eps L};",
+            "accept": "accept ${0:contains EN};",
+        },
+        "semantics": {},
+        "workspace": {
+            "region": "region ${1:S} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
+            "obstacle": "obstacle ${1:O} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
+            "target": "target ${1:T} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
+            "obstacles": 'obstacles from "${1:map.yaml}";',
+        },
+        "task": {
+            "start": "start in ${1:S} at rest;",
+            "reach": "reach ${1:T};",
+            "avoid": "avoid ${1:O} with ${2|effector,body|};",
+            "effort": "effort <= ${1:10} ${2|N*m,N|};",
+            "horizon": "horizon ${1:40} steps of ${2:0.1} s;",
+            "satisfy": "satisfy ${0:eventually T};",
+        },
+    }
+)
+
+EMISSION_SNIPPETS = MappingProxyType(
+    {
+        "rod": (
+            "rod(frame: ${1:N.frame}, axis: ${2:x}, length: ${3:L.length}, "
+            "density: ${4:L.density});"
+        ),
+        "point": "point(frame: ${1:this.frame}, mass: ${2:1 kg});",
+        "solid": (
+            "solid(frame: ${1:this.frame}, mass: ${2:1 kg}, com: ${3:(0, 0) m}, "
+            "inertia: ${4:0.1 kg*m^2});"
+        ),
+        "effector": "effector(frame: ${1:this.frame});",
+    }
+)
+
+
+# --- Signature help inside the brackets of an emission or a function ------------------------------
+
+
+def signature(text: str, offset: int) -> lsp.SignatureHelp | None:
+    """The call that is being written; None outside of calls."""
+    cursor = cursor_at(text, offset)
+    call = open_call(cursor.statement)
+    form = None if call is None else EMISSIONS.get(call.name) or FUNCTIONS.get(call.name)
+    if call is None or form is None or cursor.silent:
+        return None
+    names = [name for name, _ in form.parameters]
+    active = min(call.argument, len(names) - 1)
+    if form.named:
+        current = call.current
+        left = [name for name in names if name not in call.named]
+        active = names.index(current if current in names else (left or names)[0])
+    parameters = [
+        lsp.ParameterInformation(name, lsp.MarkupContent(lsp.MarkupKind.Markdown, means))
+        for name, means in form.parameters
+    ]
+    label = form.label(call.name)
+    return lsp.SignatureHelp([lsp.SignatureInformation(label, form.means, parameters)], 0, active)

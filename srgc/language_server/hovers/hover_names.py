@@ -214,7 +214,7 @@ def _workspace(analysis: Analysis, entity: Entity) -> str:
 
 
 def _region(analysis: Analysis, entity: Entity) -> str:
-    from srgc.language_server.hovers.region_sizes import region_text
+    from srgc.language_server.hovers.hover_names import region_text
 
     program, workspace = analysis.program, entity.scope[0]
     lowered = None if program is None else program.workspaces.get(workspace)
@@ -253,3 +253,36 @@ def _task(analysis: Analysis, entity: Entity) -> str:
         gravity = ", ".join(number_text(each) for each in task.gravity)
         lines.append(f"- gravity: ({gravity}) m/s^2")
     return "\n".join(lines)
+
+
+# --- The box, the area or volume and the corners of a region --------------------------------------
+
+
+_MOST_ROWS = 60
+"""Regions with more rows or points are not measured while an editor waits."""
+
+
+def region_text(region: ir.Region, dimension: int) -> str:
+    """What a region is like, as Markdown."""
+    shape = region.shape
+    size = len(shape.rows if isinstance(shape, ir.Inequalities) else shape.points)
+    kind = f"A{'n' if region.kind == 'obstacle' else ''} {region.kind}"
+    if size > _MOST_ROWS:
+        return f"{kind} of {size} rows."
+    from compiler.workspaces.polytope import polytope_of
+
+    polytope = polytope_of(shape, dimension)
+    if polytope.is_empty:
+        return f"{kind} that is empty."
+    if not polytope.is_bounded:
+        return f"{kind} without bounds."
+    corners = polytope.vertices
+    sides = [(min(each), max(each)) for each in zip(*corners, strict=True)]
+    box = " x ".join(f"[{number_text(low)}, {number_text(high)}]" for low, high in sides)
+    volume = polytope.volume
+    unit, name = ("m^2", "area") if dimension == 2 else ("m^3", "volume")
+    exact, near = number_text(volume), rounded(float(volume))
+    shown = exact if exact == near else f"{exact} ≈ {near}"
+    where = "plane" if dimension == 2 else "space"
+    measures = f"- bounding box: {box} m\n- {name}: {shown} {unit}"
+    return f"{kind} in the {where} with {len(corners)} corners.\n\n{measures}"

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import posixpath
+import re
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
 from grammar_lang.names.entities import Kind
 from grammar_lang.source import Span, written
+from grammar_lang.syntax import Ident
 from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.line_map import LineMap
@@ -141,3 +146,74 @@ def workspace_symbols(
                 container_name=container,
             )
     return [found[key] for key in sorted(found)][:_MOST]
+
+
+# --- Folding: items, blocks and comments that go over several lines -------------------------------
+
+
+_PART = re.compile(
+    r"""//[^\n]*|/\*(?:[^*]|\*(?!/))*(?:\*/|\Z)|"[^"\n]*"|'[^'\n]*'|[{}]""",
+)
+
+
+def _comment(lines: LineMap, start: int, end: int) -> lsp.FoldingRange | None:
+    first, last = lines.position(start).line, lines.position(end).line
+    if last <= first:
+        return None
+    return lsp.FoldingRange(first, last, kind=lsp.FoldingRangeKind.Comment)
+
+
+def folding(text: str, lines: LineMap) -> list[lsp.FoldingRange]:
+    """The ranges that can be folded, however broken the text is."""
+    found: list[lsp.FoldingRange | None] = []
+    open_braces: list[int] = []
+    run: tuple[int, int] | None = None
+    for part in _PART.finditer(text):
+        if part[0].startswith("//"):
+            alone = not text[text.rfind("\n", 0, part.start()) + 1 : part.start()].strip()
+            joined = run is not None and not text[run[1] : part.start()].strip() and alone
+            if run is not None and joined:
+                run = (run[0], part.end())
+                continue
+            found.append(None if run is None else _comment(lines, *run))
+            run = part.span() if alone else None
+        elif part[0].startswith("/*"):
+            found.append(_comment(lines, *part.span()))
+        elif part[0] == "{":
+            open_braces.append(part.start())
+        elif part[0] == "}" and open_braces:
+            found.append(_braces(lines, open_braces.pop(), part.start()))
+    found.append(None if run is None else _comment(lines, *run))
+    ranges = [each for each in found if each is not None]
+    return sorted(ranges, key=lambda each: (each.start_line, each.end_line))
+
+
+def _braces(lines: LineMap, start: int, end: int) -> lsp.FoldingRange | None:
+    """What stands between braces; the line of the closing one stays."""
+    first, last = lines.position(start).line, lines.position(end).line - 1
+    return lsp.FoldingRange(first, last) if last > first else None
+
+
+# --- Links from the paths of includes and maps to the files ---------------------------------------
+
+
+def include_links(analysis: Analysis, number: int, uri_of: UriOf) -> list[lsp.DocumentLink]:
+    """The links of a document; what is no file of the program has none."""
+    base = analysis.path(number)
+    paths: list[Ident] = []
+    for item in analysis.items(number):
+        if isinstance(item, t.Include):
+            paths.append(item.path)
+        elif isinstance(item, t.Workspace):
+            paths += [part.path for part in item.items if isinstance(part, t.ObstaclesFrom)]
+    if base is None:
+        return []
+    links: list[lsp.DocumentLink] = []
+    for path in paths:
+        target = Path(posixpath.normpath(base.parent / path.text))
+        if not path.text or not os.path.isfile(target):  # noqa: PTH113 - of any name
+            continue
+        inside = Span(path.span.start + 1, path.span.end - 1, path.span.file)
+        place = analysis.lines(number).range(inside)
+        links.append(lsp.DocumentLink(place, uri_of(target)))
+    return links

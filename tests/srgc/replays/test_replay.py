@@ -16,7 +16,8 @@ import scipy
 
 from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.proofs.enclosure import EnclosureFailure
-from srgc.replays import mujoco_replay, python_replay, replay_run
+from srgc.replays import mujoco_replay, replay_run
+from srgc.replays import replay_run as python_replay
 from srgc.replays.replay_report import replay_json, replay_text
 from srgc.replays.replayed_motion import ReplayedMotion
 from tests.oracles import result_files

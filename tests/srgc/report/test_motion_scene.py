@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from srgc.render.workspace_drawing import shape_marks
-from srgc.report.animation import show_speeds
+from srgc.report.animation import GRID, scene_data, show_speeds
 from srgc.report.evidence import Evidence
 from srgc.report.motion_scene import (
     MOST_NUMBERS,
@@ -20,7 +20,6 @@ from srgc.report.motion_scene import (
     robot_motion,
     seen_corners,
 )
-from srgc.report.scene_data import GRID, scene_data
 from srgc.report.trajectory import Trajectory
 
 On = Callable[[str], Evidence]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grammar_lang.load import load
-from srgc.report.task_words import task_sentences
+from srgc.report.verdict import task_sentences
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 
 

@@ -1,13 +1,33 @@
-"""What ``srgc explain`` prints: pages of the catalogue, or the list of all codes."""
+"""What ``srgc check`` and ``srgc explain`` print about codes."""
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 from grammar_lang.diagnostics.code_pages import find_code, has_page, nearest_codes, page_text, title
 from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.diagnostics.wording import counted
 from srgc.faults import UsageFault
+from srgc.session import Checked
+
+# --- The last line of ``srgc check``: how many findings of which kind -----------------------------
+
+
+def summary(results: Sequence[Checked]) -> str:
+    """One line about all files of a call."""
+    found = Counter(d.severity for result in results for d in result.diagnostics)
+    files = counted(len(results), "file")
+    counts = [counted(found[kind], kind.value) for kind in Severity if found[kind]]
+    if not found[Severity.ERROR]:
+        return ", ".join([f"{files} without errors", *counts])
+    return f"{files}: {', '.join(counts)}; `srgc explain CODE` says more of a code"
+
+
+# --- What ``srgc explain`` prints: pages of the catalogue, or the list of all codes ---------------
+
 
 _BOLD, _RESET = "\033[1m", "\033[0m"
 _HEADING = re.compile(r"^(?:# .*|Fails:|Repaired:)$", re.MULTILINE)

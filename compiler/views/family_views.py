@@ -1,19 +1,76 @@
-"""Automata as pictures: that of a linear family or of its accept condition, the SRA and the FRA."""
+"""A robot family as pictures: its grammar, its automata, and the labelled graph of a robot."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import cast
 
 from compiler.robots.attributes import SemanticsError
+from compiler.robots.labelled_graph import LabelledGraph
 from compiler.views.picture import Arrow, Edge, Node, Picture, not_accepted, refuse_unknown, run_of
 from compiler.words.finite_automaton import Dfa
 from compiler.words.functional_automaton import Fra, fra
 from compiler.words.language import Language, language
-from compiler.words.pushdown_automaton import Pda, Transition
+from compiler.words.pushdown_automaton import Pda, Transition, sra
 from compiler.words.regular_automaton import linear_automaton
 from grammar_lang import ir
+
+# --- A grammar as a picture: nonterminals with their productions (Definition 3) -------------------
+
+
+def grammar_view(language: Language, highlight: Sequence[str] | None = None) -> Picture:
+    """Nonterminals (ellipses) with their productions (boxes); edges number the right side.
+
+    The productions of a derivation of ``highlight`` are highlighted with their symbols.
+
+    Raises:
+        HighlightError: ``highlight`` is not a word of the language.
+    """
+    srg = language.srg
+    applied: set[str] = set()
+    if highlight is not None:
+        run = run_of(sra(srg, language.accept), highlight)
+        applied = {move.label for move in run if move.label is not None}
+    keys = {("nonterminal", name): f"n{k}" for k, name in enumerate(srg.nonterminals)}
+    keys |= {("terminal", name): f"t{k}" for k, name in enumerate(srg.terminals)}
+    boxes: list[Node] = []
+    edges: list[Edge] = []
+    used: set[str] = set()
+    coloured: set[str] = set()
+    for r, production in enumerate(srg.productions):
+        left, own = keys["nonterminal", production.left], f"p{r}"
+        marked = production.label in applied
+        data = {"production": production}
+        boxes.append(Node(own, production.label, "box", highlighted=marked, data=data))
+        edges.append(Edge(left, own, highlighted=marked))
+        ends = [left]
+        for i, symbol in enumerate(production.right):
+            kind = "nonterminal" if symbol.kind == "nonterminal" else "terminal"
+            ends.append(keys[kind, symbol.name])
+            place = {"place": i}
+            edges.append(Edge(own, ends[-1], (str(i + 1),), highlighted=marked, data=place))
+        used.update(ends)
+        coloured.update(ends if marked else ())
+    symbols = [
+        Node(
+            key,
+            name,
+            "ellipse" if kind == "nonterminal" else "plaintext",
+            highlighted=key in coloured,
+            data={"symbol": name, "kind": kind},
+        )
+        for (kind, name), key in keys.items()
+        if kind == "nonterminal" or key in used
+    ]
+    start = Arrow(keys["nonterminal", srg.start], highlighted=highlight is not None)
+    return Picture("grammar", "ellipse", (*symbols, *boxes), tuple(edges), (start,))
+
+
+# --------------------------------------------------------------------------------------------------
+# Automata as pictures: that of a linear family or of its accept condition, the SRA and the FRA.
+
 
 # --- Finite automata as pictures: that of a linear family, or that of its accept condition --------
 
@@ -205,3 +262,52 @@ def _applied(automaton: Fra, label: str) -> str:
     production = automaton.productions[label]
     right = [s.name if s.alias is None else f"{s.alias}:{s.name}" for s in production.right]
     return f"{EMPTY}, {production.left} {ARROW} {' '.join(right) or EMPTY}"
+
+
+# --- The labelled graph of a robot as a picture (Definition 1, Figure 1c) -------------------------
+
+
+def robot_view(graph: LabelledGraph) -> Picture:
+    """Modules as nodes, connections as edges with their symbols of Gamma.
+
+    Several occurrences of a module are numbered in the order of the word.  An arrow from nowhere
+    leads to what stands on the world.  All edges go from an output end to an input end; the names
+    of the frames are in the data, and in the hint of each module.
+    """
+    names = _names(graph)
+    nodes = tuple(
+        Node(
+            f"m{node.place}",
+            names[node.place],
+            data={"module": node.module, "place": node.place},
+            hint=f"symbol {node.place + 1}: input {node.input_frame}, output {node.output_frame}",
+        )
+        for node in graph.nodes
+    )
+    modules = {node.place: node for node in graph.nodes}
+    edges = tuple(
+        Edge(
+            f"m{edge.lower}",
+            f"m{edge.upper}",
+            (" ".join(edge.label),) if edge.label else (),
+            data={
+                "edge": edge.label,
+                "output_frame": modules[edge.lower].output_frame,
+                "input_frame": modules[edge.upper].input_frame,
+            },
+        )
+        for edge in graph.edges
+    )
+    return Picture("robot", "circle", nodes, edges, tuple(Arrow(f"m{r}") for r in graph.roots))
+
+
+def _names(graph: LabelledGraph) -> dict[int, str]:
+    """Per place the module's name, numbered where it occurs more than once."""
+    total = Counter(node.module for node in graph.nodes)
+    seen: Counter[str] = Counter()
+    found: dict[int, str] = {}
+    for node in graph.nodes:
+        seen[node.module] += 1
+        several = total[node.module] > 1
+        found[node.place] = f"{node.module} {seen[node.module]}" if several else node.module
+    return found

@@ -1,0 +1,278 @@
+"""The motion of a design as JSON, as a table (CSV), as arrays (npz), and as a ROS 2 message."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import zipfile
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from compiler.expressions.evaluators.balls import closed_ball, working_precision
+from compiler.expressions.exact_numbers import decimal
+from compiler.rigid_links.ball_pose import nearest
+from compiler.rigid_links.rigid_tree import PRECISION
+from grammar_lang import ir
+from srgc.exports.exported_motion import ExportedMotion, Quantity
+from srgc.exports.exported_robot import motor_bound, origin, remarks
+from srgc.exports.xml_lines import plain_line
+from srgc.faults import UsageFault
+
+# --- The motion of a design as JSON, with all that its numbers mean -------------------------------
+
+
+FORMAT = "srgc trajectory 1"
+
+
+def trajectory_json(motion: ExportedMotion) -> str:
+    """The document: a line per key, and per row of a table."""
+    parts = [f" {json.dumps(key)}: {text}" for key, text in _parts(motion)]
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def _parts(motion: ExportedMotion) -> Iterator[tuple[str, str]]:
+    claim, task = motion.design.claim, motion.design.task
+    head: dict[str, Any] = {
+        "format": FORMAT,
+        "spec": claim.spec,
+        "spec_sha256": claim.spec_sha256,
+        "task": claim.task,
+        "word": list(claim.word),
+        "dimension": motion.design.model.dimension,
+        "step": float(task.step),
+        "steps": len(claim.inputs),
+        "parameters": [
+            {key: value for key, value in each.describe().items() if key != "module"}
+            for each in motion.design.parameters
+        ],
+        "joints": list(_joints(motion)),
+        "inputs": [_described(item) for item in motion.inputs],
+        "states": [_described(item) for item in motion.states],
+        "effectors": list(motion.effectors),
+    }
+    yield from ((key, _text(value)) for key, value in head.items())
+    yield "t", _text([float(time) for time in motion.times])
+    tables = {
+        "position": motion.position,
+        "velocity": motion.velocity,
+        "acceleration": motion.acceleration,
+        "effort": motion.effort,
+        "input": motion.input,
+        "state": motion.state,
+        "effector": motion.effector,
+    }
+    for key, table in tables.items():
+        rows = ",\n".join(f"  {_text(row)}" for row in table.tolist())
+        yield key, f"[\n{rows}\n ]"
+
+
+def _joints(motion: ExportedMotion) -> Iterator[dict[str, Any]]:
+    model, task = motion.design.model, motion.design.task
+    for number, (joint, effort) in enumerate(zip(motion.joints, motion.efforts, strict=True)):
+        dof = model.dofs[number]
+        yield {
+            "name": joint.name,
+            "symbols": list(dof.symbols),
+            "kind": dof.kind,
+            "axis": dof.axis,
+            "unit": joint.unit,
+            "effort_unit": effort.unit,
+            "range": _bounds(dof.range),
+            "rate": _bounds(dof.rate),
+            "effort": motor_bound(model, task, number),
+        }
+
+
+def _described(item: Quantity) -> dict[str, str]:
+    return {"name": item.name, "unit": item.unit}
+
+
+def _bounds(interval: ir.Interval | None) -> list[float] | None:
+    if interval is None:
+        return None
+    with working_precision(PRECISION):
+        return [nearest(closed_ball(end)) for end in (interval.lower, interval.upper)]
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+# --- The motion of a design as a table (CSV), a row per sample ------------------------------------
+
+
+AXES = "xyz"
+
+
+def trajectory_table(motion: ExportedMotion) -> str:
+    """The table; numbers read back as the same doubles.
+
+    Columns are ``t`` and then ``kind.name``, so that no two are called the same.  The last row has
+    no inputs.
+    """
+    rows = [["t", *_columns(motion)], *_rows(motion)]
+    return csv_text(rows)
+
+
+def torque_table(motion: ExportedMotion) -> str:
+    """The efforts alone, each held from its time on, in columns called after the joints."""
+    head = ["t", *(joint.name for joint in motion.joints)]
+    rows = (
+        [decimal(float(time)), *(decimal(value) for value in row)]
+        for time, row in zip(motion.times[:-1], motion.effort, strict=False)
+    )
+    return csv_text([head, *rows])
+
+
+def csv_text(rows: Sequence[Sequence[str]]) -> str:
+    """Rows of cells as CSV."""
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="\n").writerows(rows)
+    return buffer.getvalue()
+
+
+def _columns(motion: ExportedMotion) -> Iterator[str]:
+    for kind in ("position", "velocity", "acceleration", "effort"):
+        yield from (f"{kind}.{joint.name}" for joint in motion.joints)
+    yield from (f"input.{item.name}" for item in motion.inputs)
+    yield from (f"state.{item.name}" for item in motion.states)
+    axes = AXES[: motion.design.model.dimension]
+    yield from (f"effector.{name}.{axis}" for name in motion.effectors for axis in axes)
+
+
+def _rows(motion: ExportedMotion) -> Iterator[list[str]]:
+    held = [
+        *(
+            [_stated(text, value) for text, value in zip(*row, strict=True)]
+            for row in zip(motion.design.claim.inputs, motion.input.tolist(), strict=True)
+        ),
+        [""] * len(motion.inputs),
+    ]
+    for k, time in enumerate(motion.times):
+        before = (motion.position, motion.velocity, motion.acceleration, motion.effort)
+        yield [
+            decimal(float(time)),
+            *(decimal(value) for part in before for value in part[k]),
+            *held[k],
+            *(decimal(value) for part in (motion.state, motion.effector) for value in part[k].flat),
+        ]
+
+
+def _stated(text: str, value: float) -> str:
+    """An input as the certificate says it, or as a decimal where that is a quotient."""
+    return decimal(value) if "/" in text else text
+
+
+# --- The motion of a design as NumPy arrays in one file (npz) -------------------------------------
+
+
+EPOCH = (1980, 1, 1, 0, 0, 0)
+"""Of every member: the earliest time that zip files know."""
+UNIX = 3
+
+
+def trajectory_arrays(motion: ExportedMotion) -> bytes:
+    """The file; same motion, same bytes.  Nothing in it is compressed or pickled."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for name, array in _arrays(motion).items():
+            member = zipfile.ZipInfo(f"{name}.npy", EPOCH)
+            member.create_system = UNIX
+            member.external_attr = 0o644 << 16
+            content = io.BytesIO()
+            np.lib.format.write_array(content, array, allow_pickle=False)
+            archive.writestr(member, content.getvalue())
+    return buffer.getvalue()
+
+
+def _arrays(motion: ExportedMotion) -> dict[str, NDArray[np.generic]]:
+    numbers = {
+        "t": np.array([float(time) for time in motion.times]),
+        "q": motion.position,
+        "qd": motion.velocity,
+        "qdd": motion.acceleration,
+        "effort": motion.effort,
+        "u": motion.input,
+        "s": motion.state,
+        "effectors": motion.effector,
+    }
+    texts = {
+        "joint_names": [joint.name for joint in motion.joints],
+        "input_names": [item.name for item in motion.inputs],
+        "state_names": [item.name for item in motion.states],
+        "effector_names": list(motion.effectors),
+        "word": list(motion.design.claim.word),
+        "spec_sha256": [motion.design.claim.spec_sha256],
+    }
+    return {
+        **{name: np.ascontiguousarray(value, dtype="<f8") for name, value in numbers.items()},
+        **{name: _texts(value) for name, value in texts.items()},
+    }
+
+
+def _texts(values: list[str]) -> NDArray[np.generic]:
+    width = max((len(value) for value in values), default=1) or 1
+    return np.array(values, dtype=f"<U{width}")
+
+
+# --------------------------------------------------------------------------------------------------
+# The motion of a design as a ROS 2 message, ``trajectory_msgs/msg/JointTrajectory``, in YAML.
+#
+# A point has no accelerations: those of held torques jump at the samples, and a message can have
+# only one there.  With positions and velocities controllers interpolate by cubic polynomials, as
+# they should where a motion is smooth between its samples.
+
+
+NANO = 10**9
+MOST_SECONDS = 2**31
+"""builtin_interfaces/msg/Duration has seconds of 32 bits with a sign."""
+
+
+def joint_trajectory(motion: ExportedMotion, *, efforts: bool = True) -> str:
+    """The message, behind lines of comment.
+
+    Args:
+        motion: what is written.
+        efforts: whether the points have efforts; at the end, those of the last step.
+
+    Raises:
+        UsageFault: its times cannot be told apart in nanoseconds, or are too large.
+    """
+    times = [_nanoseconds(time) for time in motion.times]
+    if any(after <= before for before, after in pairwise(times)):
+        raise UsageFault("steps of less than a nanosecond are no JointTrajectory")
+    if times[-1] >= MOST_SECONDS * NANO:
+        raise UsageFault(f"a motion of {MOST_SECONDS} s and more is no JointTrajectory")
+    message = {
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
+        "joint_names": [joint.name for joint in motion.joints],
+        "points": list(_points(motion, times, efforts=efforts)),
+    }
+    notes = (*origin(motion.design), *remarks(motion.design))
+    head = "".join(f"# {plain_line(line)}\n" for line in notes)
+    dumped = yaml.safe_dump(
+        message, default_flow_style=None, sort_keys=False, width=10**9, allow_unicode=True
+    )
+    return head + str(dumped)
+
+
+def _nanoseconds(time: Fraction) -> int:
+    return round(time * NANO)
+
+
+def _points(motion: ExportedMotion, times: list[int], *, efforts: bool) -> Iterator[dict[str, Any]]:
+    for k, time in enumerate(times):
+        yield {
+            "positions": motion.position[k].tolist(),
+            "velocities": motion.velocity[k].tolist(),
+            "accelerations": [],
+            "effort": motion.effort[k].tolist() if efforts else [],
+            "time_from_start": {"sec": time // NANO, "nanosec": time % NANO},
+        }

@@ -1,0 +1,80 @@
+"""Who searches, and how: the parameter search, the convex solver and the workers asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from solvers.execution.process_pool import ProcessPool
+from solvers.execution.workers import InProcess, Workers, WorkersLostError
+from solvers.search.configuration_search import SEARCHES
+from srgc.session import NoAnswer, UsageFault
+
+# --- Which search of parameters a run is asked to use ---------------------------------------------
+
+
+def named_search(name: str | None) -> str | None:
+    """The search of that name; None for the usual one.
+
+    Raises:
+        UsageFault: there is no such search.
+    """
+    if name is None or name.lower() == SEARCHES[0]:
+        return None
+    if name.lower() not in SEARCHES:
+        known = " and ".join(f"`{each}`" for each in SEARCHES)
+        raise UsageFault(f"there is no parameter search `{name}`; known are {known}")
+    return name.lower()
+
+
+# --- Which solver of convex programs a run is asked to use ----------------------------------------
+
+
+OWN = "own"
+
+
+def named_solver(name: str | None) -> str | None:
+    """The solver as cvxpy spells it; None for our own programs, which need no cvxpy.
+
+    Raises:
+        UsageFault: there is no such solver here.
+    """
+    if name is None or name.lower() == OWN:
+        return None
+    from solvers.backends.cvxpy_solvers import SolverNameError, solver_called
+
+    try:
+        return solver_called(name)
+    except SolverNameError as error:
+        raise UsageFault(str(error)) from None
+
+
+# --- Who searches: this process, others beside it, or a cluster -----------------------------------
+
+
+@contextmanager
+def workers_for(jobs: int, cluster: str | None = None) -> Iterator[Workers]:
+    """The workers of a run, which are ended with the block, however that ends.
+
+    Raises:
+        UsageFault: the cluster at that address cannot be used.
+        NoAnswer: the workers were lost in the block.
+    """
+    workers = _made(jobs, cluster)
+    try:
+        yield workers
+    except WorkersLostError as error:
+        raise NoAnswer(str(error)) from error
+    finally:
+        workers.close()
+
+
+def _made(jobs: int, cluster: str | None) -> Workers:
+    if cluster is None:
+        return InProcess() if jobs == 1 else ProcessPool(jobs)
+    from solvers.execution.dask_cluster import ClusterFault, join_cluster
+
+    try:
+        return join_cluster(cluster)
+    except ClusterFault as fault:
+        raise UsageFault(str(fault)) from None
