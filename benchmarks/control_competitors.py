@@ -16,8 +16,8 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlProblem
+from solvers.trajectory.convex_step import step_maker
 from solvers.trajectory.linear_model import PositionRows
-from solvers.trajectory.step_solver import step_maker
 from solvers.trajectory.trajectory import Trajectory
 
 STRATEGIES = ("monotone", "adaptive")

@@ -67,7 +67,7 @@ def check_loaded(loaded: Loaded) -> Checked:
 
         task_diagnostics(loaded.sound, sink)
     if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
-        from compiler.checks.start_checks import start_diagnostics
+        from compiler.checks.task_checks import start_diagnostics
 
         start_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 from compiler.robots.effector_counts import several_effectors
 from compiler.tasks.formula_parts import subformulas
 from compiler.words.acceptance import accept_dfa
-from compiler.words.grammar import srg
+from compiler.words.binary_normal_form import BinaryGrammar
+from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa, intersection
+from compiler.words.grammar import Srg, alphabet_of, srg
+from compiler.words.intersection import CHECKED_RULES, IntersectionTooLargeError
 from compiler.words.language import Language, restrict
 from compiler.words.word_reader import viable_prefix
 from grammar_lang import ir
@@ -60,3 +65,166 @@ def _where_it_fails(language: Language, word: tuple[str, ...]) -> str:
     if length < len(word):
         return f"no word of the grammar begins with `{' '.join(word[: length + 1])}`"
     return "the word is only the beginning of one: go on with more modules"
+
+
+# --- Whether a family has robots that can start at the coordinates that a task gives --------------
+#
+# ``start at`` gives one value per degree of freedom of the word, so that this is a question about
+# words: L(SRG), its accept condition and an automaton that counts degrees of freedom are
+# intersected.
+
+
+WRITTEN_AS = {"revolute": "an angle", "prismatic": "a length"}
+"""What a value with a unit is, by the kind of joint that it is for."""
+UNITS = {"revolute": "`deg` or `rad`", "prismatic": "`m` or `cm`"}
+
+
+def start_diagnostics(program: ir.Program, sink: Sink) -> None:
+    """Report the tasks that give coordinates which no robot of their family has.
+
+    An error where the values are of other kinds than the joints, a warning where there are too
+    many or too few.  A language that is too large to be looked at is passed over.
+    """
+    order = {name: i for i, name in enumerate(program.terminals)}
+    for task in program.tasks.values():
+        if isinstance(task.start, ir.StartAt):
+            grammar = program.grammars[task.grammar]
+            rules = srg(grammar, alphabet_of(grammar, order), program.modules)
+            try:
+                accept = accept_dfa(grammar.accept, rules.terminals)
+                _Starting(program, task, task.start, rules, accept).report(sink)
+            except (AutomatonTooLargeError, IntersectionTooLargeError):
+                continue
+
+
+@dataclass(frozen=True)
+class _Starting:
+    """A task that gives coordinates, and the words of its family."""
+
+    program: ir.Program
+    task: ir.Task
+    start: ir.StartAt
+    rules: Srg
+    accept: Dfa
+
+    @cached_property
+    def family(self) -> BinaryGrammar:
+        """All words."""
+        return restrict(self.rules, self.accept, CHECKED_RULES).product
+
+    @cached_property
+    def count(self) -> int:
+        """How many values are given."""
+        return len(self.start.values)
+
+    def report(self, sink: Sink) -> None:
+        """Say why no robot fits; an empty family is reported with its grammar."""
+        kinds = [self.start.kind(i) for i in range(self.count)]
+        fitting = self.words(kinds)
+        if fitting.starts:
+            self.bound(fitting, sink)
+        elif self.words([None] * self.count).starts:
+            self.kinds(kinds, sink)
+        elif self.family.starts:
+            self.number(sink)
+
+    def words(self, kinds: Sequence[ir.DofKind | None]) -> BinaryGrammar:
+        """The accepted words with degrees of freedom of these kinds; None is any kind."""
+        alphabet = self.rules.terminals
+        dofs = [
+            [dof.kind for dof in self.program.modules[name].dofs]
+            if name in self.program.modules
+            else []
+            for name in alphabet
+        ]
+        fits = intersection(self.accept, _counting(alphabet, dofs, kinds))
+        return restrict(self.rules, fits, CHECKED_RULES).product
+
+    def kinds(self, kinds: Sequence[ir.DofKind | None], sink: Sink) -> None:
+        """Name a value that is of the wrong kind in every robot with so many of them."""
+        bad, others = self.wrong(kinds)
+        written = kinds[bad] or "revolute"
+        met = "prismatic" if written == "revolute" else "revolute"
+        sink.error(
+            Code.UNIT_MISMATCH,
+            f"value {bad + 1} is {WRITTEN_AS[written]}, but that degree of freedom is {met} in "
+            f"every robot of `{self.task.grammar}` with {self.degrees}{others}",
+            self.start.places[bad] if self.start.places else self.start.span,
+            f"write {WRITTEN_AS[met]}, in {UNITS[met]}; values are in the order of the word",
+            [(self.start.span, "the start that no robot can take")],
+        )
+
+    def wrong(self, kinds: Sequence[ir.DofKind | None]) -> tuple[int, str]:
+        """A value, from 0, that fits no word together with those before it, and when so."""
+        low, high = 0, self.count - 1
+        while low < high:
+            middle = (low + high) // 2
+            if self.words([*kinds[: middle + 1], *[None] * (self.count - middle - 1)]).starts:
+                low = middle + 1
+            else:
+                high = middle
+        alone = [kind if i == low else None for i, kind in enumerate(kinds)]
+        if self.words(alone).starts:
+            return low, " that the values before it fit"
+        return low, ""
+
+    def number(self, sink: Sink) -> None:
+        """There are too many values, or too few."""
+        modules = [self.program.modules.get(name) for name in self.rules.terminals]
+        weights = [0 if module is None else len(module.dofs) for module in modules]
+        fewest = self.family.lightest(weights) or 0
+        hint = "give one value for each degree of freedom of the word"
+        if self.count < fewest:
+            hint += f": every robot has {fewest} or more"
+        sink.warning(
+            Code.START_OF_NO_ROBOT,
+            f"no robot of `{self.task.grammar}` has {self.degrees}",
+            self.start.span,
+            f"{hint}; as it is, `synth` finds none",
+        )
+
+    def bound(self, fitting: BinaryGrammar, sink: Sink) -> None:
+        """The robots that fit are all larger than the task allows."""
+        if self.task.modules is None:
+            return
+        weights = [int(name in self.program.modules) for name in self.rules.terminals]
+        fewest = fitting.lightest(weights) or 0
+        smallest = self.family.lightest(weights) or 0
+        # That no robot at all is so small is reported with the grammar.
+        if smallest <= self.task.modules < fewest:
+            sink.warning(
+                Code.START_OF_NO_ROBOT,
+                f"no robot of `{self.task.grammar}` that can start so has at most "
+                f"{self.task.modules} modules",
+                self.start.span,
+                f"write `modules <= {fewest}` or more; as it is, `synth` says impossible",
+                [(self.task.clauses.get("modules", self.task.span), "the bound")],
+            )
+
+    @property
+    def degrees(self) -> str:
+        """The number of values, as degrees of freedom."""
+        return "1 degree of freedom" if self.count == 1 else f"{self.count} degrees of freedom"
+
+
+def _counting(
+    alphabet: tuple[str, ...],
+    dofs: Sequence[Sequence[ir.DofKind]],
+    kinds: Sequence[ir.DofKind | None],
+) -> Dfa:
+    """The words with these degrees of freedom in order, ``dofs`` for each symbol.
+
+    State k: so many were read, and they fit; the last state is dead.
+    """
+    count = len(kinds)
+    dead = count + 1
+
+    def target(state: int, read: Sequence[ir.DofKind]) -> int:
+        end = state + len(read)
+        if state == dead or end > count:
+            return dead
+        pairs = zip(kinds[state:end], read, strict=True)
+        return end if all(wanted in (None, kind) for wanted, kind in pairs) else dead
+
+    table = tuple(target(state, read) for state in range(count + 2) for read in dofs)
+    return Dfa(alphabet, table, tuple(state == count for state in range(count + 2)))

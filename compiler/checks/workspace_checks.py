@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import islice
 from typing import assert_never
 
-from compiler.checks.end_checks import Shapes, end_diagnostics, ends
-from compiler.checks.overlap_checks import map_overlap_diagnostics, overlap_diagnostics
-from compiler.checks.shape_checks import sound_polytope
+from compiler.checks.region_checks import Shapes, end_diagnostics, ends, sound_polytope
+from compiler.tasks.obstacle_pieces import pieces_of, polytopes_within
+from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.overlaps import candidates, interiors_meet
+from compiler.workspaces.pieces import Pieces, cross, sides
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import counted
+from grammar_lang.ir import ObstacleMap, Region, Workspace
 
 
 def workspace_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:
@@ -72,7 +78,7 @@ def _shapes(workspace: ir.Workspace, sink: Sink) -> Shapes | None:
     if not workspace.maps:
         return Shapes(bounds, regions, inside)
     # Loaded where there is a map alone, so that other checks start fast.
-    from compiler.checks.map_checks import map_shapes
+    from compiler.checks.workspace_checks import map_shapes
 
     return Shapes(bounds, regions, inside, map_shapes(workspace, bounds, sink))
 
@@ -140,3 +146,174 @@ def _useless_regions(workspace: ir.Workspace, used: set[str], shapes: Shapes, si
                 hint="move it, or widen the bounds",
                 notes=((workspace.bounds.span, "the bounds"),),
             )
+
+
+# --- Notes about regions of a workspace that overlap; it is allowed, and often not meant ----------
+
+
+REPORTED = 20
+CANDIDATE_LIMIT = 5_000
+
+
+def overlap_diagnostics(
+    workspace: Workspace,
+    inside: Mapping[str, Polytope],
+    told: Collection[tuple[str, str]],
+    sink: Sink,
+) -> None:
+    """Note the pairs of regions whose interiors meet within the bounds.
+
+    Two obstacles may overlap as they like.  The first ``REPORTED`` pairs in order of declaration
+    are noted one by one, the others by their number; at most ``CANDIDATE_LIMIT`` pairs whose
+    bounding boxes overlap are looked at.
+
+    Args:
+        workspace: the workspace.
+        inside: the parts of its regions within the bounds, by facets; regions without are left out.
+        told: pairs of names, in any order, about which there is another finding already.
+        sink: where to report.
+    """
+    regions = [region for region in workspace.regions if region.name in inside]
+    shapes = [inside[region.name] for region in regions]
+    looked_at = list(islice(_worth(regions, shapes, told), CANDIDATE_LIMIT + 1))
+    cut = len(looked_at) > CANDIDATE_LIMIT
+    pairs = sorted(
+        (i, j) for i, j in looked_at[:CANDIDATE_LIMIT] if interiors_meet(shapes[i], shapes[j])
+    )
+    for i, j in pairs[:REPORTED]:
+        _overlap_note(regions[i], regions[j], shapes[i], shapes[j], sink)
+    rest = len(pairs) - REPORTED
+    if rest > 0:
+        some = "1 more pair" if rest == 1 else f"{rest} more pairs"
+        sink.note(
+            Code.OVERLAPPING_REGIONS,
+            f"{'at least ' if cut else ''}{some} of regions of workspace `{workspace.name}` "
+            f"overlap{'s' if rest == 1 else ''}",
+            workspace.span,
+            hint="a point of several regions has the propositions of all of them",
+        )
+
+
+def _worth(
+    regions: list[Region], shapes: list[Polytope], told: Collection[tuple[str, str]]
+) -> Iterator[tuple[int, int]]:
+    """The candidates that there is something to say about."""
+    for i, j in candidates(shapes):
+        first, second = regions[i], regions[j]
+        names = first.name, second.name
+        if not (
+            (first.kind == "obstacle" and second.kind == "obstacle")
+            or names in told
+            or names[::-1] in told
+        ):
+            yield i, j
+
+
+def _overlap_note(
+    first: Region, second: Region, one: Polytope, other: Polytope, sink: Sink
+) -> None:
+    """One pair, at the region that is declared later."""
+    a, b = f"{first.kind} `{first.name}`", f"{second.kind} `{second.name}`"
+    forth, back = other.contains(one), one.contains(other)
+    if forth and back:
+        message = f"{b} is the same set as {a}"
+    elif forth or back:
+        message = f"{b} {'contains' if forth else 'lies inside'} {a}"
+    else:
+        message = f"{b} overlaps {a}"
+    sink.note(
+        Code.OVERLAPPING_REGIONS,
+        message,
+        second.span,
+        hint="a point of both has both propositions; move one of them if that is not meant",
+        notes=((first.span, f"`{first.name}` is declared here"),),
+    )
+
+
+def map_overlap_diagnostics(
+    workspace: Workspace, shapes: Shapes, told: Collection[tuple[str, str]], sink: Sink
+) -> None:
+    """Note the regions, obstacles aside, whose interiors meet that of a map; each pair once.
+
+    Args:
+        workspace: the workspace.
+        shapes: its regions and maps within the bounds.
+        told: pairs of a region and a map about which there is another finding already.
+        sink: where to report.
+    """
+    for region in workspace.regions:
+        part = shapes.inside.get(region.name)
+        if part is None or region.kind == "obstacle":
+            continue
+        for found in workspace.maps:
+            pieces = shapes.maps.get(found.name, ())
+            if (region.name, found.name) not in told and any(
+                interiors_meet(piece, part) for piece in pieces
+            ):
+                sink.note(
+                    Code.OVERLAPPING_REGIONS,
+                    f"{region.kind} `{region.name}` overlaps obstacle `{found.name}`",
+                    region.span,
+                    hint="a point of both has both propositions; change one if that is not meant",
+                    notes=((found.span, f"`{found.name}` is declared here"),),
+                )
+
+
+# --- Findings about maps of obstacles: what each is made of, or why it cannot be used -------------
+
+
+def map_shapes(
+    workspace: Workspace, bounds: Polytope, sink: Sink
+) -> dict[str, tuple[Polytope, ...]]:
+    """The pieces of every map within the bounds, by name, and a note about each.
+
+    A map that cannot be used is an error and has no pieces; one without obstacles within the
+    bounds is warned of.
+    """
+    shapes: dict[str, tuple[Polytope, ...]] = {}
+    for found in workspace.maps:
+        try:
+            every, inside = pieces_of(found), polytopes_within(found, workspace.bounds)
+        except MapFault as fault:
+            fault.report(found, sink)
+            continue
+        shapes[found.name] = inside
+        if every.polygons and not inside:
+            sink.warning(
+                Code.REGION_OUTSIDE_BOUNDS,
+                f"obstacle `{found.name}` lies outside the bounds and has no effect",
+                found.span,
+                hint="move it, or widen the bounds",
+                notes=((workspace.bounds.span, "the bounds"),),
+            )
+        else:
+            _map_note(found, every, len(inside), bounds, sink)
+    return shapes
+
+
+def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, sink: Sink) -> None:
+    """What a map is made of, how far it was rounded, and whether the bounds go on beyond it."""
+    parts = [f"{counted(inside, 'convex piece')} from {every.origin}"]
+    if every.inflation:
+        parts.append(f"rounded outwards by at most {_above(every.inflation)} m")
+    outside = len(every.polygons) - inside
+    if outside:
+        parts.append(f"{counted(outside, 'more piece')} outside the bounds left out")
+    hint = None
+    if every.extent is not None and not _holds(every.extent, bounds):
+        hint = "the bounds go on beyond the image, where there is no obstacle"
+    sink.note(Code.MAP_PIECES, f"obstacle `{found.name}`: {', '.join(parts)}", found.span, hint)
+
+
+def _above(value: Fraction) -> str:
+    """A decimal of two digits that is not below a positive value."""
+    exponent = 0
+    while value * 10**exponent < 10:
+        exponent += 1
+    digits = -(-value.numerator * 10**exponent // value.denominator)
+    return f"{float(Fraction(digits, 10**exponent)):.2g}"
+
+
+def _holds(extent: tuple[tuple[Fraction, Fraction], ...], bounds: Polytope) -> bool:
+    """Whether the bounds lie within a convex polygon."""
+    return all(cross(a, b, (x, y)) >= 0 for a, b in sides(extent) for x, y in bounds.vertices)

@@ -25,8 +25,7 @@ from compiler.encodings.real_terms import (
     subtract,
     sum_of_squares,
 )
-from compiler.encodings.scalar_terms import Angle, ScalarTerms
-from compiler.encodings.slide_terms import slide_term
+from compiler.encodings.scalar_terms import Angle, ScalarTerms, slide_term
 from compiler.robots.robot import (
     WORLD,
     Joint,

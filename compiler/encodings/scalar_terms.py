@@ -254,3 +254,19 @@ def _only_value(domain: ir.Interval | ir.Choices) -> Fraction | None:
     ends = (domain.lower, domain.upper) if isinstance(domain, ir.Interval) else domain.values
     values = {exact_rational(end) for end in ends}
     return values.pop() if len(values) == 1 else None
+
+
+# --- Unknown coordinates of prismatic joints, within outer rational limits ------------------------
+
+
+def slide_term(model: RobotModel, script: RealScript, dof: int, pose: str) -> Quantity:
+    """A new unknown for the coordinate of a prismatic joint at a pose."""
+    limits = model.dofs[dof].range
+    if limits is None:
+        return script.fresh(f"{pose}_q")
+    lower = rational_bounds(limits.lower)[0]
+    upper = rational_bounds(limits.upper)[1]
+    low, high = (arb(int(end.numerator)) / end.denominator for end in (lower, upper))
+    unknown = script.fresh(f"{pose}_q", low.union(high))
+    script.assertion(*between((lower, upper), unknown))
+    return unknown

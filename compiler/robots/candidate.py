@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
+from typing import TypeAlias
 
 from compiler.robots.alignment import alignment
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.family import RobotFamily
 from compiler.robots.robot import RobotModel
-from compiler.robots.words_by_distance import words_by_distance
 from compiler.time_limits.time_limit import check_time
+from compiler.words.budget import WordsTooLongError
 from compiler.words.derivation import Derivation
+from compiler.words.finite_automaton import (
+    STATE_LIMIT,
+    AutomatonTooLargeError,
+    Dfa,
+    intersection,
+    minimal,
+)
+from compiler.words.language import Language, restrict
 from compiler.words.structures import structures, structures_of
 from grammar_lang import ir
 
@@ -82,3 +92,138 @@ def robot_in_task(
         for p in model.parameters
     )
     return replace(model, parameters=tuple(parameters))
+
+
+# --------------------------------------------------------------------------------------------------
+# The words of a language in the order of their distance from a word: modules added or removed.
+#
+# Each distance is the language intersected with an automaton, enumerated lazily.  Automata grow
+# with the distance; where they get large and the words are few, the rest of the words is sorted
+# instead.
+
+
+SMALL_AUTOMATON = 500
+FEW_WORDS = 20_000
+
+
+def words_by_distance(
+    language: Language, origin: tuple[str, ...], modules: int
+) -> Iterator[tuple[str, ...]]:
+    """The words of at most so many modules, by how many are added to or removed from ``origin``.
+
+    ``origin`` itself comes first; words at one distance come by length, then in order of symbols.
+    """
+    count = sum(symbol in language.srg.modules for symbol in origin)
+    if count <= modules and language.accepts(origin):
+        yield origin
+    longest, limit = _longest(language, modules), SMALL_AUTOMATON
+    for distance in range(count + modules + 1):
+        found = _at(language, origin, distance, limit)
+        if found is None and limit < STATE_LIMIT:
+            few = list(islice(language.words(max_modules=modules), FEW_WORDS + 1))
+            if len(few) <= FEW_WORDS:
+                yield from _sorted(language, few, origin, distance)
+                return
+            limit = STATE_LIMIT
+            found = _at(language, origin, distance, limit)
+        level = language if found is None else found
+        for word in level.words(max_modules=modules, max_length=longest):
+            near = found is not None or _distance(language, origin, word) == distance
+            if near and word != origin:
+                yield word
+
+
+def _longest(language: Language, modules: int) -> int | None:
+    """A length that no word exceeds; None where there is none, or none of use."""
+    try:
+        return language.longest(max_modules=modules)
+    except WordsTooLongError:
+        return None
+
+
+def _at(language: Language, origin: tuple[str, ...], distance: int, limit: int) -> Language | None:
+    """The words of a language at a distance; None where that takes more than ``limit`` states."""
+    rules = language.srg
+    try:
+        level = at_distance(rules.terminals, rules.modules, origin, distance, limit)
+        return restrict(rules, intersection(language.accept, level))
+    except AutomatonTooLargeError:
+        return None
+
+
+def _distance(language: Language, origin: tuple[str, ...], word: tuple[str, ...]) -> int:
+    return distance_from(language.srg.modules, origin, word)
+
+
+def _sorted(
+    language: Language, words: list[tuple[str, ...]], origin: tuple[str, ...], least: int
+) -> Iterator[tuple[str, ...]]:
+    """Those of some words, in order, that are at a distance of ``least`` or more, by distance."""
+    levels: dict[int, list[tuple[str, ...]]] = {}
+    for word in words:
+        distance = _distance(language, origin, word)
+        if distance >= least and word != origin:
+            levels.setdefault(distance, []).append(word)
+    for distance in sorted(levels):
+        yield from levels[distance]
+
+
+# --------------------------------------------------------------------------------------------------
+# The words at a given number of modules added to or removed from a word, as a finite automaton.
+#
+# A state is a row of the table of distances between a prefix that was read and all prefixes of the
+# word (Wagner & Fischer 1974, with deletions and insertions only), cut off above the distance asked
+# for (Schulz & Mihov 2002).  Edges are read and not counted.
+
+
+Row: TypeAlias = tuple[int, ...]
+
+
+def at_distance(
+    alphabet: tuple[str, ...],
+    modules: Container[str],
+    word: Sequence[str],
+    distance: int,
+    limit: int = STATE_LIMIT,
+) -> Dfa:
+    """The words whose modules differ from those of ``word`` by so many, added or removed; minimal.
+
+    Raises:
+        AutomatonTooLargeError: there would be more than ``limit`` states.
+    """
+    aim = [symbol for symbol in word if symbol in modules]
+    over = distance + 1
+    first = tuple(min(i, over) for i in range(len(aim) + 1))
+    rows, number = [first], {first: 0}
+    table: list[int] = []
+    for row in rows:
+        check_time()
+        for symbol in alphabet:
+            following = _next(row, symbol, aim, over) if symbol in modules else row
+            if following not in number:
+                if len(rows) >= limit:
+                    raise AutomatonTooLargeError(limit)
+                number[following] = len(rows)
+                rows.append(following)
+            table.append(number[following])
+    return minimal(Dfa(alphabet, tuple(table), tuple(row[-1] == distance for row in rows)))
+
+
+def distance_from(modules: Container[str], word: Sequence[str], other: Sequence[str]) -> int:
+    """The number of modules to be added to a word or removed from it to get those of another."""
+    aim = [symbol for symbol in word if symbol in modules]
+    over = len(aim) + len(other) + 1
+    row = tuple(range(len(aim) + 1))
+    for symbol in other:
+        if symbol in modules:
+            row = _next(row, symbol, aim, over)
+    return row[-1]
+
+
+def _next(row: Row, symbol: str, aim: Sequence[str], over: int) -> Row:
+    """The row after one more module; ``over`` stands for all larger distances."""
+    entries = [min(row[0] + 1, over)]
+    for i, other in enumerate(aim, 1):
+        found = row[i - 1] if symbol == other else min(row[i], entries[-1]) + 1
+        entries.append(min(found, over))
+    return tuple(entries)

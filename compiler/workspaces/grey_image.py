@@ -1,23 +1,254 @@
-"""Images of maps as brightness values: PGM read here, exactly, and PNG by Pillow.
-
-Sources: the Netpbm manual, pgm(5); W3C, *Portable Network Graphics*, section 11.2.2 (header).
-"""
+"""Images of maps as brightness values: PGM read here, exactly; PNG by Pillow, chunks first."""
 
 from __future__ import annotations
 
 import re
+import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from compiler.workspaces.map_fault import check_size, image_fault
-from compiler.workspaces.png_chunks import PALETTE, SIGNATURE, PngChunks, png_chunks
+from compiler.workspaces.map_fault import MapFault, check_size, image_fault
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     Values: TypeAlias = NDArray[np.unsignedinteger[Any]]
+
+
+# --------------------------------------------------------------------------------------------------
+# The chunks of a PNG: looked through before a pixel is unpacked, and those that make the image.
+#
+# Source: W3C, *Portable Network Graphics (PNG) Specification (Third Edition)*, sections 5
+# (structure of a file), 8.1 (interlacing), 11.2 (critical chunks) and 11.3.1 (transparency).
+#
+# What reads PNG for many purposes does more than a map needs: it follows animations, unpacks texts
+# and colour profiles, and takes the last of two headers.  It is given a file of the chunks that
+# make the image, of which the number of pixels is known to be what the header says.
+
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+CHUNK_LIMIT = 2**16
+"""So many chunks may an image have; encoders begin a new one every few thousand bytes at most."""
+
+PALETTE = 3
+"""The type of colours that are numbers of a palette."""
+_SAMPLES = {0: 1, 2: 3, PALETTE: 1, 4: 2, 6: 4}
+"""Samples of a pixel, by type of colours."""
+_DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), PALETTE: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
+"""How many bits a sample may have, by type of colours."""
+_KEYS = {0: 2, 2: 6}
+"""The bytes of the one transparent colour, by type of colours."""
+_PASSES = (
+    (0, 8, 0, 8), (4, 8, 0, 8), (0, 4, 4, 8), (2, 4, 0, 4), (0, 2, 2, 4), (1, 2, 0, 2), (0, 1, 1, 2)
+)  # fmt: skip
+"""Of the passes of an interlaced image: first column, step, first row, step."""
+_CHECKSUM = 4
+_PIECE = 2**16
+_MOST = 2**20
+"""So many bytes are unpacked at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class PngHeader:
+    """The header: pixels, bits of a sample, type of colours."""
+
+    width: int
+    height: int
+    depth: int
+    colours: int
+    interlaced: bool
+
+    @property
+    def size(self) -> int:
+        """The bytes of all rows, each with one that says how it is filtered."""
+        bits = self.depth * _SAMPLES[self.colours]
+        size = 0
+        for left, across, top, down in _PASSES if self.interlaced else ((0, 1, 0, 1),):
+            columns = len(range(left, self.width, across))
+            rows = len(range(top, self.height, down))
+            size += rows * (1 + (columns * bits + 7) // 8) if columns else 0
+        return size
+
+
+@dataclass(frozen=True, slots=True)
+class PngChunks:
+    """The chunks that make the image; ``palette`` and ``transparency`` are empty without."""
+
+    header: PngHeader
+    start: bytes
+    palette: bytes
+    transparency: bytes
+    pixels: tuple[memoryview, ...]
+
+    @property
+    def entries(self) -> int:
+        """The number of colours of the palette."""
+        return len(self.palette) // 3
+
+    @property
+    def file(self) -> bytes:
+        """A PNG of these chunks alone."""
+        parts = [SIGNATURE, _chunk(b"IHDR", self.start)]
+        parts += [_chunk(b"PLTE", self.palette)] if self.header.colours == PALETTE else []
+        parts += [_chunk(b"tRNS", self.transparency)] if self.transparency else []
+        return b"".join([*parts, _chunk(b"IDAT", b"".join(self.pixels)), _chunk(b"IEND", b"")])
+
+
+def png_chunks(data: bytes) -> PngChunks:
+    """The chunks of a PNG that make its image.
+
+    Args:
+        data: the bytes of a file that begins with ``SIGNATURE``.
+
+    Raises:
+        MapFault: the image is damaged or too large, or its pixels are not as many as its header
+            says.
+    """
+    header = _header(data)
+    found: dict[bytes, list[memoryview]] = {b"PLTE": [], b"tRNS": [], b"IDAT": []}
+    last = b""
+    for kind, body in _chunks(memoryview(data)):
+        _check_order(kind, last, found)
+        last = kind
+        if kind in found:
+            found[kind].append(body)
+    palette = b"".join(found[b"PLTE"])
+    _check_palette(header, palette)
+    transparency = _transparency(header, palette, b"".join(found[b"tRNS"]))
+    _check_pixels(header, found[b"IDAT"])
+    return PngChunks(header, data[16:29], palette, transparency, tuple(found[b"IDAT"]))
+
+
+def _damaged(how: str) -> MapFault:
+    return image_fault(f"the PNG image is damaged: {how}")
+
+
+def _chunk(kind: bytes, body: bytes) -> bytes:
+    checksum = zlib.crc32(body, zlib.crc32(kind))
+    return b"".join([len(body).to_bytes(4), kind, body, checksum.to_bytes(4)])
+
+
+def _header(data: bytes) -> PngHeader:
+    """The header, which is the first chunk; its checksum is looked at with those of the others."""
+    if len(data) < 33 or data[8:16] != (13).to_bytes(4) + b"IHDR":
+        raise image_fault("the header of the PNG image is damaged")
+    width, height = int.from_bytes(data[16:20]), int.from_bytes(data[20:24])
+    check_size(width, height)
+    depth, colours, compression, filtering, interlacing = data[24:29]
+    if depth not in _DEPTHS.get(colours, ()) or compression or filtering or interlacing > 1:
+        raise image_fault("the header of the PNG image is damaged")
+    if depth == 16 and colours:
+        raise image_fault("the PNG image has colours or transparency of 16 bits")
+    return PngHeader(width, height, depth, colours, bool(interlacing))
+
+
+def _chunks(data: memoryview) -> Iterator[tuple[bytes, memoryview]]:
+    """Kind and content of each chunk up to the last one.
+
+    Raises:
+        MapFault: a chunk is damaged, there are too many, or the last one is missing.
+    """
+    place = len(SIGNATURE)
+    for _ in range(CHUNK_LIMIT):
+        start = place + 8
+        length, kind = int.from_bytes(data[place : start - 4]), bytes(data[start - 4 : start])
+        place = start + length + _CHECKSUM
+        if place > len(data):
+            raise _damaged("it ends too soon")
+        if not kind.isalpha():
+            raise _damaged("a chunk has no name")
+        body = data[start : start + length]
+        if zlib.crc32(body, zlib.crc32(kind)) != int.from_bytes(data[place - _CHECKSUM : place]):
+            raise _damaged(f"the checksum of chunk {kind.decode()} is wrong")
+        yield kind, body
+        if kind == b"IEND":
+            return
+    raise _damaged(f"it has more than {CHUNK_LIMIT:,} chunks")
+
+
+def _check_order(kind: bytes, last: bytes, found: dict[bytes, list[memoryview]]) -> None:
+    """See to it that a chunk may follow the one before it and those that were found."""
+    name = f"chunk {kind.decode()}"
+    once = {b"PLTE", b"tRNS"}
+    if (kind == b"IHDR" and last) or (kind in once and found[kind]):
+        raise _damaged(f"there is a second {name}")
+    if kind in once and (found[b"IDAT"] or found[b"tRNS"]):
+        raise _damaged(f"{name} comes too late")
+    if kind == b"IDAT" and found[kind] and last != kind:
+        raise _damaged("other chunks stand between its pixels")
+    # A capital letter marks what is no addition: without it the image means something else.
+    if kind[:1].isupper() and kind not in {b"IHDR", b"PLTE", b"IDAT", b"IEND"}:
+        raise _damaged(f"{name} is unknown")
+
+
+def _check_palette(header: PngHeader, palette: bytes) -> None:
+    """A palette where the colours are numbers of it, of at most as many as there are numbers."""
+    entries, rest = divmod(len(palette), 3)
+    numbers = 2**header.depth if header.colours == PALETTE else 256
+    if rest or entries > numbers or (header.colours == PALETTE and not entries):
+        raise _damaged("its palette has the wrong size")
+
+
+def _transparency(header: PngHeader, palette: bytes, given: bytes) -> bytes:
+    """The transparency; of a colour, without the bits that do not count."""
+    if not given:
+        return given
+    if header.colours == PALETTE:
+        fits = len(given) <= len(palette) // 3
+    else:
+        fits = len(given) == _KEYS.get(header.colours)
+    if not fits:
+        raise _damaged("its transparency has the wrong size")
+    if header.colours == PALETTE:
+        return given
+    mask = (2**header.depth - 1).to_bytes(2) * (len(given) // 2)
+    return bytes(byte & bits for byte, bits in zip(given, mask, strict=True))
+
+
+def _check_pixels(header: PngHeader, pixels: list[memoryview]) -> None:
+    """See to it that the pixels unpack to as many bytes as the header says; none is kept."""
+    left = header.size
+    try:
+        for count in _unpacked(pixels):
+            left -= count
+            if left < 0:
+                raise _damaged("it has more pixels than its header says")
+    except zlib.error:
+        raise _damaged("its pixels cannot be unpacked") from None
+    except EOFError:
+        left = 1
+    if left:
+        raise _damaged("it ends before its last pixel")
+
+
+def _unpacked(pixels: list[memoryview]) -> Iterator[int]:
+    """How many bytes the pixels unpack to, piece by piece.
+
+    Raises:
+        zlib.error: they cannot be unpacked.
+        EOFError: their end is missing.
+    """
+    unpacker = zlib.decompressobj()
+    for chunk in pixels:
+        for start in range(0, len(chunk), _PIECE):
+            waiting: bytes | memoryview = chunk[start : start + _PIECE]
+            while waiting and not unpacker.eof:
+                yield len(unpacker.decompress(waiting, _MOST))
+                waiting = unpacker.unconsumed_tail
+            if unpacker.eof:
+                return
+    yield len(unpacker.flush())
+    if not unpacker.eof:
+        raise EOFError
+
+
+# --- Images of maps as brightness values: PGM read here, exactly, and PNG by Pillow ---------------
+#
+# Sources: the Netpbm manual, pgm(5); W3C, *Portable Network Graphics*, section 11.2.2 (header).
+
 
 HEADER_LIMIT = 2**16
 """The header of a PGM image ends within so many bytes, comments included."""

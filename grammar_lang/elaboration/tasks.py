@@ -12,7 +12,6 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.elaboration.closed import Constants, coordinates, list_unit
-from grammar_lang.elaboration.efforts import lower_efforts
 from grammar_lang.elaboration.modules import ModuleInfo
 from grammar_lang.elaboration.sorts import (
     DimensionUse,
@@ -22,6 +21,7 @@ from grammar_lang.elaboration.sorts import (
     warn_turn,
     wrong_sort,
 )
+from grammar_lang.elaboration.task_clauses import lower_efforts
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
@@ -266,14 +266,14 @@ class _Reader:
         item = self.one(t.From, "from", None)
         if item is None:
             return None
-        from grammar_lang.elaboration.reconfiguration import lower_origin
+        from grammar_lang.elaboration.task_clauses import lower_origin
 
         return lower_origin(item, self.around.modules, self.around.names, self.sink)
 
     def robust(self) -> ir.Robust | None:
         if not any(isinstance(i, t.RobustStart | t.RobustEffort) for i in self.task.items):
             return None
-        from grammar_lang.elaboration.robustness import lower_robust
+        from grammar_lang.elaboration.task_clauses import lower_robust
 
         return lower_robust(self.task.items, self.sink)
 

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.elaboration.closed import Constants, ListUnit, coordinates, list_unit
-from grammar_lang.elaboration.linear import Inequalities
+from grammar_lang.elaboration.closed import (
+    NO_UNIT,
+    Constants,
+    ListUnit,
+    coordinates,
+    list_unit,
+    not_rational,
+)
+from grammar_lang.elaboration.plausibility import warn_implausible
+from grammar_lang.elaboration.sorts import Sort, Typed, mismatch
+from grammar_lang.ir import constants
 from grammar_lang.names.declarations import duplicate
 from grammar_lang.names.entities import map_name
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
-from grammar_lang.units import LENGTH
+from grammar_lang.units import LENGTH, ONE, Dimension
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,3 +192,201 @@ def lower_workspace(
     regions = tuple(reader.regions.values())
     name, span = workspace.name.text, workspace.span
     return ir.Workspace(name, size, bounds, regions, span, tuple(found))
+
+
+# --- Linear inequalities in x, y, z with exact rational coefficients ------------------------------
+
+
+Coefficients: TypeAlias = tuple[Fraction, Fraction, Fraction]
+
+_UNITS: dict[str, Coefficients] = {
+    "x": (Fraction(1), Fraction(0), Fraction(0)),
+    "y": (Fraction(0), Fraction(1), Fraction(0)),
+    "z": (Fraction(0), Fraction(0), Fraction(1)),
+}
+_NONE: Coefficients = (Fraction(0), Fraction(0), Fraction(0))
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """``coefficients . (x, y, z) + constant`` of a dimension, in SI; None: a bare constant.
+
+    ``inexact`` is where a constant is written that is no rational.
+    """
+
+    coefficients: Coefficients
+    constant: Fraction
+    dimension: Dimension | None
+    inexact: Span | None = None
+
+    def times(self, factor: Fraction, dimension: Dimension) -> Form:
+        """The form times a constant of that dimension."""
+        x, y, z = (c * factor for c in self.coefficients)
+        return Form((x, y, z), self.constant * factor, (self.dimension or ONE) * dimension)
+
+    def plus(self, other: Form) -> Form:
+        """The sum of two forms of one dimension."""
+        pairs = zip(self.coefficients, other.coefficients, strict=True)
+        x, y, z = (a + b for a, b in pairs)
+        return Form((x, y, z), self.constant + other.constant, self.dimension or other.dimension)
+
+
+def _representable(q: Fraction) -> bool:
+    """Whether a number does not overflow in floating point."""
+    try:
+        return math.isfinite(float(q))
+    except OverflowError:
+        return False
+
+
+def has_axis(expr: s.Expr) -> bool:
+    """Whether a coordinate occurs in an expression."""
+    match expr:
+        case s.AxisName():
+            return True
+        case s.Negate(operand=operand) | s.Scaled(operand=operand):
+            return has_axis(operand)
+        case s.Binary(left=left, right=right):
+            return has_axis(left) or has_axis(right)
+        case s.Tuple(items=items):
+            return any(has_axis(item) for item in items)
+        case s.Call(arguments=arguments):
+            return any(has_axis(argument.value) for argument in arguments)
+        case _:
+            return False
+
+
+@dataclass(frozen=True, slots=True)
+class Inequalities:
+    """Reads inequalities whose bare constants are in ``unit``."""
+
+    sink: Sink
+    unit: ListUnit
+    size: Literal[2, 3]
+
+    def lower(self, row: t.Inequality) -> ir.HalfSpace | None:
+        """The half-space of an inequality; None where an error was reported."""
+        if not self._sign(row):
+            return None
+        if not has_axis(row.left) and not has_axis(row.right):
+            self._not_linear("no coordinate occurs in this inequality", row.span)
+            return None
+        form = self._sum(row.left, row.right, Fraction(-1))
+        if form is None:
+            return None
+        if form.coefficients == _NONE:
+            self._not_linear("the coordinates cancel in this inequality", row.span)
+            return None
+        if not all(_representable(q) for q in (*form.coefficients, form.constant)):
+            message = "a number in this inequality is too large"
+            self.sink.error(Code.BAD_NUMBER, message, row.span, "use smaller ones")
+            return None
+        sign = Fraction(1 if row.comparison == "<=" else -1)
+        normal = tuple(sign * c for c in form.coefficients[: self.size])
+        return ir.HalfSpace(normal, -sign * form.constant, row.span)
+
+    def _sign(self, row: t.Inequality) -> bool:
+        if row.comparison in {"<=", ">="}:
+            return True
+        if row.comparison == "==":
+            self._not_linear("an equation is no inequality", row.span)
+            return False
+        self.sink.error(
+            Code.STRICT_INEQUALITY,
+            f"the strict sign `{row.comparison}`: sets are closed",
+            row.span,
+            f"write `{row.comparison}=`",
+        )
+        return False
+
+    def _not_linear(self, message: str, at: Span) -> None:
+        hint = "write a linear inequality such as `2*x + 3*(y - 1) <= 4`"
+        self.sink.error(Code.NOT_LINEAR, message, at, hint)
+
+    def _form(self, expr: s.Expr) -> Form | None:
+        """The form of an expression in which a coordinate occurs."""
+        match expr:
+            case s.AxisName(axis=axis):
+                if axis == "z" and self.size == 2:
+                    message = "there is no z in the plane"
+                    hint = "use x and y, or `space xyz;`"
+                    self.sink.error(Code.OUT_OF_PLANE, message, expr.span, hint)
+                    return None
+                return Form(_UNITS[axis], Fraction(0), LENGTH)
+            case s.Negate(operand=operand):
+                form = self._form(operand)
+                return None if form is None else form.times(Fraction(-1), ONE)
+            case s.Binary(operator="+", left=left, right=right):
+                return self._sum(left, right, Fraction(1))
+            case s.Binary(operator="-", left=left, right=right):
+                return self._sum(left, right, Fraction(-1))
+            case s.Binary(operator="*" | "/"):
+                return self._product(expr)
+            case _:
+                self._not_linear("this is not linear in the coordinates", expr.span)
+                return None
+
+    def _term(self, expr: s.Expr) -> Form | None:
+        """A summand; a bare constant is in the trailing unit."""
+        if has_axis(expr):
+            return self._form(expr)
+        value = Constants(self.sink).typed(expr, self.unit)
+        if value.sort is not Sort.SCALAR:
+            return None
+        exact = constants.rational(value.expr)
+        inexact = expr.span if exact is None else None
+        return Form(_NONE, exact or Fraction(0), value.dimension, inexact)
+
+    def _factor(self, expr: s.Expr) -> tuple[Fraction, Dimension] | None:
+        """A constant that a form is multiplied by or divided through."""
+        reader = Constants(self.sink)
+        value = reader.typed(expr, NO_UNIT)
+        if value.sort is not Sort.SCALAR:
+            return None
+        exact = reader.exact(value.expr, expr.span)
+        return None if exact is None else (exact, value.dimension or ONE)
+
+    def _sum(self, left: s.Expr, right: s.Expr, sign: Fraction) -> Form | None:
+        a, b = self._term(left), self._term(right)
+        if a is None or b is None:
+            return None
+        if a.dimension is not None and b.dimension not in {None, a.dimension}:
+            at, wrong, due = right.span, b, a.dimension
+            if a.coefficients == _NONE and b.dimension is not None:
+                at, wrong, due = left.span, a, b.dimension
+            typed = Typed(ir.Num(Fraction(0)), Sort.SCALAR, wrong.dimension)
+            mismatch(typed, due, at, self.sink)
+            return None
+        for inexact in (a.inexact, b.inexact):
+            if inexact is not None:
+                not_rational(inexact, self.sink)
+                return None
+        dimension = a.dimension or b.dimension
+        for form, written in ((a, left), (b, right)):
+            if form.dimension is None and dimension is not None:
+                bare = Typed(ir.Num(form.constant), Sort.SCALAR, None)
+                warn_implausible(bare, dimension, written, None, self.sink)
+        total = a.plus(b.times(sign, ONE))
+        return Form(total.coefficients, total.constant, dimension)
+
+    def _product(self, expr: s.Binary) -> Form | None:
+        factor, form = expr.right, expr.left
+        if expr.operator == "*" and not has_axis(factor):
+            pass
+        elif expr.operator == "*" and not has_axis(form):
+            factor, form = form, factor
+        elif has_axis(factor):
+            self._not_linear("this is not linear in the coordinates", expr.span)
+            return None
+        value, constant = self._form(form), self._factor(factor)
+        if value is None or constant is None:
+            return None
+        number, dimension = constant
+        if expr.operator == "*":
+            return value.times(number, dimension)
+        if not number:
+            self.sink.error(
+                Code.BAD_NUMBER, "division by zero", factor.span, "this divisor is exactly 0"
+            )
+            return None
+        return value.times(1 / number, ONE / dimension)

@@ -6,16 +6,22 @@ path: the second time it adds nothing, and where it is still open it is a cycle.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Literal, NoReturn, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_set import FileSet
 from grammar_lang.files.file_tree import visible
+from grammar_lang.names.entities import map_name
 from grammar_lang.node import node
 from grammar_lang.parsing.parse import parse
-from grammar_lang.source import Span
+from grammar_lang.source import Source, Span
+from grammar_lang.syntax import Ident
 from grammar_lang.syntax import tasks as t
 
 _ENDS = 3
@@ -109,7 +115,7 @@ class _Traversal:
     def _maps(self, workspace: t.Workspace, base: int) -> None:
         for item in workspace.items:
             if isinstance(item, t.ObstaclesFrom):
-                from grammar_lang.files.obstacle_maps import read_map
+                from grammar_lang.files.inclusion import read_map
 
                 found = read_map(item.path, base, self.files)
                 if found is not None:
@@ -122,3 +128,139 @@ def include_all(files: FileSet, real: str) -> Inclusion:
     traversal.follow(real)
     file = t.File(tuple(traversal.items), tuple(traversal.broken), frozenset(traversal.skipped))
     return Inclusion(file, traversal.maps, traversal.complete)
+
+
+# --------------------------------------------------------------------------------------------------
+# Files of obstacles that a workspace names: which kind they are, and a first look into them.
+#
+# A map_server map is a YAML file that names an image, its resolution in metres per pixel and the
+# pose of its lower left pixel (https://wiki.ros.org/map_server, section 4).  Polygons come as
+# GeoJSON (RFC 7946).  What the files mean geometrically is not decided here.
+
+
+Kind: TypeAlias = Literal["map_server", "geojson"]
+
+_KINDS: dict[str, Kind] = {
+    ".yaml": "map_server",
+    ".yml": "map_server",
+    ".geojson": "geojson",
+    ".json": "geojson",
+}
+_GEOJSON_TYPES = (
+    "FeatureCollection",
+    "Feature",
+    "Polygon",
+    "MultiPolygon",
+    "GeometryCollection",
+    "Point",
+    "MultiPoint",
+    "LineString",
+    "MultiLineString",
+)
+_YAML_LINE = re.compile(r"""^(image|resolution|origin)[ \t]*:(?=[ \t\r\n]|$)[ \t]*""", re.MULTILINE)
+_YAML_TEXT = re.compile(r"""'((?:[^'\n]|'')*)'|"([^"\n]*)"|([^\s#'"](?:[^\n#]|(?<=\S)#)*)""")
+
+
+def kind_of(path: str) -> Kind | None:
+    """The kind of a file of obstacles, by the end of its name."""
+    lower = path.lower()
+    return next((kind for end, kind in _KINDS.items() if lower.endswith(end)), None)
+
+
+def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
+    """The file of obstacles at a path that stands in the file number ``base``.
+
+    What is wrong with the path or the file is reported; None then.
+    """
+    place = files.place(path, base)
+    if place is None:
+        return None
+    kind = kind_of(place.path)
+    if kind is None:
+        message = "this is no file of obstacles, by the end of its name"
+        hint = "known: map_server maps (`.yaml`, `.yml`) and GeoJSON (`.geojson`, `.json`)"
+        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        return None
+    number = files.text(place, path, tuple(_KINDS))
+    if number is None or number in files.unsound:
+        return None
+    source = files.sources[number]
+    name = map_name(path.text)
+    if kind == "geojson":
+        if not _is_geojson(source, number, files.sink):
+            return None
+        return ir.ObstacleMap(name, source.path, kind, source.text, path.span, None, number)
+    written = _image_path(source, number, files.sink)
+    image = None if written is None else _image(written, number, files)
+    if written is None or image is None:
+        return None
+    at = written.span
+    return ir.ObstacleMap(name, source.path, kind, source.text, path.span, image, number, at)
+
+
+# --- GeoJSON -----------------------------------------------------------------------------------
+
+
+def _no_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no JSON value")
+
+
+def _is_geojson(source: Source, number: int, sink: Sink) -> bool:
+    """Whether a text is a JSON object with a type of GeoJSON; what it is not is reported."""
+    import json
+
+    start = Span(0, 1, number)
+    hint = "export the map as GeoJSON, RFC 7946"
+    try:
+        value = json.loads(source.text, parse_constant=_no_constant, parse_int=float)
+    except json.JSONDecodeError as error:
+        said = f"this is not JSON: {error.msg[:1].lower()}{error.msg[1:]}"
+        place = Span(error.pos, error.pos + 1, number)
+        sink.error(Code.UNREADABLE_REFERENCE, said, place, hint)
+        return False
+    except (ValueError, RecursionError) as error:
+        said = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        sink.error(Code.UNREADABLE_REFERENCE, f"this is not JSON: {said}", start, hint)
+        return False
+    kind = value.get("type") if isinstance(value, dict) else None
+    if kind in _GEOJSON_TYPES:
+        return True
+    if isinstance(kind, str):
+        close = nearest(kind[:40], _GEOJSON_TYPES)
+        hint = hint if close is None else f"did you mean `{close}`?"
+    message = "this JSON is no GeoJSON: its `type` is none, or missing"
+    sink.error(Code.UNREADABLE_REFERENCE, message, start, hint)
+    return False
+
+
+# --- map_server --------------------------------------------------------------------------------
+
+
+def _image_path(source: Source, number: int, sink: Sink) -> Ident | None:
+    """The path of the image that a map names; None if a line is missing."""
+    ends = {line[1]: line.end() for line in reversed([*_YAML_LINE.finditer(source.text)])}
+    missing = [key for key in ("image", "resolution", "origin") if key not in ends]
+    if missing:
+        message = f"this map has no line `{missing[0]}:`"
+        hint = "a map of map_server has `image:`, `resolution:` and `origin:`"
+        sink.error(Code.UNREADABLE_REFERENCE, message, Span(0, 1, number), hint)
+        return None
+    return _yaml_text(source.text, ends["image"], number)
+
+
+def _image(path: Ident, number: int, files: FileSet) -> ir.MapImage | None:
+    """The image at a path; None if it cannot be read."""
+    place = files.place(path, number)
+    data = None if place is None else files.image(place, path)
+    return None if place is None or data is None else ir.MapImage(place.path, data)
+
+
+def _yaml_text(text: str, start: int, number: int) -> Ident:
+    """The plain or quoted scalar that begins at an offset; empty where there is none."""
+    found = _YAML_TEXT.match(text, start)
+    if found is None:
+        return Ident("", Span(start, start + 1, number))
+    plain = (found[3] or "").rstrip()
+    value = found[1].replace("''", "'") if found[1] is not None else (found[2] or plain)
+    end = start + len(plain) if found[3] is not None else found.end()
+    return Ident(value, Span(start, end, number))

@@ -21,8 +21,8 @@ from solvers.trajectory.control_problem import (
     effort_peak,
     within_bounds,
 )
+from solvers.trajectory.convex_step import StepSolver
 from solvers.trajectory.measured_motion import MeasuredMotion, measured
-from solvers.trajectory.step_solver import StepSolver
 from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
 from solvers.trajectory.trajectory import Trajectory
 

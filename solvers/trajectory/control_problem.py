@@ -9,9 +9,8 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from solvers.trajectory.convex_step import ConvexStep
+from solvers.trajectory.convex_step import ConvexStep, StepMaker
 from solvers.trajectory.linear_model import PositionRows
-from solvers.trajectory.step_solver import StepMaker
 from solvers.trajectory.task_limits import InputGroup, MotionLimits, effort_scale
 from solvers.trajectory.trajectory import Trajectory
 

@@ -16,6 +16,7 @@ from grammar_lang import ir
 from solvers.trajectory.body_clearance import body_clearance, convex_set
 from solvers.trajectory.control import WORST, synthesise_control
 from solvers.trajectory.control_problem import FULL, ControlOutcome, ControlProblem, Effort
+from solvers.trajectory.convex_step import step_maker
 from solvers.trajectory.corridor import Corridor, MotionConstraints
 from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
 from solvers.trajectory.inverse_kinematics import branches
@@ -29,7 +30,6 @@ from solvers.trajectory.path_timing import (
 )
 from solvers.trajectory.position_rows import PositionPlan
 from solvers.trajectory.seed_motions import body_seeds
-from solvers.trajectory.step_solver import step_maker
 from solvers.trajectory.task_limits import (
     MotionLimits,
     input_groups,

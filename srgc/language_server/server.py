@@ -17,8 +17,7 @@ from srgc.language_server.documents.uris import path_of
 from srgc.language_server.features import Features
 from srgc.language_server.outlines.semantic_tokens import LEGEND
 from srgc.language_server.protocol import Protocol
-from srgc.language_server.tasks.task_commands import TaskCommands
-from srgc.language_server.tasks.task_lenses import CHECK, SYNTH, VERIFY, task_lenses
+from srgc.language_server.tasks.task_commands import CHECK, SYNTH, VERIFY, TaskCommands, task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts
 from srgc.version import VERSION
 

@@ -12,8 +12,8 @@ from compiler.robots.state_and_input import robot_inputs
 from grammar_lang import ir
 from solvers.search.design import Design
 from solvers.search.synthesis import Synthesis
+from srgc.render.charts import Curve, colour_class, curve_marks, plot_of, thinned
 from srgc.render.html_text import number, with_unit
-from srgc.render.line_chart import Curve, colour_class, curve_marks, plot_of, thinned
 from srgc.render.robot_drawing import (
     DrawnRobot,
     drawn_robot,

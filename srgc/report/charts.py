@@ -14,8 +14,8 @@ from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_stat
 from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
+from srgc.render.charts import Curve, line_chart, sampled, thinned
 from srgc.render.html_text import json_script, number, text
-from srgc.render.line_chart import Curve, line_chart, sampled, thinned
 from srgc.report.evidence import Evidence
 from srgc.report.trajectory import Trajectory
 from srgc.results.found_design import FoundDesign

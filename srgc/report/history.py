@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from srgc.render.charts import Point, scatter_chart
 from srgc.render.heat_map import plane_chart
 from srgc.render.html_text import many, number, text
-from srgc.render.point_chart import Point, scatter_chart
 from srgc.report.evaluation_table import Evaluation, varied
 from srgc.report.evidence import Evidence
 from srgc.report.structure_groups import GROUPS, TriedRobot, tried_robots

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from compiler.checks.shape_checks import irreducible_rows
+from compiler.checks.region_checks import irreducible_rows
 from compiler.workspaces.polytope import Polytope
 from tests.oracles.planes import box_rows, row
 from tests.oracles.some_cases import examples

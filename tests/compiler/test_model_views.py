@@ -37,9 +37,9 @@ from compiler.expressions.trigonometric_polynomial import (
     TrigonometricPolynomial,
     Variable,
 )
-from compiler.robots.planarity import is_planar
 from compiler.robots.robot import WORLD, RobotModel, RobotParameter
 from grammar_lang import ir
+from srgc.chosen_robot import is_planar
 from tests.oracles.random_robots import random_robot
 from tests.oracles.robots import Builder, interval, rod_chain
 

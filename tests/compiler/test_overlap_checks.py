@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from compiler.checks.overlap_checks import CANDIDATE_LIMIT, REPORTED, overlap_diagnostics
+from compiler.checks.workspace_checks import CANDIDATE_LIMIT, REPORTED, overlap_diagnostics
 from compiler.workspaces.polytope import polytope_of
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Severity, Sink

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image, PngImagePlugin
 
-from compiler.workspaces.grey_image import grey_image
+from compiler.workspaces.grey_image import CHUNK_LIMIT, PngHeader, grey_image, png_chunks
 from compiler.workspaces.map_fault import MapFault
-from compiler.workspaces.png_chunks import CHUNK_LIMIT, PngHeader, png_chunks
 from grammar_lang.diagnostics.codes import Code
 from tests.oracles.png_files import KINDS, SIGNATURE, Chunk, ihdr, png_of, rows
 

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from compiler.tasks.cell_graph import distances, edges
 from compiler.tasks.clauses import Clauses
-from compiler.tasks.plan_encoding import TotalChanges
+from compiler.tasks.plan_encoding import EntrySamples, TotalChanges
 from compiler.tasks.position_paths import Ladders, PositionPaths
-from compiler.tasks.sample_times import EntrySamples
 
 
 def line(count: int) -> tuple[tuple[int, ...], ...]:

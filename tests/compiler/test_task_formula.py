@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.tasks.attained_until import attained
+from compiler.tasks.formula_parts import attained
 from compiler.tasks.monitor import TimeSet, satisfied
 from compiler.tasks.task_formula import (
     missing_effector,

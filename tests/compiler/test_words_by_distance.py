@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.robots.words_by_distance import at_distance, words_by_distance
+from compiler.robots.candidate import at_distance, words_by_distance
 from compiler.words.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import satisfies, words_of
@@ -65,7 +65,7 @@ def test_shapes_of_grammars(name: str) -> None:
 def test_sorted_or_by_automata(
     name: str, small: int, few: int, most: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = "compiler.robots.words_by_distance"
+    module = "compiler.robots.candidate"
     monkeypatch.setattr(f"{module}.SMALL_AUTOMATON", small)
     monkeypatch.setattr(f"{module}.FEW_WORDS", few)
     monkeypatch.setattr(f"{module}.STATE_LIMIT", most)

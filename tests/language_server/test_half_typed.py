@@ -21,7 +21,7 @@ from srgc.language_server.edits.rename import RenameRefused, renamable, rename
 from srgc.language_server.hovers.hover import hover
 from srgc.language_server.outlines.outline import folding, include_links, outline, workspace_symbols
 from srgc.language_server.outlines.semantic_tokens import semantic_tokens
-from srgc.language_server.tasks.task_lenses import task_lenses
+from srgc.language_server.tasks.task_commands import task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts
 
 ROOT = Path(__file__).parents[2]

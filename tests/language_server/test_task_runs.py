@@ -13,7 +13,7 @@ import pytest
 
 from srgc.language_server.documents.analysis import analyse
 from srgc.language_server.documents.uris import uri_of
-from srgc.language_server.tasks.task_lenses import task_lenses
+from srgc.language_server.tasks.task_commands import task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts
 from tests.language_server.client import PATIENCE, Client
 from tests.oracles.small_specs import TURNER

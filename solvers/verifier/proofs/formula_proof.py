@@ -15,8 +15,7 @@ from itertools import pairwise, product
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
-from compiler.tasks.attained_until import attained
-from compiler.tasks.formula_parts import atoms
+from compiler.tasks.formula_parts import atoms, attained
 from compiler.tasks.monitor import AtomKey, TimeSet, Verdicts, boolean_parts, boolean_value, key
 from compiler.tasks.trace_robustness import Monitored, Piece, Trace
 from compiler.workspaces.partition import remainder

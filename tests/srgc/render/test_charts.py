@@ -13,10 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from srgc.render.axes import padded, tick_labels, ticks
+from srgc.render.charts import LEFT, MOST_POINTS, Curve, Point, line_chart, scatter_chart, thinned
 from srgc.render.heat_map import plane_chart
 from srgc.render.html_text import json_script, number, text, with_unit
-from srgc.render.line_chart import LEFT, MOST_POINTS, Curve, line_chart, thinned
-from srgc.render.point_chart import Point, scatter_chart
 from srgc.report.evidence_reader import covering_size
 from tests.oracles.html_page import Page
 

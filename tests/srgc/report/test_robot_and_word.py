@@ -18,13 +18,12 @@ from compiler.words.derivation import Derivation
 from compiler.words.structures import derivations_of
 from grammar_lang.ir import Program, Task
 from grammar_lang.load import load
-from srgc.render.derivation_tree import derivation_tree
 from srgc.render.module_drawing import DrawnModule, ModuleDrawing, module_drawing
 from srgc.render.module_marks import marked_robot
 from srgc.render.module_picture import robot_picture
 from srgc.report.animation import motion_section
 from srgc.report.evidence import Evidence
-from srgc.report.robot_and_word import robot_section
+from srgc.report.robot_and_word import derivation_tree, robot_section
 from tests.oracles.small_specs import SLIDER, replaced
 
 On = Callable[[str], Evidence]

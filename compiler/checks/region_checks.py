@@ -1,0 +1,286 @@
+"""Diagnostics about single regions, and about the ends of tasks in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import islice
+from typing import Literal
+
+from compiler.workspaces.double_description import Point
+from compiler.workspaces.overlaps import interiors_meet
+from compiler.workspaces.partition import remainder
+from compiler.workspaces.polytope import AXES, Polytope, polytope_of
+from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region, StartIn, Task
+from grammar_lang.source import Span
+
+# --- Findings about single regions: empty, flat and unbounded sets, with the reason why -----------
+
+
+def sound_polytope(region: Region, dimension: Literal[2, 3], sink: Sink) -> Polytope | None:
+    """The polytope of a region that has an interior (and, where it is the bounds, an end).
+
+    Anything else is reported, an unbounded region as a warning.
+    """
+    shape = polytope_of(region.shape, dimension)
+    if not shape.has_interior:
+        _no_interior(region, shape, sink)
+        return None
+    if shape.is_bounded:
+        return shape
+    report = sink.error if region.kind == "bounds" else sink.warning
+    tail = "are unbounded"
+    if region.kind != "bounds":
+        tail = "is unbounded, it counts up to the bounds of the workspace"
+    report(
+        Code.UNBOUNDED_POLYTOPE,
+        f"{_called(region)} {tail}",
+        region.span,
+        hint=f"add inequalities that close the set towards {', '.join(_open_sides(shape))}",
+    )
+    return None if region.kind == "bounds" else shape
+
+
+def _called(region: Region) -> str:
+    return "the bounds" if region.kind == "bounds" else f"{region.kind} `{region.name}`"
+
+
+def _open_sides(shape: Polytope) -> Iterator[str]:
+    """The directions along the axes in which a set has no end, at least one."""
+    for axis, name in enumerate(AXES[: shape.dimension]):
+        if shape.extends(axis, -1):
+            yield f"-{name}"
+        if shape.extends(axis, 1):
+            yield f"+{name}"
+
+
+def _no_interior(region: Region, shape: Polytope, sink: Sink) -> None:
+    verb = "have" if region.kind == "bounds" else "has"
+    lacking = "no point" if shape.is_empty else "no interior"
+    code = Code.EMPTY_POLYTOPE if shape.is_empty else Code.FLAT_POLYTOPE
+    notes: list[tuple[Span, str]] = []
+    if isinstance(region.shape, Hull):
+        reason, hint = _flat_hull(region.shape.points, shape)
+    else:
+        reason, hint, notes = _contradiction(region.shape.rows, shape)
+    sink.error(code, f"{_called(region)} {verb} {lacking}: {reason}", region.span, hint, notes)
+
+
+def _flat_hull(points: Sequence[Point], shape: Polytope) -> tuple[str, str]:
+    """Why a hull has no interior, and what would give it one."""
+    where = {0: "are all the same", 1: "lie on one line", 2: "lie in one plane"}
+    reason = f"its points {where[shape.affine_dimension]}" if len(points) > 1 else "it is one point"
+    repeated = len(points) - len(set(points))
+    if repeated and shape.affine_dimension:
+        reason += f", {repeated} of them {'is' if repeated == 1 else 'are'} repeated"
+    needed = "three points that are not on one line"
+    if shape.dimension == 3:
+        needed = "four points that are not in one plane"
+    return reason, f"a hull needs {needed}"
+
+
+def _contradiction(
+    rows: Sequence[HalfSpace], shape: Polytope
+) -> tuple[str, str, list[tuple[Span, str]]]:
+    """The reason why inequalities leave nothing, a hint, and the few that do so as notes."""
+    if shape.is_empty:
+        few = irreducible_rows(rows, lambda part: part.is_empty)
+        does = "contradict each other" if len(few) > 1 else "never holds"
+        hint = "change one of the inequalities marked here: look at signs and units"
+    else:
+        few = irreducible_rows(rows, lambda part: not part.has_interior)
+        does = "leave no room between them"
+        hint = f"a region needs a positive {'area' if shape.dimension == 2 else 'volume'}"
+    reason = f"{len(few)} of its {len(rows)} inequalities {does}"
+    if len(few) == len(rows):
+        reason = f"its inequalities {does}" if len(rows) > 1 else f"its inequality {does}"
+    notes: dict[Span, list[str]] = {}
+    for row in few:
+        if row.span != NOWHERE:
+            notes.setdefault(row.span, []).append(f"`{_inequality(row)}`")
+    said = [(span, f"asks for {' and '.join(texts)}, in metres") for span, texts in notes.items()]
+    return reason, hint, said
+
+
+def _inequality(row: HalfSpace) -> str:
+    """A row as text, bounds of one coordinate with the coordinate alone on the left."""
+    terms = [(axis, entry) for axis, entry in zip(AXES, row.normal, strict=False) if entry]
+    if len(terms) != 1:
+        return Polytope((row,)).inequalities()[0]
+    axis, entry = terms[0]
+    return f"{axis} {'<=' if entry > 0 else '>='} {row.offset / entry}"
+
+
+# --- Few inequalities that already contradict each other, or that leave no interior ---------------
+#
+# Source: Chinneck, *Feasibility and Infeasibility in Optimization* (2008), section 6.2 (additive
+# method), with the bisection of Junker, *QuickXplain* (2004).  By Helly's theorem an irreducible
+# set of half-spaces in dimension d without a common point has at most d + 1 members; the same holds
+# of their interiors.
+
+
+def irreducible_rows(
+    rows: Sequence[HalfSpace], fails: Callable[[Polytope], bool]
+) -> tuple[HalfSpace, ...]:
+    """Rows with which ``fails`` holds, none of which can be left out, in the order given.
+
+    Args:
+        rows: half-spaces of one dimension with which ``fails`` holds.
+        fails: a test that more rows can only make true, such as emptiness.
+    """
+    kept: list[int] = []
+    pending = range(len(rows))
+    while not kept or not fails(_polytope(rows, kept)):
+        low, high = 1, len(pending)
+        while low < high:
+            middle = (low + high) // 2
+            if fails(_polytope(rows, [*kept, *pending[:middle]])):
+                high = middle
+            else:
+                low = middle + 1
+        kept.append(pending[low - 1])
+        pending = pending[: low - 1]
+    return tuple(rows[i] for i in sorted(kept))
+
+
+def _polytope(rows: Sequence[HalfSpace], chosen: Sequence[int]) -> Polytope:
+    return Polytope(tuple(rows[i] for i in chosen))
+
+
+# --------------------------------------------------------------------------------------------------
+# Findings about the ends of tasks: what bounds and avoided regions leave of start and target.
+#
+# The rules are those of the language reference, "Geometry": sets are closed, `bounds` binds every
+# effector, and a region the task starts in or reaches must leave room outside what it avoids.
+
+
+LISTED = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Shapes:
+    """The sound polytopes of a workspace, and the parts of the regions within the bounds.
+
+    The parts are given by their facets; a region without interior there has none.  ``maps`` are
+    the pieces of the maps that have an interior within the bounds.
+    """
+
+    bounds: Polytope
+    regions: Mapping[str, Polytope]
+    inside: Mapping[str, Polytope]
+    maps: Mapping[str, Sequence[Polytope]] = field(default_factory=dict[str, Sequence[Polytope]])
+
+    def parts(self, name: str) -> Sequence[Polytope]:
+        """What is avoided with a region or a map."""
+        return [self.inside[name]] if name in self.inside else self.maps.get(name, ())
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """The start or the reach clause of a task, with its region."""
+
+    role: str
+    region: Region
+    span: Span
+    code: Code
+
+
+def ends(regions: Mapping[str, Region], task: Task) -> Iterator[End]:
+    """The clauses of a task that put an effector in a region of the workspace."""
+    if isinstance(task.start, StartIn) and task.start.region in regions:
+        region = regions[task.start.region]
+        yield End("start", region, task.start.span, Code.START_IN_OBSTACLE)
+    if task.reach is not None and task.reach.region in regions:
+        region = regions[task.reach.region]
+        yield End("target", region, task.reach.span, Code.TARGET_IN_OBSTACLE)
+
+
+def end_diagnostics(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
+    """Report an end outside the bounds or in what is avoided: an error wholly, a warning partly."""
+    name, declared = end.region.name, ((end.region.span, f"`{end.region.name}` is declared here"),)
+    if name not in shapes.inside:
+        sink.error(
+            Code.REGION_OUTSIDE_BOUNDS,
+            f"the {end.role} `{name}` lies outside the bounds, which bind every effector",
+            end.span,
+            hint="move it, or widen the bounds",
+            notes=declared,
+        )
+        return
+    shape = shapes.regions[name]
+    if shape.is_bounded and not shapes.bounds.contains(shape):
+        sink.warning(
+            Code.REGION_PARTLY_OUTSIDE,
+            f"a part of the {end.role} `{name}` lies outside the bounds and is of no use",
+            end.span,
+            hint="shrink it, or widen the bounds",
+            notes=declared,
+        )
+    _blocked(task, end, shapes, sink)
+
+
+def _blocked(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
+    """What the avoided regions leave of an end; two tests, as only `with effector` binds it."""
+    part = shapes.inside[end.region.name]
+    nearby = _avoided(task, ("effector", "body"), part, shapes)
+    if not nearby:
+        return
+    binding = _avoided(task, ("effector",), part, shapes)
+    name, notes = end.region.name, ((end.region.span, f"`{end.region.name}` is declared here"),)
+    hint = f"move `{name}`, or avoid less"
+    if _covered(part, _together(binding)):
+        message = f"the {end.role} `{name}` lies wholly inside {_listed(binding)}, which is avoided"
+        sink.error(end.code, message, end.span, hint, notes)
+    elif len(nearby) > len(binding) and _covered(part, _together(nearby)):
+        sink.warning(
+            end.code,
+            f"the {end.role} `{name}` lies wholly inside {_listed(nearby)}, which the body avoids",
+            end.span,
+            "only an effector that is no part of a body can be there",
+            notes,
+        )
+    else:
+        sink.warning(
+            Code.REGION_PARTLY_BLOCKED,
+            f"a part of the {end.role} `{name}` lies inside {_listed(nearby)}, which is avoided",
+            end.span,
+            hint,
+            notes,
+        )
+
+
+def _listed(names: Collection[str]) -> str:
+    """The first names, and how many more there are."""
+    shown = ", ".join(f"`{name}`" for name in islice(names, LISTED))
+    rest = len(names) - LISTED
+    return f"{shown} and {rest} more" if rest > 0 else shown
+
+
+def _covered(part: Polytope, regions: Sequence[Polytope]) -> bool:
+    """Whether the union of regions covers a polytope."""
+    common = (part.intersection(region).volume for region in regions)
+    # Cutting the part into pieces is dear, and of no use where the regions are too small together.
+    return sum(common, Fraction(0)) >= part.volume and not remainder(part, regions)
+
+
+def _together(avoided: Mapping[str, Sequence[Polytope]]) -> list[Polytope]:
+    """All that is avoided, without its names."""
+    return [piece for pieces in avoided.values() for piece in pieces]
+
+
+def _avoided(
+    task: Task, subjects: tuple[str, ...], part: Polytope, shapes: Shapes
+) -> dict[str, list[Polytope]]:
+    """What the task avoids by name, in the order named, as far as it meets the interior of a part.
+
+    Of a map only the pieces that do so count.
+    """
+    names = [name for avoid in task.avoid if avoid.subject in subjects for name in avoid.regions]
+    found = {
+        name: [piece for piece in shapes.parts(name) if interiors_meet(piece, part)]
+        for name in names
+    }
+    return {name: pieces for name, pieces in found.items() if pieces}
