@@ -24,18 +24,18 @@ from compiler.arrays import Array
 sys.path.insert(0, str(ROOT))
 
 from codesign_starts import random_starts
-from control_cases import STEPS, fixed, follower
+from control_cases import STEPS, fixed, path_problem
 from control_ipopt import ipopt_problem
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.parameters.parameter_space import parameter_space
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.configuration_search import Configuration, search_configuration
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
 from solvers.trajectory.convex_step import Trajectory
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.path_timing import Entries
 
 NEAR = 0.005
@@ -60,7 +60,7 @@ class FixedProblem:
     starts: list[Trajectory]
 
 
-def fixed_problem(path: Follower, about: ControlOutcome, entries: Entries, starts: int,
+def fixed_problem(path: PathProblem, about: ControlOutcome, entries: Entries, starts: int,
                   seed: int) -> FixedProblem:  # fmt: skip
     """The problem with the half-planes of an outcome, and random starts along the path."""
     box = parameter_space(path.model).free_box(about.trajectory.theta)
@@ -71,10 +71,10 @@ def fixed_problem(path: Follower, about: ControlOutcome, entries: Entries, start
 # --- the two sides ------------------------------------------------------------------------------
 
 
-def searched(path: Follower) -> tuple[Run, Configuration]:
+def searched(path: PathProblem) -> tuple[Run, Configuration]:
     """Our parameter search, with polishing and timing."""
     started = time.perf_counter()
-    found = search_configuration(path, "", Conduct())
+    found = search_configuration(path, "", RunContext())
     taken = time.perf_counter() - started
     if not found.outcome.feasible:
         raise SystemExit("our search found nothing")
@@ -108,7 +108,7 @@ def by_ipopt(one: FixedProblem, steps: int, ours: Trajectory) -> tuple[float, li
     return made, runs[:-1], runs[-1]
 
 
-def planned_timing(path: Follower, near: Trajectory) -> tuple[Run, ControlOutcome, Entries]:
+def planned_timing(path: PathProblem, near: Trajectory) -> tuple[Run, ControlOutcome, Entries]:
     """Our motion with the planned timing, lengths free, from a motion with another timing."""
     entries = path.waypoints()[1]
     box = parameter_space(path.model).free_box(near.theta)
@@ -119,7 +119,7 @@ def planned_timing(path: Follower, near: Trajectory) -> tuple[Run, ControlOutcom
     return _run(time.perf_counter() - started, outcome), outcome, entries
 
 
-def graph_made(path: Follower, found: Configuration) -> float:
+def graph_made(path: PathProblem, found: Configuration) -> float:
     """The seconds of our graph of the robot and of its first uses."""
     at, n = found.outcome.trajectory, path.numeric.n
     started = time.perf_counter()
@@ -173,7 +173,7 @@ def main() -> None:
     if min(options.starts, options.rounds, options.steps) < 1:
         parser.error("at least one start, round and step")
     print(machine())
-    path = follower(2, options.steps)
+    path = path_problem(2, options.steps)
     own, design = zip(*(searched(path) for _ in range(options.rounds)), strict=True)
     found = design[0]
     bound = path.problem(found.entries).scale

@@ -28,7 +28,7 @@ from solvers.search.evaluation import hopeful
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
 from solvers.trajectory.linear_model import PositionRows
-from solvers.trajectory.path_following import LEAST_MARGIN, Follower
+from solvers.trajectory.path_following import LEAST_MARGIN, PathProblem
 from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds
@@ -53,9 +53,9 @@ REACH = 4.0
 
 @dataclass(frozen=True)
 class Case:
-    """A follower with its timing, the parameters of its robot and a seed there."""
+    """A path problem with its timing, the parameters of its robot and a seed there."""
 
-    follower: Follower
+    path_problem: PathProblem
     theta: Array
     seed: Trajectory
     entries: Entries
@@ -68,11 +68,11 @@ class Case:
     @property
     def problem(self) -> ControlProblem:
         """Our own problem: half-planes refreshed about every reference."""
-        return self.follower.problem(self.entries)
+        return self.path_problem.problem(self.entries)
 
 
 @cache
-def follower(links: int, steps: int = STEPS, *, turning: bool = False) -> Follower:
+def path_problem(links: int, steps: int = STEPS, *, turning: bool = False) -> PathProblem:
     """An arm of so many links in the case study's task, the time divided into so many steps.
 
     ``turning``: the workspace is that of the quarter turn.
@@ -95,12 +95,12 @@ def follower(links: int, steps: int = STEPS, *, turning: bool = False) -> Follow
     numeric = NumericRobot(robot_graph(model, task.gravity))
     task = replace(task, steps=steps, step=DURATION / steps)
     path = found.witness.paths[0].cells
-    return Follower(numeric, place, task, cells, 0, path, LEAST_MARGIN, 0)
+    return PathProblem(numeric, place, task, cells, 0, path, LEAST_MARGIN, 0)
 
 
 def case(lengths: Sequence[float], steps: int = STEPS, *, turning: bool = False) -> Case:
     """An arm with given lengths in metres, and the first hopeful seed there."""
-    found = follower(len(lengths), steps, turning=turning)
+    found = path_problem(len(lengths), steps, turning=turning)
     theta, entries = np.array(lengths, dtype=np.float64), found.waypoints()[1]
     seed = hopeful(found.problem(entries), found.seeds(theta))[0]
     return Case(found, theta, seed, entries)

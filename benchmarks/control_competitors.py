@@ -41,8 +41,8 @@ class Competitor:
 def ours(one: Case, problem: ControlProblem, name: str = "ours") -> Competitor:
     """``synthesise_control``; made: the robot's graph and programs from it."""
     started = time.perf_counter()
-    follower, seed = one.follower, one.seed
-    numeric = NumericRobot(robot_graph(follower.model, follower.task.gravity))
+    path_problem, seed = one.path_problem, one.seed
+    numeric = NumericRobot(robot_graph(path_problem.model, path_problem.task.gravity))
     fresh = replace(problem, numeric=numeric)
     synthesise_control(fresh, seed)
     made = time.perf_counter() - started

@@ -57,9 +57,9 @@ def measure_convex_step(runs: int) -> list[Line]:
     from solvers.planner import Planner
     from solvers.trajectory.convex_step import ConvexStep
     from solvers.trajectory.measured_motion import measured
-    from solvers.trajectory.path_following import Follower
+    from solvers.trajectory.path_following import PathProblem
     from solvers.trajectory.reference_step import ReferenceStep
-    from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
+    from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
     from solvers.verdict import Holds
     from srgc.session import program_of
 
@@ -73,12 +73,14 @@ def measure_convex_step(runs: int) -> list[Line]:
     if not isinstance(found, Holds):
         raise SystemExit("the case study has no path")
     numeric = NumericRobot(robot_graph(model, task.gravity))
-    follower = Follower(numeric, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0)
-    problem = follower.problem(follower.waypoints()[1])
-    about = measured(problem, follower.seeds(np.array([3.0, 2.5]))[0])
+    path_problem = PathProblem(
+        numeric, place, task, cells, 0, found.witness.paths[0].cells, 2e-3, 0
+    )
+    problem = path_problem.problem(path_problem.waypoints()[1])
+    about = measured(problem, path_problem.seeds(np.array([3.0, 2.5]))[0])
     if about is None:
         raise SystemExit("the case study cannot be linearised")
-    question = StepQuestion(problem.limits, problem.groups, None, Weights())
+    question = SubproblemSpec(problem.limits, problem.groups, None, Weights())
 
     def solve(step: ConvexStep | ReferenceStep) -> None:
         if not isinstance(step.solve(about.model, about.rows, TrustRegion(0.5)), StepResult):

@@ -22,7 +22,7 @@ from solvers.parameters.parameter_space import ParameterSpace, parameter_space
 from solvers.planner import Planner
 from solvers.search.evaluation import evaluate
 from solvers.search.path_task import PathTask
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from solvers.verdict import Holds
 
 
@@ -30,7 +30,7 @@ from solvers.verdict import Holds
 class Arm:
     """The arm that is tabulated: a path of its cells to follow, and its lengths."""
 
-    follower: Follower
+    path_problem: PathProblem
     space: ParameterSpace
 
 
@@ -48,14 +48,14 @@ def arm(links: int) -> Arm:
     if not isinstance(planned, Holds):
         raise SystemExit("the planner has no path")
     path = planned.witness.paths[0].cells
-    follower = PathTask(program, task, numeric, None, 0).follower(cells, 0, 0, path)
-    return Arm(follower, parameter_space(model))
+    path_problem = PathTask(program, task, numeric, None, 0).path_problem(cells, 0, 0, path)
+    return Arm(path_problem, parameter_space(model))
 
 
 def robustness(links: int, point: Array) -> float:
     """The robustness at a point of the unit cube, or minus the violation."""
     chosen = arm(links)
-    return evaluate(chosen.follower, chosen.space.from_cube(point)).robustness
+    return evaluate(chosen.path_problem, chosen.space.from_cube(point)).robustness
 
 
 def table(links: int, side: int, folder: Path) -> Array:

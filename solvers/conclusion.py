@@ -17,7 +17,7 @@ from solvers.verdict import NotFound
 
 DEFAULT_MODULES = 12
 MOTION_SEARCHES = 10
-"""Robots that are searched for a motion in vain before the synthesis gives up."""
+"""Robots that are searched for a motion without success before the synthesis gives up."""
 DEFAULT_ROBOTS = 1000
 """Robots that are tried where neither the task nor the language bounds their number."""
 
@@ -85,11 +85,11 @@ def _all_refuted(tried: int, family: RobotFamily, task: ir.Task) -> tuple[NotFou
         within = f"of at most {task.modules} modules"
         if not tried:
             return "impossible", f"the family has no robot {within}"
-        return "impossible", f"all {tried} structures {within} are refuted"
+        return "impossible", f"{_all(tried)} {within} {_are(tried)} refuted"
     if _longest(family) is not None:
         if not tried:
             return "impossible", "the family has no robot"
-        return "impossible", f"all {tried} structures of the family are refuted"
+        return "impossible", f"{_all(tried)} of the family {_are(tried)} refuted"
     within = f"of at most {DEFAULT_MODULES} modules, the default search bound"
     if not tried:
         return "unknown", (
@@ -97,7 +97,7 @@ def _all_refuted(tried: int, family: RobotFamily, task: ir.Task) -> tuple[NotFou
             f"with n from {family.language.fewest_modules()} on"
         )
     return "unknown", (
-        f"all {tried} structures {within}, are refuted; "
+        f"{_all(tried)} {within}, {_are(tried)} refuted; "
         "say `modules <= n` in the task to ask about a bound"
     )
 
@@ -111,3 +111,11 @@ def _longest(family: RobotFamily) -> int | None:
         return family.language.longest()
     except WordsTooLongError:
         return None
+
+
+def _all(structures: int) -> str:
+    return "the only structure" if structures == 1 else f"all {structures} structures"
+
+
+def _are(structures: int) -> str:
+    return "is" if structures == 1 else "are"

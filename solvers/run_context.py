@@ -77,7 +77,7 @@ class Memory:
 
 
 @dataclass(frozen=True, slots=True)
-class Conduct:
+class RunContext:
     """How a synthesis is run.
 
     Nothing here may change its result but the seed, the parameter ``search``, the limit of time

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.codesign_starts import REACHED, random_starts
-from benchmarks.control_cases import Case, case, follower, quarter_turn, shared_problem
+from benchmarks.control_cases import Case, case, path_problem, quarter_turn, shared_problem
 from benchmarks.control_curves import Curve, draw, exponent
 from benchmarks.control_cvxpy import CvxpyLoop, Form
 from benchmarks.control_ipopt import ipopt_problem
@@ -82,14 +82,14 @@ def test_unknown_lengths_have_the_same_optimum(shared: Shared) -> None:
 @pytest.mark.parametrize("links", [1, 2, 4])
 def test_arms_of_any_number_of_links_do_the_quarter_turn(links: int) -> None:
     one = quarter_turn(links, STEPS)
-    assert one.follower.numeric.n == links
-    at = one.follower.numeric.points(one.seed.x[[0, -1], :links], one.theta).value[:, 0]
-    assert np.linalg.norm(at - one.follower.waypoints()[0][[0, -1]], axis=1).max() < 0.1
+    assert one.path_problem.numeric.n == links
+    at = one.path_problem.numeric.points(one.seed.x[[0, -1], :links], one.theta).value[:, 0]
+    assert np.linalg.norm(at - one.path_problem.waypoints()[0][[0, -1]], axis=1).max() < 0.1
     assert synthesise_control(one.problem, one.seed).feasible
 
 
 def test_random_starts_follow_the_path_where_they_can() -> None:
-    path = follower(2, STEPS)
+    path = path_problem(2, STEPS)
     starts = random_starts(path, 12, 5)
     place, space = path.waypoints()[0], parameter_space(path.model)
     distance = np.linalg.norm(place, axis=1)

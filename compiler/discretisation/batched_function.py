@@ -26,7 +26,7 @@ class BatchedFunction:
     """Evaluates a program that is made for a number of samples when that is first asked for.
 
     Args:
-        program: from a number of samples to such a function as ``on_lanes`` makes.
+        program: from a number of samples to such a function as ``batched`` makes.
         shape: of the output at one sample.
     """
 
@@ -39,31 +39,31 @@ class BatchedFunction:
     def of(cls, function: ca.Function) -> BatchedFunction:
         """A function of one sample with a dense output."""
         shape = function.size1_out(0), function.size2_out(0)
-        return cls(lambda lanes: on_lanes(function, lanes), shape)
+        return cls(lambda batch: batched(function, batch), shape)
 
     def __call__(self, columns: tuple[Array, ...], shared: Array) -> Array:
         """The output at K samples, shape (K, rows, columns); inputs (K, size) each, then shared."""
         count = len(columns[0])
         blocks = max(1, -(-count // MOST_LANES))
-        lanes = -(-count // blocks)
+        batch = -(-count // blocks)
         result = np.empty((count, *self.shape))
         for block in range(blocks):
             # The last block may overlap with the one before: one program serves them all.
-            start = min(block * lanes, count - lanes)
-            part = slice(start, start + lanes)
+            start = min(block * batch, count - batch)
+            part = slice(start, start + batch)
             self._evaluate([c[part] for c in columns], shared, result[part])
         return result
 
     def _evaluate(self, columns: list[Array], shared: Array, result: Array) -> None:
-        lanes = len(result)
+        batch = len(result)
         if not result.size:
             return
         check_time()
-        if lanes not in self._programs:
-            self._programs[lanes] = self._program(lanes).buffer()
-        buffer, run = self._programs[lanes]
+        if batch not in self._programs:
+            self._programs[batch] = self._program(batch).buffer()
+        buffer, run = self._programs[batch]
         rows, width = self.shape
-        output = np.empty((width, rows, lanes))
+        output = np.empty((width, rows, batch))
         # Kept in a list, because the buffer refers to their memory.
         arguments = [*(np.ascontiguousarray(c.T, np.float64) for c in columns), shared]
         for place, argument in enumerate(arguments):
@@ -76,14 +76,14 @@ class BatchedFunction:
         result[:] = output.transpose(2, 1, 0)
 
 
-def on_lanes(function: ca.Function, lanes: int) -> ca.Function:
+def batched(function: ca.Function, batch: int) -> ca.Function:
     """A function of one sample as a function of many, with a row for each.
 
     Its inputs are columns, the last of them shared by all samples; its output is taken column by
     column.  The instruction list is carried out on vectors, shared inputs stay scalars.
     """
     last = function.n_in() - 1
-    inputs = [ca.MX.sym(f"i{i}", lanes, function.size1_in(i)) for i in range(last)]
+    inputs = [ca.MX.sym(f"i{i}", batch, function.size1_in(i)) for i in range(last)]
     shared = ca.MX.sym("shared", function.size1_in(last))
     split = [*(ca.horzsplit(item) for item in inputs), ca.vertsplit(shared)]
     register: dict[int, ca.MX] = {}
@@ -104,5 +104,5 @@ def on_lanes(function: ca.Function, lanes: int) -> ca.Function:
             # By its code: the overloaded operators of MX take ten times as long to call.
             pair = register[arguments[0]], register[arguments[1]]
             register[results[0]] = ca.MX.binary(code, *pair)
-    wide = [item if item.numel() == lanes else ca.repmat(item, lanes, 1) for item in output]
+    wide = [item if item.numel() == batch else ca.repmat(item, batch, 1) for item in output]
     return ca.Function(function.name(), [*inputs, shared], [ca.horzcat(*wide)])

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.discretisation.batched_function import BatchedFunction, on_lanes
+from compiler.discretisation.batched_function import BatchedFunction, batched
 from compiler.dynamics.controlled_system import ControlledSystem, controlled_system
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.scalars import Constant
@@ -81,7 +81,7 @@ class NumericRobot:
     @cached_property
     def _step(self) -> BatchedFunction:
         system, width = self._system, 1 + self.size + self.m + self.p
-        return BatchedFunction(lambda lanes: step_map(system, lanes), (self.size, width))
+        return BatchedFunction(lambda batch: step_map(system, batch), (self.size, width))
 
     @cached_property
     def _points(self) -> ca.Function:
@@ -239,19 +239,19 @@ def rates_of_change(system: ControlledSystem) -> ca.Function:
     return ca.Function("rates", [x, u, ca.vertcat(theta, k)], [ca.densify(both)])
 
 
-def step_map(system: ControlledSystem, lanes: int) -> ca.Function:
-    """``(x, u, (theta, k, h))`` to the states a time h later and their derivatives, on lanes.
+def step_map(system: ControlledSystem, batch: int) -> ca.Function:
+    """``(x, u, (theta, k, h))`` to the states a time h later and their derivatives, on batch.
 
     Shape (N, 1 + N + m + p), N = 2n + r.  The stages share their programs, which would not stay in
     the processor's cache if they were written out four times.
     """
     n, size = system.coordinates, 2 * system.coordinates + system.states
     height = size - n
-    x, u = ca.MX.sym("x", lanes, size), ca.MX.sym("u", lanes, system.inputs)
+    x, u = ca.MX.sym("x", batch, size), ca.MX.sym("u", batch, system.inputs)
     shared = ca.MX.sym("shared", system.parameters + len(system.constants) + 1)
     h = shared[-1]
     heart, carry_w, carry_q, solve, finish = (
-        on_lanes(f, lanes)
+        batched(f, batch)
         for f in (_heart(system), *_carries(system), _solution(system), _finish(system))
     )
     none = ca.MX(0, 1)

@@ -14,7 +14,7 @@ MOST = 24
 
 
 @dataclass(frozen=True, slots=True)
-class BodyDemands:
+class BodyConditions:
     """Obstacles that bodies and effectors stay out of; ``bounds_body``: bodies keep the bounds.
 
     Margins and the radii of rods are left out, which can only add poses.
@@ -25,12 +25,12 @@ class BodyDemands:
     bounds_body: bool
 
 
-def body_demands(workspace: ir.Workspace, task: ir.Task) -> BodyDemands | None:
+def body_conditions(workspace: ir.Workspace, task: ir.Task) -> BodyConditions | None:
     """The demands of a task; None where it asks nothing of bodies, and in space."""
     bodies = _avoided(task, "body")
     if workspace.dimension != 2 or not (bodies or task.bounds_body):
         return None
-    return BodyDemands(
+    return BodyConditions(
         _polygons(workspace, bodies),
         _polygons(workspace, _avoided(task, "effector")),
         task.bounds_body,

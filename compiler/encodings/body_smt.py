@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from compiler.encodings.body_conditions import BodyDemands
+from compiler.encodings.body_conditions import BodyConditions
 from compiler.encodings.planar_poses import PlanarPose
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
 from compiler.encodings.reachability_smt import PRECISION, Pose
@@ -46,7 +46,7 @@ def body_scripts(question: PoseQuestion) -> tuple[Poses, ...]:
 
 
 def body_script(
-    model: RobotModel, question: PoseQuestion, demands: BodyDemands, poses: Poses
+    model: RobotModel, question: PoseQuestion, demands: BodyConditions, poses: Poses
 ) -> str | None:
     """The script of a robot and a task: SMT-LIB 2, QF_NRA, the same bytes for the same input.
 
@@ -70,7 +70,7 @@ def body_script(
 class _Encoding:
     model: RobotModel
     question: PoseQuestion
-    demands: BodyDemands
+    demands: BodyConditions
     script: RealScript
 
     def write(self, poses: Poses, pairs: Sequence[tuple[int, int]]) -> None:

@@ -31,7 +31,7 @@ from compiler.tasks.specification import PlannedEffector, PlanningProblem
 
 
 @dataclass(slots=True)
-class FormulaDemands:
+class FormulaConditions:
     """Literals, by the samples at which they hold: all, the first, or the last."""
 
     always: list[Literal] = field(default_factory=list)
@@ -39,9 +39,9 @@ class FormulaDemands:
     last: list[Literal] = field(default_factory=list)
 
 
-def formula_demands(formula: SampledFormula | None) -> FormulaDemands:
+def formula_demands(formula: SampledFormula | None) -> FormulaConditions:
     """Necessary for the formula to hold at sample 0, not sufficient."""
-    found = FormulaDemands()
+    found = FormulaConditions()
     if formula is None:
         return found
     for part in _conjuncts(formula):
@@ -183,10 +183,10 @@ class EffectorDistances:
         self.least = _least(np.where(self.from_start == 0, self.to_end, UNREACHABLE))
         self.shortest = self.least
         if problem.formula is not None:
-            self.shortest = _least(np.add(*self._within(FormulaDemands())))
+            self.shortest = _least(np.add(*self._within(FormulaConditions())))
             self.least = self._least_of_formula(problem.formula, demands)
 
-    def _least_of_formula(self, formula: SampledFormula, demands: FormulaDemands) -> int | None:
+    def _least_of_formula(self, formula: SampledFormula, demands: FormulaConditions) -> int | None:
         """The fewest changes from the start for the formula, and to an end."""
         needed = formula_distances(
             formula, self._problem.neighbours, self._allowed(demands), self._where_alone
@@ -197,11 +197,11 @@ class EffectorDistances:
         own = literal.effector == self._planned.effector + 1
         return self._where([literal]) if own else None
 
-    def _allowed(self, demands: FormulaDemands) -> Mask:
+    def _allowed(self, demands: FormulaConditions) -> Mask:
         count = len(self._problem.neighbours)
         return self._where(demands.always) & ~_cells(count, self._planned.forbidden)
 
-    def _within(self, demands: FormulaDemands) -> tuple[Ints, Ints]:
+    def _within(self, demands: FormulaConditions) -> tuple[Ints, Ints]:
         """Distances from the start and to the end within what is allowed."""
         planned, neighbours = self._planned, self._problem.neighbours
         count = len(neighbours)

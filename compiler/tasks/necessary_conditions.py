@@ -28,7 +28,7 @@ SOME_EFFECTOR = 0
 
 
 @dataclass(frozen=True, slots=True)
-class Demand:
+class NecessaryCondition:
     """A clause of a task, or a conjunct of a formula: the clauses hold if ``selector`` is true.
 
     ``formula`` is the number of its ``satisfy`` in the task; ``text`` says what is asked.
@@ -41,14 +41,14 @@ class Demand:
 
 
 @dataclass(frozen=True, slots=True)
-class Demands:
+class NecessaryConditions:
     """The demands of a task; some motion may meet them only if the clauses are satisfiable."""
 
     clauses: tuple[Clause, ...]
-    demands: tuple[Demand, ...]
+    demands: tuple[NecessaryCondition, ...]
     _writer: _Writer
 
-    def denial(self, formula: ir.Formula) -> tuple[Demand, tuple[Clause, ...]]:
+    def denial(self, formula: ir.Formula) -> tuple[NecessaryCondition, tuple[Clause, ...]]:
         """The demand that a formula over the atoms of the task does not hold, and its clauses.
 
         The clauses are those that no other call has returned.
@@ -160,7 +160,7 @@ class _Writer:
     regions: _Regions
     task: ir.Task
     step: Fraction
-    demands: list[Demand]
+    demands: list[NecessaryCondition]
 
     def intervals(self, time: Fraction) -> int:
         """A time in steps of the slots, one more than there are where it is beyond the end."""
@@ -205,7 +205,7 @@ class _Writer:
         upper = last if window.upper is None else self.intervals(window.upper)
         return self.intervals(window.lower), upper
 
-    def denial(self, formula: ir.Formula) -> tuple[Demand, tuple[Clause, ...]]:
+    def denial(self, formula: ir.Formula) -> tuple[NecessaryCondition, tuple[Clause, ...]]:
         """The demand that a formula does not hold, and the clauses that it adds."""
         before = len(self.slots.clauses)
         self.demand([-self.slots.row(self.node(formula)).some[0]], formula.span, "")
@@ -217,7 +217,7 @@ class _Writer:
         """All the literals, if a new selector is true."""
         selector = self.slots.variable()
         self.slots.clauses += [(-selector, literal) for literal in literals]
-        self.demands.append(Demand(selector, span, text, formula))
+        self.demands.append(NecessaryCondition(selector, span, text, formula))
 
     def clauses(self, ends: _Ends, effectors: Iterable[int]) -> None:
         start, reach, slots = self.task.start, self.task.reach, self.slots
@@ -239,7 +239,7 @@ class _Writer:
                     self.demand(literals, avoid.span, f"`{region}` is never entered")
 
 
-def task_demands(program: ir.Program, task: ir.Task) -> Demands | None:
+def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditions | None:
     """The demands of a task; None where they are too large to be looked at.
 
     Where they are so with the regions that are only avoided, they are given without these.
@@ -257,7 +257,9 @@ def task_demands(program: ir.Program, task: ir.Task) -> Demands | None:
     return None
 
 
-def _demands(task: ir.Task, step: Fraction, ends: _Ends, regions: _Regions) -> Demands | None:
+def _demands(
+    task: ir.Task, step: Fraction, ends: _Ends, regions: _Regions
+) -> NecessaryConditions | None:
     effectors = {
         node.effector
         for clause in task.satisfy
@@ -272,7 +274,7 @@ def _demands(task: ir.Task, step: Fraction, ends: _Ends, regions: _Regions) -> D
         writer.clauses(ends, numbers)
     except TooManySlotsError:
         return None
-    return Demands(tuple(slots.clauses), tuple(writer.demands), writer)
+    return NecessaryConditions(tuple(slots.clauses), tuple(writer.demands), writer)
 
 
 # --------------------------------------------------------------------------------------------------

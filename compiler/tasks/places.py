@@ -36,7 +36,7 @@ _NONE = np.zeros(0, dtype=np.int64)
 NOWHERE: Final = Places(_NONE, _NONE, _NONE)
 
 
-# --- Words of cells of an effector, stays left out ------------------------------------------------
+# --- Cell traces of an effector, stays left out ------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)

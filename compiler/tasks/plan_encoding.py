@@ -262,7 +262,7 @@ class PositionEncoding:
 
 
 class SampleEncoding:
-    """Words of cells of all planned effectors; the sum of their changes is bounded.
+    """Cell traces of all planned effectors; the sum of their changes is bounded.
 
     Attributes:
         clauses: what is to be solved, under ``assumptions``.

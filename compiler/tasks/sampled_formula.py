@@ -4,7 +4,7 @@ Compare Fainekos & Pappas, *Robustness of temporal logic specifications for cont
 signals* (2009), Section 4: because of what happens between samples a formula is strengthened.
 Here it is for motions that, from one sample to the next, are in the cell of the first and then in
 that of the second, and at the instant of change in both (cells are closed; every effector changes
-at an instant of its own).  If a word of cells satisfies ``sampled(F)`` at sample 0, these motions
+at an instant of its own).  If a cell trace satisfies ``sampled(F)`` at sample 0, these motions
 satisfy F at time 0.  The converse is false: this is for the search, never for a refutation.
 
 Every subformula has two translations, of which the second is used below operators that ask for

@@ -1,4 +1,4 @@
-"""Formulas about words of cells: what a search asks of the samples of a motion.
+"""Formulas about cell traces: what a search asks of the samples of a motion.
 
 They are in negation normal form, over samples 0 .. k.  Parts are shared: a formula is a graph of
 objects, to be walked by identity.
@@ -201,7 +201,7 @@ def dense_state(state: SampledFormula) -> SampledFormula:
 
 
 def holds(formula: SampledFormula, word: Word, i: int = 0) -> bool:
-    """Whether a word of cells satisfies a formula at its i-th sample."""
+    """Whether a cell trace satisfies a formula at its i-th sample."""
     return truth(formula, word)[id(formula)][i]
 
 
@@ -277,7 +277,7 @@ def _window(row: Sequence[bool], i: int, first: int, last: int | None) -> Sequen
 # whatever word meets them satisfies the formula, too.
 
 
-Demand: TypeAlias = tuple[SampledFormula, int]
+NecessaryCondition: TypeAlias = tuple[SampledFormula, int]
 """A part and a sample at which it is to hold."""
 
 
@@ -326,7 +326,7 @@ def _runs(samples: Sequence[int]) -> Iterator[tuple[int, int]]:
 
 def _needs(
     node: SampledFormula, sample: int, rows: Mapping[int, Sequence[bool]], last: int
-) -> list[Demand]:
+) -> list[NecessaryCondition]:
     """Which parts have to hold at which samples for a node that holds at a sample."""
     match node:
         case Every(parts=parts):

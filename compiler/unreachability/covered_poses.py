@@ -31,7 +31,7 @@ from compiler.unreachability.box_tree import (
     enclosures,
     parameter_sides,
 )
-from compiler.unreachability.motion_conditions import GivenPose, MotionDemands, Passage, PointIn
+from compiler.unreachability.motion_conditions import GivenPose, MotionConditions, Passage, PointIn
 from compiler.unreachability.point_enclosure import EnclosedPoints, PointTapes
 from compiler.unreachability.violations import Violation, at_any_instant, elsewhere
 from grammar_lang import ir
@@ -54,7 +54,7 @@ class CoveredPoses:
         BoxTreeError: a prismatic joint has no range, so that its coordinate cannot be covered.
     """
 
-    def __init__(self, demands: MotionDemands) -> None:
+    def __init__(self, demands: MotionConditions) -> None:
         self.demands = demands
         self.tapes = PointTapes(demands.model)
         self.parameters = parameter_sides(demands.model)

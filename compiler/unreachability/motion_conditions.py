@@ -61,7 +61,7 @@ class Passage:
 
 
 @dataclass(frozen=True, slots=True)
-class MotionDemands:
+class MotionConditions:
     """The demands on one robot.
 
     ``bounded`` points keep within ``bounds`` at every instant, and out of ``obstacles``.  Of every
@@ -76,11 +76,13 @@ class MotionDemands:
     passages: tuple[tuple[Passage, ...], ...]
 
 
-def motion_demands(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> MotionDemands:
+def motion_conditions(
+    model: RobotModel, workspace: ir.Workspace, task: ir.Task
+) -> MotionConditions:
     """The demands of a task, both without maps, on a robot."""
     hulls, effectors = body_points(model), tuple(range(len(model.effectors)))
     spanning = tuple(point for hull in hulls for point in hull)
-    return MotionDemands(
+    return MotionConditions(
         model,
         _rows(workspace.bounds, workspace),
         (*effectors, *spanning) if task.bounds_body else effectors,

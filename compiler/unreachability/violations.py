@@ -15,7 +15,7 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball
-from compiler.unreachability.motion_conditions import MotionDemands, PointIn
+from compiler.unreachability.motion_conditions import MotionConditions, PointIn
 from compiler.unreachability.point_enclosure import BallRow, EnclosedPoints, ball_row
 from grammar_lang import ir
 
@@ -129,7 +129,7 @@ def _float(value: arb) -> float:
     return float(value.mid())
 
 
-def at_any_instant(demands: MotionDemands) -> list[Violation]:
+def at_any_instant(demands: MotionConditions) -> list[Violation]:
     """What must not be so at any instant: each of these blocks a pose."""
     bounds = [ball_row(row) for row in demands.bounds]
     found: list[Violation] = [Outside(point, row) for point in demands.bounded for row in bounds]

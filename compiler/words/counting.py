@@ -7,7 +7,7 @@ from operator import mul
 from compiler.time_limits.time_limit import check_time
 from compiler.words.binary_normal_form import BinaryGrammar, RightSide
 from compiler.words.budget import MOVE_BUDGET, BudgetExceededError
-from compiler.words.word_reader import Reading, State
+from compiler.words.word_reader import Recogniser, State
 
 # --- How many derivations a grammar in binary normal form has, by length --------------------------
 #
@@ -138,7 +138,7 @@ REASON = (
 
 
 def count_by_length(
-    reading: Reading[State], longest: int, budget: int | None = MOVE_BUDGET
+    reading: Recogniser[State], longest: int, budget: int | None = MOVE_BUDGET
 ) -> tuple[int, ...]:
     """The number of words of each length from 0 to ``longest``, at most the reading's horizon.
 
@@ -174,7 +174,7 @@ class WordsOfLength:
     """
 
     def __init__(
-        self, reading: Reading[State], length: int, budget: int | None = MOVE_BUDGET
+        self, reading: Recogniser[State], length: int, budget: int | None = MOVE_BUDGET
     ) -> None:
         self.length = length
         moves = 0

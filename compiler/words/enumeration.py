@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 
 from compiler.time_limits.time_limit import check_time
 from compiler.words.budget import LENGTH_LIMIT, WordsTooLongError
-from compiler.words.word_reader import Reading, State
+from compiler.words.word_reader import Recogniser, State
 
 FIRST_HORIZON = 32
 
 
 def words_in_order(
-    reading_up_to: Callable[[int], Reading[State]],
+    reading_up_to: Callable[[int], Recogniser[State]],
     first: int,
     longest: int | None,
     last: Callable[[], int | None],
@@ -52,7 +52,7 @@ def words_in_order(
 
 
 def words_of_length(
-    reading: Reading[State], length: int, dead: set[tuple[State, int]] | None = None
+    reading: Recogniser[State], length: int, dead: set[tuple[State, int]] | None = None
 ) -> Iterator[tuple[int, ...]]:
     """The words of one length in lexicographic order, by depth-first search.
 
@@ -66,7 +66,7 @@ def words_of_length(
 
 
 def _search(
-    reading: Reading[State], length: int, dead: set[tuple[State, int]]
+    reading: Recogniser[State], length: int, dead: set[tuple[State, int]]
 ) -> Iterator[tuple[int, ...]]:
     moves, lengths, accepting = reading.moves, reading.lengths, reading.accepting
     word: list[int] = []

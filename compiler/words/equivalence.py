@@ -8,7 +8,7 @@ from typing import TypeAlias, TypeVar
 
 from compiler.words.budget import MOVE_BUDGET, BudgetExceededError
 from compiler.words.language import Language
-from compiler.words.word_reader import Reading
+from compiler.words.word_reader import Recogniser
 
 # --- The first word, in length-lexicographic order, that is in one language and not in another ----
 #
@@ -25,7 +25,7 @@ Pair: TypeAlias = "tuple[Left | None, Right | None]"
 
 
 def first_difference(
-    left: Reading[Left], right: Reading[Right], longest: int, budget: int | None = MOVE_BUDGET
+    left: Recogniser[Left], right: Recogniser[Right], longest: int, budget: int | None = MOVE_BUDGET
 ) -> tuple[int, ...] | None:
     """The first word of at most ``longest`` symbols that exactly one of both has; None: none.
 
@@ -59,13 +59,13 @@ def first_difference(
     return None
 
 
-def _differs(left: Reading[Left], right: Reading[Right], pair: Pair[Left, Right]) -> bool:
+def _differs(left: Recogniser[Left], right: Recogniser[Right], pair: Pair[Left, Right]) -> bool:
     p, q = pair
     return (p is not None and left.accepting(p)) != (q is not None and right.accepting(q))
 
 
 def _moves(
-    left: Reading[Left], right: Reading[Right], pair: Pair[Left, Right]
+    left: Recogniser[Left], right: Recogniser[Right], pair: Pair[Left, Right]
 ) -> Iterator[tuple[int, Pair[Left, Right]]]:
     p, q = pair
     first = {} if p is None else dict(left.moves(p))
@@ -74,7 +74,9 @@ def _moves(
         yield symbol, (first.get(symbol), second.get(symbol))
 
 
-def _alive(left: Reading[Left], right: Reading[Right], pair: Pair[Left, Right], mask: int) -> bool:
+def _alive(
+    left: Recogniser[Left], right: Recogniser[Right], pair: Pair[Left, Right], mask: int
+) -> bool:
     """Whether some word of one of both is short enough."""
     p, q = pair
     first = 0 if p is None else left.lengths(p)

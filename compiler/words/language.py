@@ -27,10 +27,10 @@ from compiler.words.finite_automaton import Dfa, intersection
 from compiler.words.grammar import Srg, components, srg
 from compiler.words.intersection import intersect
 from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge, lr_automaton
-from compiler.words.recogniser import FiniteReader, PushdownReader, Recogniser
+from compiler.words.recogniser import FiniteMembership, Membership, PushdownMembership
 from compiler.words.regular_automaton import regular_automaton
 from compiler.words.residuals import Residuals
-from compiler.words.word_reader import ConditionedReading, FiniteReading, Reading
+from compiler.words.word_reader import ConditionedRecogniser, FiniteRecogniser, Recogniser
 from grammar_lang import ir
 
 QUICK_MOVES = 20_000
@@ -80,13 +80,13 @@ class Language:
         return isinstance(self.lr_automaton, LrAutomaton)
 
     @cached_property
-    def recogniser(self) -> Recogniser:
+    def recogniser(self) -> Membership:
         """What tells the words of the language."""
         if self.finite_automaton is not None:
-            return Recogniser("finite automaton", FiniteReader(self.finite_automaton), None)
-        condition = None if all(self.accept.accepting) else FiniteReader(self.accept)
-        reader = PushdownReader(self.binary, self.srg.terminals)
-        return Recogniser("pushdown automaton", reader, condition)
+            return Membership("finite automaton", FiniteMembership(self.finite_automaton), None)
+        condition = None if all(self.accept.accepting) else FiniteMembership(self.accept)
+        reader = PushdownMembership(self.binary, self.srg.terminals)
+        return Membership("pushdown automaton", reader, condition)
 
     # --- questions -----------------------------------------------------------------------------
 
@@ -199,13 +199,15 @@ class Language:
         derivations = DerivationCounts(self._restricted(max_modules), longest)
         return tuple(derivations.total(length) for length in range(longest + 1))
 
-    def reading(self, horizon: int, *, max_modules: int | None = None) -> Reading[Any]:
+    def reading(self, horizon: int, *, max_modules: int | None = None) -> Recogniser[Any]:
         """The words read from left to right, by few states; some of them may be dead ends."""
         if self.finite_automaton is not None:
-            return FiniteReading(self._bounded(self.finite_automaton, max_modules), horizon)
+            return FiniteRecogniser(self._bounded(self.finite_automaton, max_modules), horizon)
         residuals = Residuals(self.binary, self.srg.terminals, horizon)
         condition = self._bounded(self.accept, max_modules)
-        return residuals if all(condition.accepting) else ConditionedReading(residuals, condition)
+        return (
+            residuals if all(condition.accepting) else ConditionedRecogniser(residuals, condition)
+        )
 
     def _bound(self, condition: Dfa) -> int | None:
         """A length that no word exceeds, where the grammar or the condition alone gives one."""

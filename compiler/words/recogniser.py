@@ -23,7 +23,7 @@ ACCEPTING = object()
 """A key of the accepting states; no symbol equals it."""
 
 
-class FiniteReader:
+class FiniteMembership:
     """The words of a finite automaton."""
 
     def __init__(self, dfa: Dfa) -> None:
@@ -73,7 +73,7 @@ class _State(dict[Any, Any]):
 
     __slots__ = ("owner", "residual")
 
-    def __init__(self, owner: PushdownReader, residual: Residual) -> None:
+    def __init__(self, owner: PushdownMembership, residual: Residual) -> None:
         self.owner = owner
         self.residual = residual
 
@@ -106,7 +106,7 @@ class _Push:
     following: Continuation
 
 
-class PushdownReader:
+class PushdownMembership:
     """The words of a grammar in binary form over terminals with these names."""
 
     def __init__(self, grammar: BinaryGrammar, names: Sequence[str]) -> None:
@@ -171,7 +171,7 @@ class PushdownReader:
 Kind: TypeAlias = Literal["finite automaton", "pushdown automaton"]
 
 
-class Reader(Protocol):
+class MembershipTest(Protocol):
     """Something that tells the words of a language."""
 
     def accepts(self, word: Iterable[str], /) -> bool:
@@ -179,12 +179,12 @@ class Reader(Protocol):
 
 
 @dataclass(frozen=True)
-class Recogniser:
+class Membership:
     """``reader`` for the grammar; ``condition`` for the accept condition, None: it is in there."""
 
     kind: Kind
-    reader: Reader
-    condition: Reader | None
+    reader: MembershipTest
+    condition: MembershipTest | None
 
     @cached_property
     def accepts(self) -> Callable[[Sequence[str]], bool]:

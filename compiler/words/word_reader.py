@@ -16,7 +16,7 @@ from compiler.words.residuals import Residual, Residuals
 State = TypeVar("State")
 
 
-class Reading(Protocol[State]):
+class Recogniser(Protocol[State]):
     """A deterministic automaton over terminals by number.
 
     ``horizon``: lengths are exact up to so many symbols.
@@ -43,7 +43,7 @@ class Reading(Protocol[State]):
 # --- A finite automaton read from left to right: see :mod:`compiler.words.word_reader` ------------
 
 
-class FiniteReading:
+class FiniteRecogniser:
     """The words of a finite automaton; states are numbers."""
 
     def __init__(self, dfa: Dfa, horizon: int) -> None:
@@ -94,7 +94,7 @@ class FiniteReading:
 Pair = tuple[Residual, int]
 
 
-class ConditionedReading:
+class ConditionedRecogniser:
     """A reading (see :mod:`compiler.words.word_reader`) of words that a condition accepts too.
 
     ``lengths`` has all lengths of words that may follow, and maybe more.
@@ -103,7 +103,7 @@ class ConditionedReading:
     def __init__(self, residuals: Residuals, condition: Dfa) -> None:
         self._residuals = residuals
         self._condition = condition
-        self._finite = FiniteReading(condition, residuals.horizon)
+        self._finite = FiniteRecogniser(condition, residuals.horizon)
 
     @property
     def horizon(self) -> int:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from srgc.cli.command_table import all_commands, cli
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,7 +44,7 @@ def section(name: str, command: click.Command) -> Iterator[str]:
     for parameter in command.get_params(context):
         if isinstance(parameter, click.Option) and not parameter.hidden:
             yield from described(parameter, context)
-    if isinstance(command, TaughtCommand):
+    if isinstance(command, DocumentedCommand):
         yield from taught(command)
 
 
@@ -55,7 +55,7 @@ def described(option: click.Option, context: click.Context) -> Iterator[str]:
     yield f"{escaped(says)}\n````\n"
 
 
-def taught(command: TaughtCommand) -> Iterator[str]:
+def taught(command: DocumentedCommand) -> Iterator[str]:
     """Examples, which the suite runs, and exit statuses."""
     if command.examples:
         yield "Examples:\n"

@@ -33,7 +33,7 @@ def _solvers() -> tuple[ConvexSolver, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Fallback:
+class SolverPortfolio:
     """Solvers in the order in which they are tried; the first takes no cones."""
 
     solvers: Sequence[ConvexSolver] = field(default_factory=_solvers)

@@ -8,7 +8,11 @@ from itertools import groupby
 import numpy as np
 
 from compiler.tasks.formula_slots import Clause
-from compiler.tasks.necessary_conditions import Demand, Demands, task_demands
+from compiler.tasks.necessary_conditions import (
+    NecessaryCondition,
+    NecessaryConditions,
+    necessary_conditions,
+)
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
@@ -26,10 +30,10 @@ from solvers.verdict import Fails
 CONFLICTS = 20_000
 
 
-class DemandConflicts:
+class ConditionConflicts:
     """The demands of a task in a solver, to which others may be added."""
 
-    def __init__(self, asked: Demands) -> None:
+    def __init__(self, asked: NecessaryConditions) -> None:
         self._solver = SatSolver()
         self._by_selector = {demand.selector: demand for demand in asked.demands}
         self._write(asked.clauses)
@@ -38,17 +42,17 @@ class DemandConflicts:
         for _, group in groupby(sorted(clauses, key=len), key=len):
             self._solver.add(np.array(list(group), dtype=np.int64))
 
-    def add(self, demand: Demand, clauses: Iterable[Clause]) -> None:
+    def add(self, demand: NecessaryCondition, clauses: Iterable[Clause]) -> None:
         """One more demand, with the clauses that it needs."""
         self._by_selector[demand.selector] = demand
         self._write(clauses)
 
-    def exclude(self, demands: Iterable[Demand]) -> bool:
+    def exclude(self, demands: Iterable[NecessaryCondition]) -> bool:
         """Whether the demands are known to exclude each other."""
         return self._refuted([demand.selector for demand in demands]) is not None
 
-    def core(self, demands: Iterable[Demand]) -> tuple[Demand, ...] | None:
-        """Demands that exclude each other and of which none can be spared; None if unknown."""
+    def core(self, demands: Iterable[NecessaryCondition]) -> tuple[NecessaryCondition, ...] | None:
+        """Conditions that exclude each other, none of which can be spared; None if unknown."""
         core = self._refuted([demand.selector for demand in demands])
         if core is None:
             return None
@@ -77,10 +81,10 @@ class DemandConflicts:
 
 def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
     """Errors about the formulas of a task: each contradicts itself, or others and other clauses."""
-    asked = task_demands(program, task)
+    asked = necessary_conditions(program, task)
     if asked is None:
         return ()
-    conflicts = DemandConflicts(asked)
+    conflicts = ConditionConflicts(asked)
     try:
         return contradictions_among(task, asked.demands, conflicts)
     finally:
@@ -88,14 +92,14 @@ def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]
 
 
 def contradictions_among(
-    task: ir.Task, demands: Sequence[Demand], conflicts: DemandConflicts
+    task: ir.Task, demands: Sequence[NecessaryCondition], conflicts: ConditionConflicts
 ) -> tuple[Diagnostic, ...]:
     """The same for demands that are in a solver."""
     return tuple(_found(task, demands, conflicts))
 
 
 def _found(
-    task: ir.Task, demands: Sequence[Demand], conflicts: DemandConflicts
+    task: ir.Task, demands: Sequence[NecessaryCondition], conflicts: ConditionConflicts
 ) -> Iterator[Diagnostic]:
     left = list(demands)
     for number, clause in enumerate(task.satisfy):
@@ -112,7 +116,7 @@ def _found(
         left = [demand for demand in left if demand.formula != formulas[-1].formula]
 
 
-def _alone(task: ir.Task, span: Span, core: Sequence[Demand]) -> Diagnostic:
+def _alone(task: ir.Task, span: Span, core: Sequence[NecessaryCondition]) -> Diagnostic:
     """A formula that no motion satisfies."""
     other = "parts" if len(core) > 2 else "part"
     notes = tuple((demand.span, f"this excludes the other {other}") for demand in core)
@@ -126,7 +130,7 @@ def _alone(task: ir.Task, span: Span, core: Sequence[Demand]) -> Diagnostic:
     )
 
 
-def _together(task: ir.Task, core: Sequence[Demand]) -> Diagnostic:
+def _together(task: ir.Task, core: Sequence[NecessaryCondition]) -> Diagnostic:
     """Clauses that exclude each other, told at the last of them."""
     ordered = sorted(core, key=lambda demand: (demand.span.file, demand.span))
     others: dict[Span, list[str]] = {}

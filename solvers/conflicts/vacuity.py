@@ -18,12 +18,17 @@ from itertools import islice
 from compiler.tasks.formula_parts import Occurrence, atoms, occurrences, strengthened
 from compiler.tasks.formula_slots import TooManySlotsError
 from compiler.tasks.formula_text import formula_text
-from compiler.tasks.necessary_conditions import Demand, Demands, conjuncts, task_demands
+from compiler.tasks.necessary_conditions import (
+    NecessaryCondition,
+    NecessaryConditions,
+    conjuncts,
+    necessary_conditions,
+)
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
 from grammar_lang.source import Span
-from solvers.conflicts.contradiction import DemandConflicts, contradictions_among
+from solvers.conflicts.contradiction import ConditionConflicts, contradictions_among
 
 EXTRA_CLAUSES = 40_000
 """After so many clauses for this, nothing more is said of the formulas of a task."""
@@ -31,7 +36,9 @@ QUOTED = 40
 """A part whose text is longer is not quoted."""
 
 
-def vacuities(task: ir.Task, asked: Demands, conflicts: DemandConflicts) -> tuple[Diagnostic, ...]:
+def vacuities(
+    task: ir.Task, asked: NecessaryConditions, conflicts: ConditionConflicts
+) -> tuple[Diagnostic, ...]:
     """Warnings about the formulas of a task that does not contradict itself, one each at most."""
     found: list[Diagnostic] = []
     entailment = Entailment(asked, conflicts)
@@ -47,8 +54,8 @@ def vacuities(task: ir.Task, asked: Demands, conflicts: DemandConflicts) -> tupl
 class Entailment:
     """What the demands of a task entail, as far as ``EXTRA_CLAUSES`` for all questions go."""
 
-    asked: Demands
-    conflicts: DemandConflicts
+    asked: NecessaryConditions
+    conflicts: ConditionConflicts
     spent: int = 0
 
     def holds(self, formula: ir.Formula) -> bool:
@@ -59,13 +66,15 @@ class Entailment:
         """
         return self.conflicts.exclude([*self.asked.demands, self._denial(formula)])
 
-    def reasons(self, formula: ir.Formula, demands: Sequence[Demand]) -> tuple[Demand, ...] | None:
+    def reasons(
+        self, formula: ir.Formula, demands: Sequence[NecessaryCondition]
+    ) -> tuple[NecessaryCondition, ...] | None:
         """A least part of some demands that entails a formula; None if it is not known to be."""
         denial = self._denial(formula)
         core = self.conflicts.core([*demands, denial])
         return None if core is None else tuple(demand for demand in core if demand is not denial)
 
-    def _denial(self, formula: ir.Formula) -> Demand:
+    def _denial(self, formula: ir.Formula) -> NecessaryCondition:
         denial, clauses = self.asked.denial(formula)
         self.spent += len(clauses)
         if self.spent > EXTRA_CLAUSES:
@@ -88,7 +97,9 @@ def _diagnostics(task: ir.Task, number: int, entailment: Entailment) -> Iterator
         yield from (_idle(task, *found) for found in islice(filter(None, idle), 1))
 
 
-def always_holds(formula: ir.Formula, entailment: Entailment) -> tuple[Demand, ...] | None:
+def always_holds(
+    formula: ir.Formula, entailment: Entailment
+) -> tuple[NecessaryCondition, ...] | None:
     """The clauses of a task other than ``satisfy`` that entail a formula; None if not known."""
     frame = [demand for demand in entailment.asked.demands if demand.formula is None]
     return entailment.reasons(formula, frame)
@@ -96,7 +107,7 @@ def always_holds(formula: ir.Formula, entailment: Entailment) -> tuple[Demand, .
 
 def without_influence(
     formula: ir.Formula, number: int, entailment: Entailment
-) -> tuple[Occurrence, tuple[Demand, ...]] | None:
+) -> tuple[Occurrence, tuple[NecessaryCondition, ...]] | None:
     """The largest part of a conjunct that has no influence, and due to what.
 
     Args:
@@ -129,7 +140,9 @@ def written(formula: ir.Formula) -> Iterator[Occurrence]:
             yield found
 
 
-def _always(task: ir.Task, formula: ir.Formula, because: Sequence[Demand]) -> Diagnostic:
+def _always(
+    task: ir.Task, formula: ir.Formula, because: Sequence[NecessaryCondition]
+) -> Diagnostic:
     whose = "that does the rest of the task" if because else "whatever the robot"
     end = f"{float(task.steps * task.step):g} s"
     return Diagnostic(
@@ -142,7 +155,7 @@ def _always(task: ir.Task, formula: ir.Formula, because: Sequence[Demand]) -> Di
     )
 
 
-def _idle(task: ir.Task, part: Occurrence, because: Sequence[Demand]) -> Diagnostic:
+def _idle(task: ir.Task, part: Occurrence, because: Sequence[NecessaryCondition]) -> Diagnostic:
     text = formula_text(part.formula)
     # A piece of a map has a name that is written nowhere, with a point.
     quoted = len(text) <= QUOTED and not any("." in atom.region for atom in atoms(part.formula))
@@ -158,7 +171,7 @@ def _idle(task: ir.Task, part: Occurrence, because: Sequence[Demand]) -> Diagnos
     )
 
 
-def _notes(because: Sequence[Demand]) -> tuple[tuple[Span, str], ...]:
+def _notes(because: Sequence[NecessaryCondition]) -> tuple[tuple[Span, str], ...]:
     """Per place what is asked there."""
     texts: dict[Span, list[str]] = {}
     for demand in sorted(because, key=lambda demand: (demand.span.file, demand.span)):
@@ -185,10 +198,10 @@ def formula_findings(
     program: ir.Program, task: ir.Task, *, warn: bool = True
 ) -> tuple[Diagnostic, ...]:
     """Errors about the formulas of a task; without any, warnings if they are wanted."""
-    asked = task_demands(program, task)
+    asked = necessary_conditions(program, task)
     if asked is None:
         return ()
-    conflicts = DemandConflicts(asked)
+    conflicts = ConditionConflicts(asked)
     try:
         errors = contradictions_among(task, asked.demands, conflicts)
         return errors if errors or not warn else vacuities(task, asked, conflicts)

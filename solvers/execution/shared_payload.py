@@ -19,20 +19,20 @@ _made: OrderedDict[tuple[str, str], object] = OrderedDict()
 
 
 @dataclass(frozen=True, slots=True)
-class Parcel(Generic[Content]):
+class SharedPayload(Generic[Content]):
     """A pickled value, named by the digest of its bytes."""
 
     digest: str
     data: bytes
 
 
-def packed(content: Content) -> Parcel[Content]:
+def packed(content: Content) -> SharedPayload[Content]:
     """A value as a parcel."""
     data = pickle.dumps(content, protocol=pickle.HIGHEST_PROTOCOL)
-    return Parcel(sha256(data).hexdigest(), data)
+    return SharedPayload(sha256(data).hexdigest(), data)
 
 
-def made_of(parcel: Parcel[Content], make: Callable[[Content], Made]) -> Made:
+def made_of(parcel: SharedPayload[Content], make: Callable[[Content], Made]) -> Made:
     """What a function of a module makes of the content; kept for the next job with this parcel."""
     name = parcel.digest, f"{make.__module__}.{make.__qualname__}"
     if name not in _made:
@@ -41,7 +41,7 @@ def made_of(parcel: Parcel[Content], make: Callable[[Content], Made]) -> Made:
     return cast("Made", _made[name])
 
 
-def keep(parcel: Parcel[Content], make: Callable[[Content], Made], made: Made) -> None:
+def keep(parcel: SharedPayload[Content], make: Callable[[Content], Made], made: Made) -> None:
     """Say what a function makes of a parcel, where that is there already."""
     _made[parcel.digest, f"{make.__module__}.{make.__qualname__}"] = made
     while len(_made) > KEPT:

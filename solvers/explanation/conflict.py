@@ -23,7 +23,7 @@ from solvers.explanation.task_line import TaskLine, task_lines
 from solvers.impossibility.box_evidence import out_of_reach_of_drives
 from solvers.impossibility.disconnection import disconnected
 from solvers.impossibility.structure_refutation import refute_structure
-from solvers.run_context import Conduct, Memory
+from solvers.run_context import Memory, RunContext
 
 MOST_QUESTIONS = 1500
 """So many questions to the refuter are asked about all structures together."""
@@ -84,7 +84,7 @@ class ConflictSearch:
     """
 
     posed: PosedTask
-    conduct: Conduct
+    context: RunContext
     between: Callable[[], None] = lambda: None
     late: bool = True
     questions: int = 0
@@ -155,14 +155,14 @@ class ConflictSearch:
         except SemanticsError:
             return False
         numeric = NumericRobot(robot_graph(model, posed.task.gravity))
-        answer = refute_structure(model, numeric, posed.program, posed.task, self.conduct)
+        answer = refute_structure(model, numeric, posed.program, posed.task, self.context)
         if answer.refuted or not late:
             return answer.refuted
-        candidate, conduct = (
+        candidate, context = (
             Candidate(0, derivation, model),
-            replace(self.conduct, journal=Memory()),
+            replace(self.context, journal=Memory()),
         )
-        return out_of_reach_of_drives(candidate, posed.program, posed.task, conduct) is not None
+        return out_of_reach_of_drives(candidate, posed.program, posed.task, context) is not None
 
 
 # --- A minimal conflict: a subset of constraints that is refuted and of which all are needed ------

@@ -20,7 +20,7 @@ from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import MOST_RUNS, Runs, Suggestion
 from solvers.explanation.suggestions import SuggestionSearch, smallest
 from solvers.explanation.task_line import TaskLine, modules_line, task_lines
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.verdict import NotFound
 
 TELLING = ("parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "fixed")
@@ -89,7 +89,7 @@ class Explanation:
 class Asked:
     """How far an explanation is to go; ``tell`` receives a line of progress now and then."""
 
-    conduct: Conduct = field(default_factory=Conduct)
+    context: RunContext = field(default_factory=RunContext)
     runs: int = MOST_RUNS
     tell: Callable[[str], None] = lambda _: None
 
@@ -101,7 +101,7 @@ def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
         MapFault: a map of obstacles cannot be used.
     """
     found = Explanation(posed, tried, most_runs=asked.runs)
-    runs = Runs(asked.conduct, asked.runs, asked.tell)
+    runs = Runs(asked.context, asked.runs, asked.tell)
     try:
         _conflicts(found, asked)
         _suggestions(found, asked, runs)
@@ -128,7 +128,9 @@ def foremost(posed: PosedTask, refuted: Sequence[tuple[str, ...]]) -> Derivation
     return max((replay(grammar, labels) for labels in refuted[-MOST_COMPARED:]), key=freedom)
 
 
-def quick_conflict(posed: PosedTask, refuted: Derivation | None, conduct: Conduct) -> Explanation:
+def quick_conflict(
+    posed: PosedTask, refuted: Derivation | None, context: RunContext
+) -> Explanation:
     """An explanation with the conflict of one structure, where a few questions find it.
 
     Without a structure, start and target are cut off from each other.
@@ -138,7 +140,7 @@ def quick_conflict(posed: PosedTask, refuted: Derivation | None, conduct: Conduc
         cut = separation_conflict(posed)
         found.conflicts = Conflicts(() if cut is None else (cut,))
         return found
-    search = ConflictSearch(posed, conduct, late=False)
+    search = ConflictSearch(posed, context, late=False)
 
     def enough() -> None:
         if search.questions >= MOST_QUICK:
@@ -163,7 +165,7 @@ def _conflicts(found: Explanation, asked: Asked) -> None:
             _bound(found, asked)
         return
     asked.tell(f"conflicts of {len(tried.refuted)} robots")
-    search = ConflictSearch(posed, asked.conduct, asked.conduct.check_time)
+    search = ConflictSearch(posed, asked.context, asked.context.check_time)
     grammar = posed.program.grammars[posed.task.grammar]
     try:
         search.conflicts(replay(grammar, labels) for labels in tried.refuted)
@@ -184,8 +186,8 @@ def _bound(found: Explanation, asked: Asked) -> None:
     line = modules_line(found.posed)
     if line is None:
         return
-    asked.conduct.check_time()
-    longer = SuggestionSearch(found.posed, Runs(asked.conduct, 0)).longer()
+    asked.context.check_time()
+    longer = SuggestionSearch(found.posed, Runs(asked.context, 0)).longer()
     if longer is not None:
         found.bound, found.beyond = line, longer.word
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 from compiler.robots.input_bounds import input_bounds
 from solvers.explanation.change import Change
-from solvers.run_context import Conduct, Memory, Recorded, Silent
+from solvers.run_context import Memory, Recorded, RunContext, Silent
 from solvers.search.synthesis import Synthesis, synthesise
 
 MOST_RUNS = 16
@@ -82,7 +82,7 @@ class _Meter(Silent):
 class Runs:
     """The runs made so far; ``found`` and ``failed`` are the changes in the order of trial."""
 
-    conduct: Conduct
+    context: RunContext
     limit: int = MOST_RUNS
     tell: Callable[[str], None] = lambda _: None
     found: list[Suggestion] = field(default_factory=list[Suggestion])
@@ -105,11 +105,11 @@ class Runs:
         Raises:
             OutOfTimeError: the limit of time was reached.
         """
-        self.conduct.check_time()
+        self.context.check_time()
         self.tell(f"run {self.made + 1} of at most {self.limit}: {change.says}")
         result = self._result(change)
         # A run that the clock has ended says nothing about the change.
-        self.conduct.check_time()
+        self.context.check_time()
         design = result.design
         if design is None:
             self.failed.append(change)
@@ -123,8 +123,8 @@ class Runs:
         return found
 
     def _result(self, change: Change) -> Synthesis:
-        meter = _Meter(self.conduct.out_of_time)
-        conduct = replace(
-            self.conduct, journal=_Shared(self.scripts), reporter=meter, out_of_time=meter.ended
+        meter = _Meter(self.context.out_of_time)
+        context = replace(
+            self.context, journal=_Shared(self.scripts), reporter=meter, out_of_time=meter.ended
         )
-        return synthesise(change.posed.program, change.posed.task, conduct)
+        return synthesise(change.posed.program, change.posed.task, context)

@@ -13,7 +13,7 @@ from itertools import islice
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.body_conditions import body_demands
+from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import body_scripts
 from compiler.encodings.pose_questions import pose_questions
 from compiler.robots.attributes import SemanticsError
@@ -63,7 +63,7 @@ class SuggestionSearch:
     @property
     def seed(self) -> int:
         """The seed of the poses."""
-        return self.runs.conduct.seed
+        return self.runs.context.seed
 
     def after_conflicts(self, lines: Iterable[TaskLine], bound: TaskLine | None) -> None:
         """Changes of the lines of conflicts, and of the bound on modules."""
@@ -250,7 +250,7 @@ def _posable(
 def _answered(numeric: NumericRobot, posed: PosedTask, seed: int) -> bool:
     """Whether poses are found for every question."""
     workspace, task = posed.workspace, posed.task
-    demands = body_demands(workspace, task)
+    demands = body_conditions(workspace, task)
     for question in pose_questions(workspace, task):
         if find_poses(numeric, question, seed) is None:
             return False

@@ -23,7 +23,7 @@ from compiler.expressions.evaluators.batched_intervals import (
 )
 from compiler.expressions.tape import Tape, tape
 from compiler.time_limits.time_limit import check_time
-from compiler.unreachability.motion_conditions import GivenPose, MotionDemands, Obstacle, Passage
+from compiler.unreachability.motion_conditions import GivenPose, MotionConditions, Obstacle, Passage
 from compiler.unreachability.violations import FRACTIONS
 from grammar_lang import ir
 from solvers.impossibility.coordinate_cover import Flags, Numbers
@@ -113,7 +113,7 @@ def _crossed(first: Array, last: Array, slack: Array) -> Flags:
     return np.asarray(((1 - fraction) * first + fraction * last < -slack).all(axis=2))
 
 
-class BoxDemands:
+class BoxConditions:
     """The demands on a robot, for the passages of one question.
 
     Raises:
@@ -122,7 +122,7 @@ class BoxDemands:
 
     def __init__(
         self,
-        demands: MotionDemands,
+        demands: MotionConditions,
         passages: Sequence[Passage],
         graph: RobotGraph,
         circles: Flags,
@@ -191,7 +191,7 @@ class BoxDemands:
         return np.asarray(violated), np.asarray(free)
 
 
-def _used(demands: MotionDemands, passages: Sequence[Passage]) -> list[int]:
+def _used(demands: MotionConditions, passages: Sequence[Passage]) -> list[int]:
     """The points that a demand is about."""
     used = set(demands.bounded)
     for obstacle in demands.obstacles:

@@ -18,7 +18,7 @@ from solvers.conclusion import StructureRecord, module_bound
 from solvers.impossibility.box_refutation import BoxRefutation, box_refutation
 from solvers.impossibility.box_search import WITH_PROOF
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 
 IN_VAIN = 5
 """So many searches without a result end it: each takes much longer than one with a result."""
@@ -26,7 +26,7 @@ NONE_FOUND = ""
 
 
 def covered(
-    records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, conduct: Conduct
+    records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, context: RunContext
 ) -> tuple[list[StructureRecord], OutOfTimeError | None]:
     """The records of all structures, with coverings where they were found.
 
@@ -40,8 +40,8 @@ def covered(
                 break
             if found[number].verdict != "refuted" or found[number].boxes is not None:
                 continue
-            conduct.check_time()
-            boxes = _boxes(candidate, family.program, task, conduct)
+            context.check_time()
+            boxes = _boxes(candidate, family.program, task, context)
             failed += boxes is None
             found[number] = replace(found[number], boxes=boxes)
     except OutOfTimeError as late:
@@ -50,11 +50,11 @@ def covered(
 
 
 def out_of_reach_of_drives(
-    candidate: Candidate, program: ir.Program, task: ir.Task, conduct: Conduct
+    candidate: Candidate, program: ir.Program, task: ir.Task, context: RunContext
 ) -> BoxRefutation | None:
     """Whether the drives are shown to be too weak for a robot that no motion was found for."""
     key = f"drives|{candidate.number}"
-    match conduct.journal.recall(key):
+    match context.journal.recall(key):
         case [str(boxes), str(reason)]:
             return BoxRefutation(boxes, reason) if boxes else None
         case _:
@@ -64,16 +64,16 @@ def out_of_reach_of_drives(
         graph = robot_graph(candidate.model, task.gravity)
         found = drive_refutation(candidate.model, graph, workspace, task, AFTER_MOTIONS)
     known = (NONE_FOUND, "") if found is None else (found.boxes, found.reason)
-    conduct.journal.record(key, list(known))
+    context.journal.record(key, list(known))
     return found
 
 
 def _boxes(
-    candidate: Candidate, program: ir.Program, task: ir.Task, conduct: Conduct
+    candidate: Candidate, program: ir.Program, task: ir.Task, context: RunContext
 ) -> str | None:
     """The covering of a structure; the journal is asked first."""
     key = f"boxes|{candidate.number}"
-    known = conduct.journal.recall(key)
+    known = context.journal.recall(key)
     if not isinstance(known, str):
         known = NONE_FOUND
         if candidate.model is not None:
@@ -81,5 +81,5 @@ def _boxes(
             graph = robot_graph(candidate.model, task.gravity)
             answer = box_refutation(candidate.model, graph, workspace, task, WITH_PROOF)
             known = NONE_FOUND if answer is None else answer.boxes
-        conduct.journal.record(key, known)
+        context.journal.record(key, known)
     return known or None

@@ -14,7 +14,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.unreachability.box_tree import CoordinateTree
-from solvers.impossibility.box_conditions import BoxDemands, Judged
+from solvers.impossibility.box_conditions import BoxConditions, Judged
 from solvers.impossibility.coordinate_cover import CoordinateCover, Flags, Numbers, Side
 
 AT_ONCE = 64
@@ -67,7 +67,7 @@ class BoxGrowth:
     them with all parameters, ``sample`` that pose with parameters of the middle.
     """
 
-    demands: BoxDemands
+    demands: BoxConditions
     side: Side
     low: Array
     high: Array

@@ -14,10 +14,10 @@ from compiler.expressions.evaluators.balls import closed_ball
 from compiler.robots.given_start import GivenStart, given_start
 from compiler.robots.robot import RobotModel
 from compiler.unreachability.box_tree import coordinate_sides, text
-from compiler.unreachability.motion_conditions import MotionDemands, motion_demands
+from compiler.unreachability.motion_conditions import MotionConditions, motion_conditions
 from grammar_lang import ir
 from solvers.impossibility.box_conditions import NEAR
-from solvers.impossibility.box_search import Effort, Search, find_covering
+from solvers.impossibility.box_search import CoveringBudget, Search, find_covering
 from solvers.impossibility.pose_search import PoseWitness
 from solvers.verifier.refutations.box_check import why_not
 
@@ -35,7 +35,7 @@ def box_refutation(
     graph: RobotGraph,
     workspace: ir.Workspace,
     task: ir.Task,
-    effort: Effort,
+    budget: CoveringBudget,
 ) -> BoxRefutation | None:
     """A covering that refutes a robot; None: none was found.
 
@@ -44,10 +44,10 @@ def box_refutation(
         graph: its graph, in the joints' own coordinates.
         workspace: the workspace, without maps.
         task: the task, without maps.
-        effort: the limits of the search.
+        budget: the limits of the search.
     """
-    demands = motion_demands(model, workspace, task)
-    found = find_covering(demands, graph, effort)
+    demands = motion_conditions(model, workspace, task)
+    found = find_covering(demands, graph, budget)
     if found is None:
         return None
     boxes = text(found.tree)
@@ -65,7 +65,7 @@ def way_is_seen(
     witnesses: Sequence[PoseWitness | None],
     designs: Sequence[Array],
 ) -> bool:
-    """Whether there seems to be a way for every question, so that a covering is sought in vain.
+    """Whether there seems to be a way for every question, so that no covering will be found.
 
     Args:
         model: the robot.
@@ -75,7 +75,7 @@ def way_is_seen(
         witnesses: poses that answer each question, or None.
         designs: parameters (p,) to look at, besides those of the poses.
     """
-    demands = motion_demands(model, workspace, task)
+    demands = motion_conditions(model, workspace, task)
     if coordinate_sides(model) is None:
         return True
     for passages, witness in zip(demands.passages, witnesses, strict=True):
@@ -104,7 +104,7 @@ def start_is_excluded(
     """Whether a pose that the task gives seems to be impossible, whatever the parameters."""
     if not isinstance(task.start, ir.StartAt):
         return False
-    demands = motion_demands(model, workspace, task)
+    demands = motion_conditions(model, workspace, task)
     passages = next(iter(demands.passages), ())
     if not passages:
         return True
@@ -114,7 +114,7 @@ def start_is_excluded(
         return False
 
 
-def _reason(demands: MotionDemands, task: ir.Task, question: PoseQuestion) -> str:
+def _reason(demands: MotionConditions, task: ir.Task, question: PoseQuestion) -> str:
     if isinstance(task.start, ir.StartAt):
         start = given_start(demands.model, task.start)
         if start.fault:

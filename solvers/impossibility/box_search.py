@@ -25,8 +25,8 @@ from compiler.unreachability.box_tree import (
     enclosures,
     parameter_sides,
 )
-from compiler.unreachability.motion_conditions import MotionDemands, Passage
-from solvers.impossibility.box_conditions import NEAR, BoxDemands, Judged
+from compiler.unreachability.motion_conditions import MotionConditions, Passage
+from solvers.impossibility.box_conditions import NEAR, BoxConditions, Judged
 from solvers.impossibility.box_growth import BoxGrowth, Covered, Divide, Hopeless
 from solvers.impossibility.coordinate_cover import CoordinateCover, Flags, Side
 
@@ -37,7 +37,7 @@ COARSE = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Effort:
+class CoveringBudget:
     """Limits: of leaves in all and for one box of parameters, and of rounds in all."""
 
     leaves: int
@@ -45,13 +45,13 @@ class Effort:
     rounds: int
 
 
-WITH_PROOF = Effort(6_000, 2_000, 150)
+WITH_PROOF = CoveringBudget(6_000, 2_000, 150)
 """For robots that another proof refutes."""
-WITHOUT_PROOF = Effort(12_000, 1_500, 400)
+WITHOUT_PROOF = CoveringBudget(12_000, 1_500, 400)
 """For robots that nothing else refutes."""
-FOR_A_POSE = Effort(1_000, 1_000, 100)
+FOR_A_POSE = CoveringBudget(1_000, 1_000, 100)
 """For a given pose that seems to be impossible."""
-FOR_A_WAY = Effort(800, 800, 40)
+FOR_A_WAY = CoveringBudget(800, 800, 40)
 """For a way at given parameters, which there mostly is."""
 STRAIGHT = 41
 """Poses on a line."""
@@ -65,7 +65,9 @@ class Covering:
     question: int
 
 
-def find_covering(demands: MotionDemands, graph: RobotGraph, effort: Effort) -> Covering | None:
+def find_covering(
+    demands: MotionConditions, graph: RobotGraph, budget: CoveringBudget
+) -> Covering | None:
     """A covering of the boxes of a robot's parameters and coordinates; None: none was found.
 
     ``graph`` is in the joints' own coordinates.  The same arguments, the same answer.
@@ -81,7 +83,7 @@ def find_covering(demands: MotionDemands, graph: RobotGraph, effort: Effort) -> 
             search = Search(demands, passages, graph)
         except ValueError:  # rules, or derivatives of them, that cannot be read exactly
             return None
-        found = search.tree(effort)
+        found = search.tree(budget)
         if found is not None:
             return Covering(found, question)
     return None
@@ -95,7 +97,7 @@ class Search:
     """
 
     def __init__(
-        self, demands: MotionDemands, passages: tuple[Passage, ...], graph: RobotGraph
+        self, demands: MotionConditions, passages: tuple[Passage, ...], graph: RobotGraph
     ) -> None:
         sides = coordinate_sides(demands.model)
         if sides is None:
@@ -105,7 +107,7 @@ class Search:
             np.array([float(side.high.mid()) for side in sides]),
             np.array([side.circle for side in sides], dtype=bool),
         )
-        self._demands = BoxDemands(demands, passages, graph, self._side.circle)
+        self._demands = BoxConditions(demands, passages, graph, self._side.circle)
         self._parameters = parameter_sides(demands.model)
 
     def straight(self, start: Array | None, target: Array, theta: Array) -> bool:
@@ -139,14 +141,14 @@ class Search:
         )  # fmt: skip
         return isinstance(growth.grown(), Hopeless)
 
-    def tree(self, effort: Effort) -> ParameterTree | None:
+    def tree(self, budget: CoveringBudget) -> ParameterTree | None:
         """A covering without a way; None: none was found."""
         nodes: list[int | ParameterLeaf] = []
         waiting: list[Parts] = [(Part(),) * len(self._parameters)]
-        leaves, rounds = effort.leaves, effort.rounds
+        leaves, rounds = budget.leaves, budget.rounds
         while waiting:
             box = waiting.pop()
-            growth = self._growth(box, min(leaves, effort.leaves_at_once), rounds)
+            growth = self._growth(box, min(leaves, budget.leaves_at_once), rounds)
             grown = growth.grown()
             leaves, rounds = leaves - growth.cover.leaves, growth.rounds
             match grown:
@@ -197,7 +199,7 @@ class Search:
 class EvenGrowth:
     """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` says which of them are."""
 
-    demands: BoxDemands
+    demands: BoxConditions
     side: Side
     low: Array
     high: Array

@@ -22,7 +22,7 @@ from compiler.unreachability.box_tree import (
     text,
 )
 from compiler.unreachability.covered_poses import CoveredPoses
-from compiler.unreachability.motion_conditions import motion_demands
+from compiler.unreachability.motion_conditions import motion_conditions
 from grammar_lang import ir
 from solvers.impossibility.box_growth import Divide
 from solvers.impossibility.box_refutation import BoxRefutation
@@ -74,7 +74,7 @@ class _DriveSearch:
     def __init__(
         self, model: RobotModel, graph: RobotGraph, workspace: ir.Workspace, task: ir.Task
     ) -> None:
-        demands = motion_demands(model, workspace, task)
+        demands = motion_conditions(model, workspace, task)
         self._poses = CoveredPoses(demands)
         self._drive: DriveReach = drive_reach(model, workspace, task)
         self._searches = [Search(demands, choices, graph) for choices in demands.passages]

@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.encodings.body_conditions import body_demands
+from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
 from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
 from compiler.encodings.reachability_smt import refutation_script
@@ -31,7 +31,7 @@ from solvers.impossibility.box_search import FOR_A_POSE, WITHOUT_PROOF
 from solvers.impossibility.clear_poses import clear_poses, designs
 from solvers.impossibility.drive_search import BEFORE_MOTIONS, drive_refutation
 from solvers.impossibility.pose_search import PoseWitness, find_poses
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.verdict import Fails
 
 REFUTED = 1.0
@@ -64,10 +64,14 @@ class Refutation:
 
 
 def refute_structure(
-    model: RobotModel, numeric: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
+    model: RobotModel,
+    numeric: NumericRobot,
+    program: ir.Program,
+    task: ir.Task,
+    context: RunContext,
 ) -> Refutation:
     """Try to prove that a structure cannot bring effectors from the start to where they must be."""
-    asked = _Asked(model, numeric, program.workspaces[task.workspace], task, conduct)
+    asked = _Asked(model, numeric, program.workspaces[task.workspace], task, context)
     for question in pose_questions(asked.workspace, task):
         refuted = asked.poses(question) or asked.bodies(question)
         if refuted is not None:
@@ -90,28 +94,28 @@ class _Asked:
     numeric: NumericRobot
     workspace: ir.Workspace
     task: ir.Task
-    conduct: Conduct
+    context: RunContext
     witnesses: list[PoseWitness | None] = field(default_factory=list[PoseWitness | None])
     calls: int = 0
 
     def poses(self, question: PoseQuestion) -> Refutation | None:
         """Poses of the effectors alone: found, refuted, or neither."""
-        witness = find_poses(self.numeric, question, self.conduct.seed)
+        witness = find_poses(self.numeric, question, self.context.seed)
         self.witnesses.append(witness)
         if witness is not None:
             return None
         script = refutation_script(self.model, question)
         self.calls += 1
-        if not _refuted(script, self.conduct, RESOURCES):
+        if not _refuted(script, self.context, RESOURCES):
             return None
         return Refutation(_reason(self.model, question), script, None, self.calls)
 
     def bodies(self, question: PoseQuestion) -> Refutation | None:
         """Poses of the whole body: found, refuted, or neither."""
-        demands = body_demands(self.workspace, self.task)
+        demands = body_conditions(self.workspace, self.task)
         if demands is None:
             return None
-        seed = self.conduct.seed
+        seed = self.context.seed
         known = clear_poses(self.numeric, self.workspace, self.task, question, seed)
         for poses in body_scripts(question):
             body = None if poses in known else body_script(self.model, question, demands, poses)
@@ -119,7 +123,7 @@ class _Asked:
                 continue
             self.calls += 1
             resources = RESOURCES if len(poses) == 1 else BOTH_POSES
-            if _refuted(body, self.conduct, resources):
+            if _refuted(body, self.context, resources):
                 return Refutation(_body_reason(question, poses), body, None, self.calls)
         return None
 
@@ -131,7 +135,7 @@ class _Asked:
         few = len(self.model.dofs) <= FEW_DOFS
         if not few and not self.calls:
             return None
-        rng = np.random.default_rng(self.conduct.seed)
+        rng = np.random.default_rng(self.context.seed)
         drawn = list(islice(designs(self.numeric, rng), DESIGNS))
         if way_is_seen(*robot, self.witnesses, drawn):
             return None
@@ -143,13 +147,13 @@ class _Asked:
         return drive_refutation(*robot, BEFORE_MOTIONS)
 
 
-def _refuted(script: str, conduct: Conduct, resources: int) -> bool:
+def _refuted(script: str, context: RunContext, resources: int) -> bool:
     """Whether the solver answers ``unsat``; the journal is asked first."""
     key = f"smt|{script}"
-    known = conduct.journal.recall(key)
+    known = context.journal.recall(key)
     if known is None:
         known = REFUTED if isinstance(solve_script(script, resources=resources), Fails) else 0.0
-        conduct.journal.record(key, known)
+        context.journal.record(key, known)
     return known == REFUTED
 
 

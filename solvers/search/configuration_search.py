@@ -16,10 +16,10 @@ from solvers.parameters.bayesian_search import DESIGN, BayesianSearch
 from solvers.parameters.nelder_mead import NelderMead
 from solvers.parameters.parameter_search import ParameterSearch
 from solvers.parameters.parameter_space import Cube, ParameterSpace, parameter_space
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of
-from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, Effort
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
+from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 
@@ -34,7 +34,7 @@ APART = 0.1
 """Basins differ by this in some coordinate of the unit cube."""
 BENT = 0.35
 """Or their motions, half way, in some coordinate: sin of half an angle, or metres."""
-POLISH = Effort(30, 1e-4, 1e-8, 2)
+POLISH = IterationBudget(30, 1e-4, 1e-8, 2)
 NARROWINGS = 3
 BOUND_RADIUS = 0.1
 """The trust region of a motion that is nearly there."""
@@ -44,7 +44,7 @@ SHIFTS = (4, 1, -1)
 LONGEST_RUN = 6
 GAIN = 1e-4
 """A gain of robustness that is worth moving an entry for, relative to the effort bound."""
-RETIMING = Effort(8, 1e-4, 1e-7, 1)
+RETIMING = IterationBudget(8, 1e-4, 1e-7, 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,37 +88,39 @@ class Configuration:
     samples: tuple[Sample, ...] = ()
 
 
-def search_configuration(follower: Follower, label: str, conduct: Conduct) -> Configuration:
+def search_configuration(
+    path_problem: PathProblem, label: str, context: RunContext
+) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
     ``label`` names the structure and path in the journal.
     """
-    space = parameter_space(follower.model)
-    evaluator = Evaluator(follower, conduct.workers, conduct.journal, label)
-    search = _Survey(space, evaluator, conduct)
+    space = parameter_space(path_problem.model)
+    evaluator = Evaluator(path_problem, context.workers, context.journal, label)
+    search = _Survey(space, evaluator, context)
     if space.is_point:
         search.evaluate([space.lower], FULL)
     else:
         search.run()
-    entries = follower.waypoints()[1]
-    top = _best(search.polished(entries), follower, entries, conduct)
+    entries = path_problem.waypoints()[1]
+    top = _best(search.polished(entries), path_problem, entries, context)
     return Configuration(
-        top.outcome, top.entries, len(search.samples), top.follower.cells, tuple(search.samples)
+        top.outcome, top.entries, len(search.samples), top.path_problem.cells, tuple(search.samples)
     )
 
 
 def _best(
-    outcomes: list[ControlOutcome], follower: Follower, entries: Entries, conduct: Conduct
+    outcomes: list[ControlOutcome], path_problem: PathProblem, entries: Entries, context: RunContext
 ) -> Timed:
     """The best of some outcomes that keeps to its cells; else the best of all."""
     ranked = sorted(outcomes, key=lambda outcome: -outcome.robustness)
     for outcome in ranked:
         if outcome.feasible:
-            timed = bound_to_cells(follower, outcome, entries, conduct)
+            timed = bound_to_cells(path_problem, outcome, entries, context)
             if timed is not None:
                 return timed
     top = ranked[0]
-    return Timed(follower, replace(top, feasible=False), entries)
+    return Timed(path_problem, replace(top, feasible=False), entries)
 
 
 def parameter_search(cube: Cube, seed: int, name: str | None = None) -> ParameterSearch:
@@ -131,17 +133,17 @@ def parameter_search(cube: Cube, seed: int, name: str | None = None) -> Paramete
 class _Survey:
     """The evaluations of a path's parameters, with the motions that were found."""
 
-    def __init__(self, space: ParameterSpace, evaluator: Evaluator, conduct: Conduct) -> None:
+    def __init__(self, space: ParameterSpace, evaluator: Evaluator, context: RunContext) -> None:
         self.space = space
         self.evaluator = evaluator
-        self.conduct = conduct
+        self.context = context
         self.attempts: list[ControlOutcome] = []
         """The outcome of every seed at all parameters."""
         self.samples: list[Sample] = []
 
     def run(self) -> None:
         """Evaluate what the search asks for."""
-        search = parameter_search(self.space.cube, self.conduct.seed, self.conduct.search)
+        search = parameter_search(self.space.cube, self.context.seed, self.context.search)
         while len(self.samples) < EVALUATIONS:
             points = search.ask(BATCH)
             if not points:
@@ -150,17 +152,17 @@ class _Survey:
             for point, outcome in zip(points, self.evaluate(thetas, SURVEY), strict=True):
                 search.tell(point, outcome.robustness)
 
-    def evaluate(self, thetas: list[Array], effort: Effort) -> list[ControlOutcome]:
+    def evaluate(self, thetas: list[Array], budget: IterationBudget) -> list[ControlOutcome]:
         """The best outcome at each of the parameters."""
         found = []
-        attempts = self.evaluator.attempts(thetas, effort)
+        attempts = self.evaluator.attempts(thetas, budget)
         for theta, outcomes in zip(thetas, attempts, strict=True):
-            self.conduct.check_time()
+            self.context.check_time()
             outcome = best_of(outcomes)
             found.append(outcome)
             self.attempts += outcomes
             self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
-            self.conduct.reporter.robustness(max(o.robustness for o in self.attempts))
+            self.context.reporter.robustness(max(o.robustness for o in self.attempts))
         return found
 
     def polished(self, entries: Entries) -> list[ControlOutcome]:
@@ -177,9 +179,9 @@ class _Survey:
         ]  # fmt: skip
         found = []
         for before, after in zip(chosen, self.evaluator.solutions(requests), strict=True):
-            self.conduct.check_time()
+            self.context.check_time()
             found.append(max(before, after, key=lambda item: item.robustness))
-            self.conduct.reporter.robustness(max(o.robustness for o in found))
+            self.context.reporter.robustness(max(o.robustness for o in found))
         return found
 
     def basins(self) -> list[ControlOutcome]:
@@ -208,25 +210,29 @@ def _moves_apart(one: ControlOutcome, other: ControlOutcome) -> bool:
     return bool(np.max(np.abs(np.sin((first - second) / 2)), initial=0.0) > BENT)
 
 
-def within_limits(follower: Follower, found: Configuration) -> tuple[Follower, Configuration]:
+def within_limits(
+    path_problem: PathProblem, found: Configuration
+) -> tuple[PathProblem, Configuration]:
     """A configuration whose motion keeps the limits of joints and rates within its steps too.
 
     The limits that it passes there are narrowed and the motion is found anew, a few times.
     """
     for _ in range(NARROWINGS):
-        narrowed = follower.narrowed(found.outcome.trajectory) if found.outcome.feasible else None
+        narrowed = (
+            path_problem.narrowed(found.outcome.trajectory) if found.outcome.feasible else None
+        )
         if narrowed is None:
             break
-        follower = narrowed
-        found = resolved(follower, found)
-    return follower, found
+        path_problem = narrowed
+        found = resolved(path_problem, found)
+    return path_problem, found
 
 
-def resolved(follower: Follower, found: Configuration) -> Configuration:
+def resolved(path_problem: PathProblem, found: Configuration) -> Configuration:
     """A configuration under other margins; the parameters may move along with the motion."""
     trajectory = found.outcome.trajectory
-    box = free_parameters(follower, trajectory)
-    return replace(found, outcome=follower.solve(trajectory, found.entries, box))
+    box = free_parameters(path_problem, trajectory)
+    return replace(found, outcome=path_problem.solve(trajectory, found.entries, box))
 
 
 # --- the cells made to bind ----------------------------------------------------------------------
@@ -234,16 +240,16 @@ def resolved(follower: Follower, found: Configuration) -> Configuration:
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """A motion along the cells of a follower, entered at some steps."""
+    """A motion along the cells of a path problem, entered at some steps."""
 
-    follower: Follower
+    path_problem: PathProblem
     outcome: ControlOutcome
     entries: Entries
 
     @property
     def scale(self) -> float:
         """The unit of effort."""
-        return self.follower.problem(self.entries).scale
+        return self.path_problem.problem(self.entries).scale
 
     def gains(self, before: Timed) -> bool:
         """Whether it is more robust than another one, by more than is worth its time."""
@@ -251,84 +257,84 @@ class Timed:
 
 
 def bound_to_cells(
-    follower: Follower, free: ControlOutcome, entries: Entries, conduct: Conduct
+    path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
 ) -> Timed | None:
     """The motion that keeps to its cells next to one whose timing was free; None if none is found.
 
     From the motion that they bind, timing is freed again as long as that gains; what the cells cost
     in the end is won back by moving their entries.
     """
-    best = _bound(follower, free, entries, conduct)
+    best = _bound(path_problem, free, entries, context)
     for _ in range(RELEASES):
         if best is None:
             break
-        freed = _freed(best, conduct)
-        again = _bound(best.follower, freed, best.entries, conduct) if freed.feasible else None
+        freed = _freed(best, context)
+        again = _bound(best.path_problem, freed, best.entries, context) if freed.feasible else None
         if again is None or not again.gains(best):
             break
         best, free = again, freed
     if best is None or best.outcome.robustness >= free.robustness - GAIN * best.scale:
         return best
-    return _moved_on(best, conduct)
+    return _moved_on(best, context)
 
 
 def _bound(
-    follower: Follower, free: ControlOutcome, entries: Entries, conduct: Conduct
+    path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
 ) -> Timed | None:
     """The cells that a free motion visits made to bind.
 
     The half-planes have kept it on its side of every obstacle, so it visits the path's cells or
     others next to them.  Where that is no path of the task, the planned one binds.
     """
-    visited = follower.visited(free.trajectory)
-    paths = [(follower, entries)]
+    visited = path_problem.visited(free.trajectory)
+    paths = [(path_problem, entries)]
     if visited is not None:
-        paths.insert(0, (follower.along(*visited), visited[1]))
+        paths.insert(0, (path_problem.along(*visited), visited[1]))
     for along, steps in paths:
-        conduct.check_time()
+        context.check_time()
         outcome = _solved(along, free, steps, FULL)
         if outcome is not None:
-            conduct.reporter.robustness(outcome.robustness)
+            context.reporter.robustness(outcome.robustness)
             return Timed(along, outcome, steps)
     return None
 
 
-def _freed(timed: Timed, conduct: Conduct) -> ControlOutcome:
+def _freed(timed: Timed, context: RunContext) -> ControlOutcome:
     """The motion with its timing free again."""
-    conduct.check_time()
+    context.check_time()
     start = timed.outcome.trajectory
-    return timed.follower.released(
-        start, timed.entries, free_parameters(timed.follower, start), FULL, RELEASE_RADIUS
+    return timed.path_problem.released(
+        start, timed.entries, free_parameters(timed.path_problem, start), FULL, RELEASE_RADIUS
     )
 
 
-def _moved_on(timed: Timed, conduct: Conduct) -> Timed:
+def _moved_on(timed: Timed, context: RunContext) -> Timed:
     """Move entry steps, one at a time and on in the same direction, while the robustness grows."""
     shifts = [(cell, shift) for shift in SHIFTS for cell in range(1, len(timed.entries))]
     for cell, shift in shifts:
         for _ in range(LONGEST_RUN):
-            conduct.check_time()
-            entries, follower = timed.entries, timed.follower
+            context.check_time()
+            entries, path_problem = timed.entries, timed.path_problem
             moved = (*entries[:cell], entries[cell] + shift, *entries[cell + 1 :])
-            if not follower.allows(moved):
+            if not path_problem.allows(moved):
                 break
-            outcome = _solved(follower, timed.outcome, moved, RETIMING)
-            if outcome is None or not Timed(follower, outcome, moved).gains(timed):
+            outcome = _solved(path_problem, timed.outcome, moved, RETIMING)
+            if outcome is None or not Timed(path_problem, outcome, moved).gains(timed):
                 break
-            timed = Timed(follower, outcome, moved)
-            conduct.reporter.robustness(outcome.robustness)
+            timed = Timed(path_problem, outcome, moved)
+            context.reporter.robustness(outcome.robustness)
     return timed
 
 
 def _solved(
-    follower: Follower, start: ControlOutcome, entries: Entries, effort: Effort
+    path_problem: PathProblem, start: ControlOutcome, entries: Entries, budget: IterationBudget
 ) -> ControlOutcome | None:
     """The outcome with these entries, where that is feasible."""
-    box = free_parameters(follower, start.trajectory)
-    trial = follower.solve(start.trajectory, entries, box, effort, BOUND_RADIUS)
+    box = free_parameters(path_problem, start.trajectory)
+    trial = path_problem.solve(start.trajectory, entries, box, budget, BOUND_RADIUS)
     return trial if trial.feasible else None
 
 
-def free_parameters(follower: Follower, about: Trajectory) -> tuple[Array, Array] | None:
+def free_parameters(path_problem: PathProblem, about: Trajectory) -> tuple[Array, Array] | None:
     """The box in which parameters are unknowns next to a motion; None where none may vary."""
-    return parameter_space(follower.model).free_box(about.theta)
+    return parameter_space(path_problem.model).free_box(about.theta)

@@ -10,7 +10,7 @@ from compiler.robots.robot import RobotModel
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from solvers.search.configuration_search import Configuration
-from solvers.verifier.proofs.checked_condition import Finding
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.trajectory_proof import Motion
 
 
@@ -32,7 +32,7 @@ class Design:
     path: tuple[tuple[str, ...], ...]
     configuration: Configuration
     abstraction: Abstraction
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[CheckedCondition, ...] = ()
 
     @property
     def robustness(self) -> float:

@@ -1,8 +1,8 @@
-"""Evaluating parameters: the best outcome over all seeds of a follower, by whichever workers.
+"""Evaluating parameters: the best outcome over all seeds of a path problem, by whichever workers.
 
-An evaluation is a pure function of the follower and the parameters, so results do not depend on who
-does it; what was evaluated before is looked up in a journal, where outcomes are values of JSON with
-every bit of their numbers.
+An evaluation is a pure function of the path problem and the parameters, so results do not depend on
+who does it; what was evaluated before is looked up in a journal, where outcomes are values of JSON
+with every bit of their numbers.
 """
 
 from __future__ import annotations
@@ -21,11 +21,17 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from solvers.execution.shared_payload import Parcel, keep, made_of, packed
+from solvers.execution.shared_payload import SharedPayload, keep, made_of, packed
 from solvers.execution.workers import InProcess, Workers
 from solvers.run_context import Journal, Memory, Recorded
-from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, ControlProblem, Effort
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.control_problem import (
+    FULL,
+    SURVEY,
+    ControlOutcome,
+    ControlProblem,
+    IterationBudget,
+)
+from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 
@@ -40,30 +46,30 @@ TRAJECTORY = "trajectory"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SolveRequest:
-    """One control synthesis: arguments of :meth:`Follower.solve` or :meth:`Follower.released`.
+    """One control synthesis: the arguments of ``PathProblem.solve`` or ``PathProblem.released``.
 
-    Without ``entries`` the follower's own timing is meant; with ``box``, a pair of bounds (p,), the
-    parameters are unknowns too.
+    Without ``entries`` the path problem's own timing is meant; with ``box``, a pair of bounds (p,),
+    the parameters are unknowns too.
     """
 
     start: Trajectory
     entries: Entries | None = None
     box: tuple[Array, Array] | None = None
-    effort: Effort = FULL
+    budget: IterationBudget = FULL
     radius: float = RADIUS
     released: bool = False
 
-    def outcome(self, follower: Follower) -> ControlOutcome:
-        """What the follower makes of it; the same arguments have the same outcome."""
+    def outcome(self, path_problem: PathProblem) -> ControlOutcome:
+        """What the path problem makes of it; the same arguments have the same outcome."""
         if self.released:
-            entries = follower.waypoints()[1] if self.entries is None else self.entries
-            return follower.released(self.start, entries, self.box, self.effort, self.radius)
-        return follower.solve(self.start, self.entries, self.box, self.effort, self.radius)
+            entries = path_problem.waypoints()[1] if self.entries is None else self.entries
+            return path_problem.released(self.start, entries, self.box, self.budget, self.radius)
+        return path_problem.solve(self.start, self.entries, self.box, self.budget, self.radius)
 
     @property
     def digest(self) -> str:
         """A name for these arguments, the same in every run."""
-        plain = (self.entries, self.effort, self.radius, self.released, self.box is None)
+        plain = (self.entries, self.budget, self.radius, self.released, self.box is None)
         text = sha256(repr(plain).encode())
         for array in (self.start.x, self.start.u, self.start.theta, *(self.box or ())):
             text.update(repr(array.shape).encode() + array.astype("<f8").tobytes())
@@ -72,42 +78,47 @@ class SolveRequest:
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """A follower as plain data, to be built again in another process."""
+    """A path problem as plain data, to be built again in another process."""
 
     model: RobotModel
     settings: dict[str, object]
 
-    def follower(self) -> Follower:
-        """The follower."""
+    def path_problem(self) -> PathProblem:
+        """The path problem."""
         task = self.settings["task"]
         gravity = getattr(task, "gravity", ())
         numeric = NumericRobot(robot_graph(self.model, gravity))
-        return Follower(numeric=numeric, **self.settings)  # type: ignore[arg-type]
+        return PathProblem(numeric=numeric, **self.settings)  # type: ignore[arg-type]
 
 
-def recipe(follower: Follower) -> Recipe:
-    """The plain data of a follower."""
-    settings = {f.name: getattr(follower, f.name) for f in fields(follower)}
+def recipe(path_problem: PathProblem) -> Recipe:
+    """The plain data of a path problem."""
+    settings = {f.name: getattr(path_problem, f.name) for f in fields(path_problem)}
     del settings["numeric"]
-    return Recipe(follower.model, settings)
+    return Recipe(path_problem.model, settings)
 
 
 Outcomes: TypeAlias = tuple[ControlOutcome, ...]
 
 
-def evaluate(follower: Follower, theta: Array, effort: Effort = SURVEY) -> ControlOutcome:
+def evaluate(
+    path_problem: PathProblem, theta: Array, budget: IterationBudget = SURVEY
+) -> ControlOutcome:
     """The best outcome over all seeds, the timing along the path free; ties go to the first.
 
     Raises:
         ValueError: there is no seed.
     """
-    return best_of(attempts_at(follower, theta, effort))
+    return best_of(attempts_at(path_problem, theta, budget))
 
 
-def attempts_at(follower: Follower, theta: Array, effort: Effort = SURVEY) -> Outcomes:
+def attempts_at(
+    path_problem: PathProblem, theta: Array, budget: IterationBudget = SURVEY
+) -> Outcomes:
     """The outcomes of all hopeful seeds, the timing along the path free."""
     return tuple(
-        request.outcome(follower) for request in _requests(_hopeful(follower, theta), effort)
+        request.outcome(path_problem)
+        for request in _requests(_hopeful(path_problem, theta), budget)
     )
 
 
@@ -116,9 +127,9 @@ def best_of(outcomes: Iterable[ControlOutcome]) -> ControlOutcome:
     return max(outcomes, key=lambda outcome: outcome.robustness)
 
 
-def _hopeful(follower: Follower, theta: Array) -> list[Trajectory]:
-    problem = follower.problem(follower.waypoints()[1], released=True)
-    return hopeful(problem, follower.seeds(theta))
+def _hopeful(path_problem: PathProblem, theta: Array) -> list[Trajectory]:
+    problem = path_problem.problem(path_problem.waypoints()[1], released=True)
+    return hopeful(problem, path_problem.seeds(theta))
 
 
 def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajectory]:
@@ -140,58 +151,62 @@ def _excess(problem: ControlProblem, seed: Trajectory) -> float:
     return float(np.max(problem.rows_of(points.value).excess(points), initial=0.0))
 
 
-def _requests(seeds: Iterable[Trajectory], effort: Effort) -> list[SolveRequest]:
-    return [SolveRequest(seed, effort=effort, released=True) for seed in seeds]
+def _requests(seeds: Iterable[Trajectory], budget: IterationBudget) -> list[SolveRequest]:
+    return [SolveRequest(seed, budget=budget, released=True) for seed in seeds]
 
 
-_ThetaJob: TypeAlias = tuple[Parcel[Recipe], Array]
-_SolveJob: TypeAlias = tuple[Parcel[Recipe], SolveRequest]
+_ThetaJob: TypeAlias = tuple[SharedPayload[Recipe], Array]
+_SolveJob: TypeAlias = tuple[SharedPayload[Recipe], SolveRequest]
 
 
 def _seeds(job: _ThetaJob) -> list[Trajectory]:
     """A job: the hopeful seeds at some parameters."""
-    return _hopeful(made_of(job[0], Recipe.follower), job[1])
+    return _hopeful(made_of(job[0], Recipe.path_problem), job[1])
 
 
 def _solved(job: _SolveJob) -> ControlOutcome:
     """A job: one control synthesis."""
-    return job[1].outcome(made_of(job[0], Recipe.follower))
+    return job[1].outcome(made_of(job[0], Recipe.path_problem))
 
 
 class Evaluator:
-    """Evaluates parameters and solves for motions of one follower; results are in order.
+    """Evaluates parameters and solves for motions of one path problem; results are in order.
 
-    ``label`` names in the journal whatever of the follower is no plain number: structure, path and
-    cells.  What is recorded there is not done again.
+    ``label`` names in the journal whatever of the path problem is no plain number: structure, path
+    and cells.  What is recorded there is not done again.
     """
 
     def __init__(
         self,
-        follower: Follower,
+        path_problem: PathProblem,
         workers: Workers | None = None,
         journal: Journal | None = None,
         label: str = "",
     ) -> None:
-        self.follower = follower
+        self.path_problem = path_problem
         self._workers = InProcess() if workers is None else workers
         self._journal = Memory() if journal is None else journal
-        self._name = f"{label}|{_numbers(follower)}"
-        self._packed: Parcel[Recipe] | None = None
+        self._name = f"{label}|{_numbers(path_problem)}"
+        self._packed: SharedPayload[Recipe] | None = None
 
-    def batch(self, thetas: Sequence[Array], effort: Effort = SURVEY) -> Iterator[ControlOutcome]:
+    def batch(
+        self, thetas: Sequence[Array], budget: IterationBudget = SURVEY
+    ) -> Iterator[ControlOutcome]:
         """The best outcome over all seeds for each of the parameters, one at a time.
 
         Raises:
             ValueError: there is no seed for some of them.
         """
-        return (best_of(outcomes) for outcomes in self.attempts(thetas, effort))
+        return (best_of(outcomes) for outcomes in self.attempts(thetas, budget))
 
-    def attempts(self, thetas: Sequence[Array], effort: Effort = SURVEY) -> Iterator[Outcomes]:
+    def attempts(
+        self, thetas: Sequence[Array], budget: IterationBudget = SURVEY
+    ) -> Iterator[Outcomes]:
         """The outcomes of all hopeful seeds for each of the parameters, one after the other."""
-        keys = [f"{self._name}|{theta.tobytes().hex()}|{effort}" for theta in thetas]
+        keys = [f"{self._name}|{theta.tobytes().hex()}|{budget}" for theta in thetas]
         known = [self._recalled(key) for key in keys]
         missing = [theta for theta, found in zip(thetas, known, strict=True) if found is None]
-        return self._merged(keys, known, self._evaluated(missing, effort))
+        return self._merged(keys, known, self._evaluated(missing, budget))
 
     def solutions(self, requests: Sequence[SolveRequest]) -> Iterator[ControlOutcome]:
         """The outcomes of independent control syntheses, one at a time."""
@@ -220,10 +235,10 @@ class Evaluator:
         found = tuple(outcome for outcome in outcomes if outcome is not None)
         return found if len(found) == len(outcomes) else None
 
-    def _evaluated(self, thetas: Sequence[Array], effort: Effort) -> Iterator[Outcomes]:
+    def _evaluated(self, thetas: Sequence[Array], budget: IterationBudget) -> Iterator[Outcomes]:
         """All seeds of all parameters are solved for side by side."""
         if isinstance(self._workers, InProcess):
-            yield from (attempts_at(self.follower, theta, effort) for theta in thetas)
+            yield from (attempts_at(self.path_problem, theta, budget) for theta in thetas)
             return
         counts: deque[int] = deque()
         jobs = ((self._parcel(), theta) for theta in thetas)
@@ -231,7 +246,7 @@ class Evaluator:
         def requests() -> Iterator[SolveRequest]:
             for seeds in self._workers.map(_seeds, jobs):
                 counts.append(len(seeds))
-                yield from _requests(seeds, effort)
+                yield from _requests(seeds, budget)
 
         outcomes = self._outcomes(requests())
         ahead: list[ControlOutcome] = []
@@ -248,20 +263,20 @@ class Evaluator:
 
     def _outcomes(self, requests: Iterable[SolveRequest]) -> Iterator[ControlOutcome]:
         if isinstance(self._workers, InProcess):
-            return (request.outcome(self.follower) for request in requests)
+            return (request.outcome(self.path_problem) for request in requests)
         return self._workers.map(_solved, ((self._parcel(), request) for request in requests))
 
-    def _parcel(self) -> Parcel[Recipe]:
-        """The follower for other processes; this one has it already."""
+    def _parcel(self) -> SharedPayload[Recipe]:
+        """The path problem for other processes; this one has it already."""
         if self._packed is None:
-            self._packed = packed(recipe(self.follower))
-            keep(self._packed, Recipe.follower, self.follower)
+            self._packed = packed(recipe(self.path_problem))
+            keep(self._packed, Recipe.path_problem, self.path_problem)
         return self._packed
 
 
-def _numbers(follower: Follower) -> str:
-    """Those settings of a follower that are numbers or names, or arrays and tuples of numbers."""
-    settings = ((field.name, getattr(follower, field.name)) for field in fields(follower))
+def _numbers(path_problem: PathProblem) -> str:
+    """Those settings of a path problem that are numbers or names, or arrays and tuples of them."""
+    settings = ((field.name, getattr(path_problem, field.name)) for field in fields(path_problem))
     return ",".join(f"{name}={text}" for name, value in settings if (text := _number(value)))
 
 

@@ -13,7 +13,7 @@ from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.parameters.parameter_space import parameter_space
 from solvers.planner import EffectorPath
-from solvers.trajectory.path_following import LEAST_MARGIN, SUBSTEPS, Follower
+from solvers.trajectory.path_following import LEAST_MARGIN, SUBSTEPS, PathProblem
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,11 +30,11 @@ class PathTask:
     seed: int
     solver: str | None = None
 
-    def follower(
+    def path_problem(
         self, cells: Abstraction, recorded: int, leader: int, path: tuple[int, ...]
-    ) -> Follower:
-        """The follower of a path of ``leader`` at the first margin; ``recorded`` reaches."""
-        return Follower(
+    ) -> PathProblem:
+        """The path problem of a path of ``leader`` at the first margin; ``recorded`` reaches."""
+        return PathProblem(
             self.numeric,
             self.program.workspaces[self.task.workspace],
             self.task,
@@ -51,8 +51,8 @@ class PathTask:
 
     def along(
         self, cells: Abstraction, recorded: int, leader: int, names: Sequence[Sequence[str]]
-    ) -> Follower | None:
-        """The follower of the path of a design, entered as the design enters it.
+    ) -> PathProblem | None:
+        """The path problem of the path of a design, entered as the design enters it.
 
         None where what ``names``, the cells of every effector by sample, says of the leader is no
         path.
@@ -62,8 +62,10 @@ class PathTask:
         if own is None or own.entries is None:
             return None
         others = tuple(path for path in paths if path is not None and path is not own)
-        follower = self.follower(cells, recorded, leader, own.cells)
-        return replace(follower, timing=own.entries, others=() if self.formula is None else others)
+        path_problem = self.path_problem(cells, recorded, leader, own.cells)
+        return replace(
+            path_problem, timing=own.entries, others=() if self.formula is None else others
+        )
 
 
 def entered(cells: Abstraction, effector: int, names: Sequence[str]) -> EffectorPath | None:

@@ -1,4 +1,4 @@
-"""The examinations of structures, begun ahead of need by workers that have nothing else to do.
+"""The screenings of structures, begun ahead of need by workers that have nothing else to do.
 
 Their order is that of the structures, and so nothing depends on how far ahead the workers are.
 """
@@ -18,11 +18,11 @@ from compiler.robots.candidate import Candidate
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from grammar_lang import ir
-from solvers.execution.shared_payload import Parcel, made_of, packed
+from solvers.execution.shared_payload import SharedPayload, made_of, packed
 from solvers.execution.workers import InProcess
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
 from solvers.parameters.parameter_space import parameter_space
-from solvers.run_context import Conduct, Memory, Recorded
+from solvers.run_context import Memory, Recorded, RunContext
 
 MOST_DRAWN = 64
 """So many structures are drawn ahead at most, most of which may be robots seen before."""
@@ -47,42 +47,46 @@ class _Question:
 
 @dataclass(frozen=True, slots=True)
 class _Job:
-    question: Parcel[_Question]
+    question: SharedPayload[_Question]
     number: int
     model: RobotModel
 
 
-def _examined(job: _Job) -> tuple[int, Examination]:
-    """A job: the number of a structure and its examination."""
+def _examined(job: _Job) -> tuple[int, Screening]:
+    """A job: the number of a structure and its screening."""
     question = made_of(job.question, _Question.itself)
     numeric = NumericRobot(robot_graph(job.model, question.task.gravity))
     if len(_ASKED.values) > MOST_ASKED:
         _ASKED.values.clear()
-    conduct = Conduct(question.seed, journal=_ASKED)
-    return job.number, examine(job.model, numeric, question.program, question.task, conduct)
+    context = RunContext(question.seed, journal=_ASKED)
+    return job.number, screen(job.model, numeric, question.program, question.task, context)
 
 
-class LookAhead:
-    """The structures in order, and their examinations.
+class Prefetch:
+    """The structures in order, and their screenings.
 
-    ``examination`` and ``numeric`` are asked for the structure that was given last.
+    ``screening`` and ``numeric`` are asked for the structure that was given last.
     """
 
     def __init__(
-        self, candidates: Iterable[Candidate], program: ir.Program, task: ir.Task, conduct: Conduct
+        self,
+        candidates: Iterable[Candidate],
+        program: ir.Program,
+        task: ir.Task,
+        context: RunContext,
     ) -> None:
         self._candidates = iter(candidates)
-        self._question = _Question(program, task, conduct.seed)
-        self._conduct = conduct
-        self._asked = replace(conduct, journal=Memory())
-        self._alone = isinstance(conduct.workers, InProcess)
+        self._question = _Question(program, task, context.seed)
+        self._conduct = context
+        self._asked = replace(context, journal=Memory())
+        self._alone = isinstance(context.workers, InProcess)
         self._drawn: deque[Candidate] = deque()
         self._due: deque[Candidate] = deque()
         self._expected: set[int] = set()
         self._seen: set[str] = set()
         self._fault: Exception | None = None
-        self._parcel: Parcel[_Question] | None = None
-        self._results: Iterator[tuple[int, Examination]] | None = None
+        self._parcel: SharedPayload[_Question] | None = None
+        self._results: Iterator[tuple[int, Screening]] | None = None
         self._numeric: tuple[int, NumericRobot] | None = None
 
     def __iter__(self) -> Iterator[Candidate]:
@@ -107,35 +111,35 @@ class LookAhead:
             self._numeric = candidate.number, NumericRobot(graph)
         return self._numeric[1]
 
-    def examination(self, candidate: Candidate) -> Examination:
-        """The examination of the robot of a structure; a journal is asked first.
+    def screening(self, candidate: Candidate) -> Screening:
+        """The screening of the robot of a structure; a journal is asked first.
 
         Raises:
             ValueError: it has none.
         """
         key = _key(candidate)
-        found = examination_of(self._conduct.journal.recall(key))
+        found = screening_of(self._conduct.journal.recall(key))
         if found is None:
             found = self._own(candidate) if self._alone else self._result(candidate)
             self._conduct.journal.record(key, found.record())
         return found
 
-    def _own(self, candidate: Candidate) -> Examination:
+    def _own(self, candidate: Candidate) -> Screening:
         question, numeric = self._question, self.numeric(candidate)
         model = _robot(candidate)
-        return examine(model, numeric, question.program, question.task, self._asked)
+        return screen(model, numeric, question.program, question.task, self._asked)
 
-    def _result(self, candidate: Candidate) -> Examination:
+    def _result(self, candidate: Candidate) -> Screening:
         """The result of the workers; those of structures that nobody asked about are left out."""
         if candidate.number not in self._expected:
             return self._own(candidate)
         while True:
             if self._results is None:
                 self._results = self._conduct.workers.map(_examined, self._jobs())
-            for number, examination in self._results:
+            for number, screening in self._results:
                 self._expected.discard(number)
                 if number == candidate.number:
-                    return examination
+                    return screening
             self._results = None
 
     # --- drawing --------------------------------------------------------------------------------
@@ -168,18 +172,18 @@ class LookAhead:
         return candidate
 
     def _is_new(self, candidate: Candidate) -> bool:
-        """Whether a structure has a robot that is not seen before and has to be examined."""
+        """Whether a structure has a robot that is not seen before and has to be screened."""
         if candidate.model is None:
             return False
         key = robot_key_in_task(candidate.model, self._question.task)
         if key in self._seen:
             return False
         self._seen.add(key)
-        return examination_of(self._conduct.journal.recall(_key(candidate))) is None
+        return screening_of(self._conduct.journal.recall(_key(candidate))) is None
 
 
 def _key(candidate: Candidate) -> str:
-    return f"examined|{candidate.number}"
+    return f"screened|{candidate.number}"
 
 
 def _robot(candidate: Candidate) -> RobotModel:
@@ -202,36 +206,40 @@ BOXES = 256
 
 
 @dataclass(frozen=True, slots=True)
-class Examination:
+class Screening:
     """The refutation that was tried, and why the robot cannot be driven, or None."""
 
     refutation: Refutation
     inadmissible: str | None
 
     def record(self) -> Recorded:
-        """The examination as a value of JSON."""
+        """The screening as a value of JSON."""
         return [asdict(self.refutation), self.inadmissible]
 
 
-def examination_of(record: Recorded) -> Examination | None:
-    """The examination of a record, or None where it is not one of this version."""
+def screening_of(record: Recorded) -> Screening | None:
+    """The screening of a record, or None where it is not one of this version."""
     match record:
         case [dict(refutation), None | str() as blocked]:
             try:
-                return Examination(Refutation(**refutation), blocked)  # type: ignore[arg-type]
+                return Screening(Refutation(**refutation), blocked)  # type: ignore[arg-type]
             except TypeError:
                 return None
         case _:
             return None
 
 
-def examine(
-    model: RobotModel, numeric: NumericRobot, program: ir.Program, task: ir.Task, conduct: Conduct
-) -> Examination:
+def screen(
+    model: RobotModel,
+    numeric: NumericRobot,
+    program: ir.Program,
+    task: ir.Task,
+    context: RunContext,
+) -> Screening:
     """Examine a robot; a refuted one is not looked at further."""
-    refutation = refute_structure(model, numeric, program, task, conduct)
+    refutation = refute_structure(model, numeric, program, task, context)
     blocked = None if refutation.refuted else inadmissible(model, numeric)
-    return Examination(refutation, blocked)
+    return Screening(refutation, blocked)
 
 
 def inadmissible(model: RobotModel, numeric: NumericRobot) -> str | None:

@@ -21,7 +21,7 @@ from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.bisection import halving
 from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
@@ -29,14 +29,18 @@ from solvers.search.configuration_search import (
     search_configuration,
     within_limits,
 )
-from solvers.search.constraint_tightening import Room, lacking_room, no_room_text
+from solvers.search.constraint_tightening import (
+    ConstraintTightening,
+    missing_margin,
+    no_margin_text,
+)
 from solvers.search.design import Design, motion_of
 from solvers.search.path_task import PathTask
 from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
 from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.path_timing import gentle_entries, polyline, smooth_timing
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
@@ -80,7 +84,7 @@ class StructureSearch:
 
     program: ir.Program
     task: ir.Task
-    conduct: Conduct
+    context: RunContext
     cells: Abstraction
     formula: SampledFormula | None
     counts: dict[str, int]
@@ -106,9 +110,9 @@ class StructureSearch:
     @property
     def place(self) -> PathTask:
         """The robot in its task."""
-        conduct = self.conduct
+        context = self.context
         return PathTask(
-            self.program, self.task, self.numeric, self.formula, conduct.seed, conduct.solver
+            self.program, self.task, self.numeric, self.formula, context.seed, context.solver
         )
 
     def design(self, recorded: int) -> tuple[Design | None, str]:
@@ -129,11 +133,11 @@ class StructureSearch:
         """A robot that cannot move does the task where it stands, or not at all."""
         workspace = self.program.workspaces[self.task.workspace]
         found = standing_configurations(
-            self.numeric, workspace, self.task, self.cells, recorded, self.conduct.seed
+            self.numeric, workspace, self.task, self.cells, recorded, self.context.seed
         )
         for cell, configuration in found:
-            follower = self.place.follower(self.cells, recorded, recorded, (cell,))
-            design = self.certified(follower, configuration)
+            path_problem = self.place.path_problem(self.cells, recorded, recorded, (cell,))
+            design = self.certified(path_problem, configuration)
             if design is not None:
                 return design, "proved"
         return None, "the robot cannot move, and no place to stand was found for it"
@@ -168,7 +172,7 @@ class StructureSearch:
                     return None, f"planning: {limit.value}", number
                 case ended:
                     return None, self.exhausted(ended.counterexample), number
-            self.conduct.check_time()
+            self.context.check_time()
             self.counts["paths"] += 1
             attempt = self.attempt(cells, plan, recorded)
             if attempt.design is not None:
@@ -184,7 +188,7 @@ class StructureSearch:
         """The problem without the cells for which no pose of the effector is found."""
         planned = []
         for one in problem.effectors:
-            found = reachable_cells(self.numeric, cells, one.effector, self.conduct.seed)
+            found = reachable_cells(self.numeric, cells, one.effector, self.context.seed)
             outside = np.flatnonzero(~found).tolist()
             planned.append(replace(one, forbidden=tuple(sorted({*one.forbidden, *outside}))))
         return replace(problem, effectors=tuple(planned))
@@ -222,7 +226,7 @@ class StructureSearch:
             for item in self.known
             if all(cell in whole for cell in item.prefix)
         ]
-        self.conduct.reporter.note(
+        self.context.reporter.note(
             f"no plan is left: `{cells.cells[failed.prefix[-1]].name}` is cut"
         )
         return finer
@@ -232,12 +236,12 @@ class StructureSearch:
     def attempt(self, cells: Abstraction, plan: Plan, recorded: int) -> Attempt:
         """A proved design for a plan; else the best robustness and the prefix to exclude."""
         leader = max(plan.paths, key=lambda path: (len(path.cells), path.effector == recorded))
-        self.conduct.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
+        self.context.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
         others = tuple(path for path in plan.paths if path is not leader)
-        follower = self.place.follower(cells, recorded, leader.effector, leader.cells)
-        follower = timed(replace(follower, others=others), leader.entries)
+        path_problem = self.place.path_problem(cells, recorded, leader.effector, leader.cells)
+        path_problem = timed(replace(path_problem, others=others), leader.entries)
         label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
-        found = search_configuration(follower, label, self.conduct)
+        found = search_configuration(path_problem, label, self.context)
         self.counts["evaluations"] += found.evaluations
         self.keep(found)
         if found.outcome.status == NOT_FINITE:
@@ -245,14 +249,14 @@ class StructureSearch:
         if not found.outcome.feasible:
             if found.outcome.status.startswith(CONVEX_STEP):
                 self.obstacle = f"; {found.outcome.status}"
-            sample = infeasible_sample(follower, found.outcome, found.entries)
+            sample = infeasible_sample(path_problem, found.outcome, found.entries)
             prefix = infeasible_prefix(sample, found.entries)
             robustness = found.outcome.robustness
             names = [cells.cells[cell].name for cell in leader.cells]
             if robustness > self.best and sample is not None:
                 self.stuck = f"; nearest, through {' > '.join(names[:prefix])}, "
                 if sample > self.task.steps or robustness >= 0:
-                    problem = follower.problem(found.entries)
+                    problem = path_problem.problem(found.entries)
                     self.stuck += f"the motion found {shortfall(problem, found.outcome)}"
                 else:
                     self.stuck += stuck_text(sample, self.task)
@@ -264,7 +268,7 @@ class StructureSearch:
                 leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
             )
             return Attempt(None, robustness, excluded)
-        return self.widened(follower.along(found.cells, found.entries), found)
+        return self.widened(path_problem.along(found.cells, found.entries), found)
 
     def keep(self, found: Configuration) -> None:
         """Keep what was evaluated for a path, for tables."""
@@ -272,41 +276,43 @@ class StructureSearch:
         self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
         self.top = max(self.top, found.outcome.robustness)
 
-    def widened(self, follower: Follower, found: Configuration) -> Attempt:
-        """A proved design from a feasible configuration, with as much room as that takes."""
-        room: Room | None = Room()
+    def widened(self, path_problem: PathProblem, found: Configuration) -> Attempt:
+        """A proved design from a feasible configuration, with as much tightening as that takes."""
+        tightening: ConstraintTightening | None = ConstraintTightening()
         tried = ""
-        while room is not None:
-            wider = self.roomy(follower, found.outcome.trajectory, room)
-            given = follower.spread, follower.margin, follower.substeps
+        while tightening is not None:
+            wider = self.tightened(path_problem, found.outcome.trajectory, tightening)
+            given = path_problem.spread, path_problem.margin, path_problem.substeps
             if (wider.spread, wider.margin, wider.substeps) != given:
-                follower = wider
-                found = resolved(follower, found)
-            follower, found = within_limits(follower, found)
+                path_problem = wider
+                found = resolved(path_problem, found)
+            path_problem, found = within_limits(path_problem, found)
             if not found.outcome.feasible:
-                if follower.spread is not None:
-                    self.obstacle = f"{tried}; {no_room_text(follower.spread)}"
+                if path_problem.spread is not None:
+                    self.obstacle = f"{tried}; {no_margin_text(path_problem.spread)}"
                 break
             self.lacking = 0.0
-            if room.is_last or seems_to_satisfy(follower, found.outcome.trajectory):
-                design = self.certified(follower, found)
+            if tightening.is_last or seems_to_satisfy(path_problem, found.outcome.trajectory):
+                design = self.certified(path_problem, found)
                 if design is not None:
                     return Attempt(design, found.outcome.robustness)
                 tried = self.obstacle
-                self.conduct.reporter.note("the proof did not go through; trying a wider margin")
+                self.context.reporter.note("the proof did not go through; trying a wider margin")
             else:
                 self.obstacle = "; a formula fails between the samples"
-            room = room.wider(self.lacking, follower.spread)
+            tightening = tightening.wider(self.lacking, path_problem.spread)
         return Attempt(None, found.outcome.robustness)
 
-    def roomy(self, follower: Follower, trajectory: Trajectory, room: Room) -> Follower:
-        """The same task with room for what a motion needs of it."""
-        wider = follower.with_margin(room.margin).refined(trajectory)
-        return wider.spreading(trajectory, room.spreads) if self.task.robust else wider
+    def tightened(
+        self, path_problem: PathProblem, trajectory: Trajectory, tightening: ConstraintTightening
+    ) -> PathProblem:
+        """The same task with tightening for what a motion needs of it."""
+        wider = path_problem.with_margin(tightening.margin).refined(trajectory)
+        return wider.spreading(trajectory, tightening.spreads) if self.task.robust else wider
 
-    def certified(self, follower: Follower, found: Configuration) -> Design | None:
+    def certified(self, path_problem: PathProblem, found: Configuration) -> Design | None:
         """The design, if the continuous-time nonlinear robot is proved to do the task."""
-        trajectory, model = found.outcome.trajectory, follower.model
+        trajectory, model = found.outcome.trajectory, path_problem.model
         parameters = nearest_values(model.parameters, trajectory.theta)
         if parameters is None:
             return None
@@ -314,23 +320,23 @@ class StructureSearch:
             self.derivation,
             model,
             parameters,
-            follower.constraints.recorded,
-            follower.effector,
+            path_problem.constraints.recorded,
+            path_problem.effector,
             tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
             tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
-            tuple(tuple(names) for names in follower.cell_names(trajectory, found.entries)),
+            tuple(tuple(names) for names in path_problem.cell_names(trajectory, found.entries)),
             found,
-            follower.abstraction,
+            path_problem.abstraction,
         )
-        scene = scene_of(self.program, self.task, model, follower.abstraction, self.derivation)
-        findings = prove_motion(scene, motion_of(design), Watch(self.conduct.check_time))
+        scene = scene_of(self.program, self.task, model, path_problem.abstraction, self.derivation)
+        findings = prove_motion(scene, motion_of(design), Watch(self.context.check_time))
         obstacle = decisive(findings)
         if obstacle is not None:
             self.obstacle = f"; last proof tried: {obstacle.reason}"
-            spread = follower.spread
-            self.lacking = 0.0 if spread is None else lacking_room(findings, spread)
+            spread = path_problem.spread
+            self.lacking = 0.0 if spread is None else missing_margin(findings, spread)
             return None
-        fine = fine_motion(follower.numeric, trajectory, float(self.task.step))
+        fine = fine_motion(path_problem.numeric, trajectory, float(self.task.step))
         outcome = replace(found.outcome, trajectory=fine)
         configuration = replace(found, outcome=outcome)
         return replace(design, configuration=configuration, findings=findings)
@@ -342,11 +348,11 @@ def stuck_text(sample: int, task: ir.Task) -> str:
     return f"the motion {what} {float(sample * task.step):.4g} s"
 
 
-def timed(follower: Follower, planned: tuple[int, ...] | None) -> Follower:
-    """The follower with entries that its formula allows, as gentle as can be."""
-    if follower.formula is None:
-        return follower
-    line, steps = polyline(follower.abstraction, follower.cells), follower.task.steps
+def timed(path_problem: PathProblem, planned: tuple[int, ...] | None) -> PathProblem:
+    """The path problem with entries that its formula allows, as gentle as can be."""
+    if path_problem.formula is None:
+        return path_problem
+    line, steps = polyline(path_problem.abstraction, path_problem.cells), path_problem.task.steps
     if planned is None:
-        return replace(follower, timing=smooth_timing(line, steps)[1])
-    return replace(follower, timing=gentle_entries(line, planned, steps, follower.allows))
+        return replace(path_problem, timing=smooth_timing(line, steps)[1])
+    return replace(path_problem, timing=gentle_entries(line, planned, steps, path_problem.allows))

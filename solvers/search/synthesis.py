@@ -37,10 +37,10 @@ from solvers.conclusion import (
 from solvers.impossibility.box_evidence import covered, out_of_reach_of_drives
 from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.impossibility.structure_refutation import Refutation
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.design import Design
-from solvers.search.prefetch import LookAhead
+from solvers.search.prefetch import Prefetch
 from solvers.search.structure_search import BlockedPrefix, StructureSearch
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
@@ -92,7 +92,7 @@ class _Run:
 
     program: ir.Program
     task: ir.Task
-    conduct: Conduct
+    context: RunContext
     family: RobotFamily
     abstraction: Abstraction
     formula: SampledFormula | None
@@ -116,13 +116,13 @@ class _Run:
         seen: dict[str, int] = {}
         bound, robots = module_bound(self.family, self.task), robot_limit(self.family, self.task)
         drawn = candidates(self.family, bound, self.task.origin)
-        ahead = LookAhead(drawn, self.program, self.task, self.conduct)
+        ahead = Prefetch(drawn, self.program, self.task, self.context)
         for candidate in ahead:
             if self.at_limit(len(seen), robots):
                 return
-            self.conduct.check_time()
+            self.context.check_time()
             number, derivation = candidate.number, candidate.derivation
-            self.conduct.reporter.structure(number, derivation.word)
+            self.context.reporter.structure(number, derivation.word)
             self.counts["structures"] += 1
             if candidate.model is None:
                 self.record(derivation, "inadmissible", candidate.fault)
@@ -177,20 +177,20 @@ class _Run:
         self.records.append(StructureRecord(word, labels, verdict, reason, script, same, boxes))
 
     def structure(
-        self, ahead: LookAhead, candidate: Candidate, model: RobotModel, key: str
+        self, ahead: Prefetch, candidate: Candidate, model: RobotModel, key: str
     ) -> Design | None:
         """Refute a structure, or search it."""
-        derivation, examined = candidate.derivation, ahead.examination(candidate)
-        answer = examined.refutation
+        derivation, screened = candidate.derivation, ahead.screening(candidate)
+        answer = screened.refutation
         self.counts["smt"] += answer.solver_calls
         if answer.refuted:
             self.record(derivation, "refuted", answer.reason, answer.script, boxes=answer.boxes)
             return None
-        if examined.inadmissible is not None:
-            self.record(derivation, "inadmissible", examined.inadmissible)
+        if screened.inadmissible is not None:
+            self.record(derivation, "inadmissible", screened.inadmissible)
             return None
         search = StructureSearch(
-            self.program, self.task, self.conduct, self.abstraction, self.formula, self.counts,
+            self.program, self.task, self.context, self.abstraction, self.formula, self.counts,
             derivation, ahead.numeric(candidate), candidate.number, key,
         )  # fmt: skip
         self.search = search
@@ -201,7 +201,7 @@ class _Run:
             self.blocked += search.blocked
         self.search = None
         if design is None:
-            late = out_of_reach_of_drives(candidate, self.program, self.task, self.conduct)
+            late = out_of_reach_of_drives(candidate, self.program, self.task, self.context)
             if late is not None:
                 self.record(derivation, "refuted", late.reason, boxes=late.boxes)
                 return None
@@ -241,7 +241,7 @@ def task_on_samples(task: ir.Task) -> SampledFormula | None:
 def synthesise(
     program: ir.Program,
     task: ir.Task,
-    conduct: Conduct,
+    context: RunContext,
     least_cells: int | None = None,
     *,
     every: bool = False,
@@ -269,7 +269,7 @@ def synthesise(
             "unknown", OUT_OF_TIME, None, (), cells, dict(NO_COUNTS),
             unfinished=True, last_step=late.step,
         )  # fmt: skip
-    run = _Run(program, task, conduct, family, finer, task_on_samples(task), every)
+    run = _Run(program, task, context, family, finer, task_on_samples(task), every)
     try:
         run.structures()
         if run.designs:
@@ -280,7 +280,7 @@ def synthesise(
         return _result(run, "unknown", OUT_OF_TIME + _under_way(run.search), cells, late)
     uncovered = None
     if verdict == "impossible":
-        run.records, uncovered = covered(run.records, family, task, conduct)
+        run.records, uncovered = covered(run.records, family, task, context)
     if uncovered is not None:
         reason = f"{reason}; {NOT_COVERED}"
     return _result(run, verdict, reason, cells, uncovered)

@@ -17,32 +17,32 @@ from solvers.trajectory.control_problem import (
     FULL,
     ControlOutcome,
     ControlProblem,
-    Effort,
+    IterationBudget,
     effort_peak,
     within_bounds,
 )
 from solvers.trajectory.convex_step import StepSolver
 from solvers.trajectory.measured_motion import MeasuredMotion, measured
-from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
 from solvers.trajectory.trajectory import Trajectory
 
 SMALLEST_RADIUS = 1e-4
 PROXIMAL = 2e-4
-CHEAPEST, DEAREST = 1e-5, 10.0
+LEAST_PROXIMAL, DEAREST = 1e-5, 10.0
 """The range of the price of moves, per rad^2 or m^2."""
 SAMPLES = 100
 """The price is that of so many samples that move alike, whatever the grid."""
 LANDING = 100.0
-"""The price of moves in a landing."""
+"""The price of moves in a polishing step."""
 FUNNEL = 0.05
 """Defects up to this part of the effort bound are taken for good steps' own."""
-SINKING = 0.7
+LEVEL_DECAY = 0.7
 SMALL = 1e-4
 """Gains below this part of the effort bound are small."""
 PRICES = ((0.2, 0.25), (1.0, 0.5), (4.0, 2.0))
-DEARER = 4.0
+PROXIMAL_GROWTH = 4.0
 """By how much the price of moves changes where defects are so many times their level; else."""
-CHEAPER = 0.3
+PROXIMAL_DECAY = 0.3
 """The same after a step that gained nothing."""
 FREE_STEPS = 2
 """Steps that are taken whatever their defects, to get away from the seed."""
@@ -51,9 +51,10 @@ NEEDED = 1e-6
 STUCK = 0.9
 """A step that leaves more of the unavoidable violation than this has hardly helped."""
 LANDED = 1e-9
-"""A defect in SI at which no landing is needed."""
+"""A defect in SI at which no polishing is needed."""
 COARSE = 1e-5
-"""The accuracy of programs whose steps cause larger errors themselves; landings have the full."""
+"""The accuracy of programs whose steps cause larger errors themselves; polishing steps have the
+full."""
 NEAR = 0.1
 """Metres up to which a seed that breaks its half-planes is tried without fictitious inputs."""
 NOT_FINITE = "not finite"
@@ -75,7 +76,7 @@ class _Iteration:
 
     problem: ControlProblem
     step: StepSolver
-    effort: Effort
+    budget: IterationBudget
     region: TrustRegion
     current: MeasuredMotion
     used: int = 0
@@ -89,7 +90,7 @@ class _Iteration:
 
     def run(self) -> None:
         """Iterate until nothing is gained, nothing helps or the iterations are used up."""
-        while self.used < self.effort.iterations and self.advance():
+        while self.used < self.budget.iterations and self.advance():
             pass
         if self.conceded <= DEFECT:
             self.land()
@@ -97,7 +98,7 @@ class _Iteration:
     def advance(self) -> bool:
         """One convex step; whether another one is due."""
         self.used += 1
-        result = self.solved(self.region, max(COARSE, self.effort.accuracy))
+        result = self.solved(self.region, max(COARSE, self.budget.accuracy))
         if result is None:
             return self.region.radius >= SMALLEST_RADIUS
         trial = measured(self.problem, result.trajectory)
@@ -140,13 +141,13 @@ class _Iteration:
         A step that loses was too long.
         """
         if gained < SMALL:
-            self.level = max(DEFECT, SINKING * self.level)
+            self.level = max(DEFECT, LEVEL_DECAY * self.level)
         level = self.level
         caused = after.infeasibility(self.problem.scale)
-        factor = next((f for times, f in PRICES if caused <= times * level), DEARER)
-        if self.used > FREE_STEPS and gained < -self.effort.tolerance:
-            factor = DEARER
-        price = min(DEAREST, max(CHEAPEST, factor * self.region.proximal))
+        factor = next((f for times, f in PRICES if caused <= times * level), PROXIMAL_GROWTH)
+        if self.used > FREE_STEPS and gained < -self.budget.tolerance:
+            factor = PROXIMAL_GROWTH
+        price = min(DEAREST, max(LEAST_PROXIMAL, factor * self.region.proximal))
         self.region = TrustRegion(self.region.radius, price)
 
     def ended(self, result: StepResult, trial: MeasuredMotion, gained: float) -> bool:
@@ -158,23 +159,23 @@ class _Iteration:
         self.fictitious = conceded > NEEDED
         if conceded > DEFECT:
             self.status = "violations remain"
-            return self.stuck > self.effort.quiet
+            return self.stuck > self.budget.quiet
         self.status = "fixpoint"
-        if abs(gained) >= self.effort.tolerance or trial.infeasibility(scale) >= self.effort.calm:
+        if abs(gained) >= self.budget.tolerance or trial.infeasibility(scale) >= self.budget.calm:
             self.quiet = 0
             return False
         self.quiet += 1
-        cheaper = max(CHEAPEST, self.region.proximal * CHEAPER)
+        cheaper = max(LEAST_PROXIMAL, self.region.proximal * PROXIMAL_DECAY)
         self.region = TrustRegion(self.region.radius, cheaper)
-        return self.quiet >= self.effort.quiet
+        return self.quiet >= self.budget.quiet
 
     def land(self) -> None:
         """Remove the defects that the last moves left, by steps that hardly move."""
         region = TrustRegion(self.region.radius, LANDING)
-        for _ in range(self.effort.landings):
+        for _ in range(self.budget.polish_steps):
             if self.current.defect <= LANDED:
                 break
-            result = self.solved(region, self.effort.accuracy)
+            result = self.solved(region, self.budget.accuracy)
             trial = None if result is None else measured(self.problem, result.trajectory)
             if trial is None:
                 break
@@ -191,7 +192,7 @@ def synthesise_control(
     problem: ControlProblem,
     start: Trajectory,
     theta_box: tuple[Array, Array] | None = None,
-    effort: Effort = FULL,
+    budget: IterationBudget = FULL,
     radius: float = 0.5,
     weights: Weights | None = None,
 ) -> ControlOutcome:
@@ -202,10 +203,10 @@ def synthesise_control(
     current = measured(problem, start)
     if current is None:
         return _hopeless(problem, start)
-    question = StepQuestion(problem.limits, problem.groups, theta_box, weights or Weights())
+    question = SubproblemSpec(problem.limits, problem.groups, theta_box, weights or Weights())
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
     # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
-    iteration = _Iteration(problem, step, effort, region, current, fictitious=current.excess > NEAR)
+    iteration = _Iteration(problem, step, budget, region, current, fictitious=current.excess > NEAR)
     iteration.run()
     return _outcome(problem, iteration.current, iteration.used, iteration.status)
 

@@ -43,26 +43,26 @@ class ControlProblem:
 
 
 @dataclass(frozen=True, slots=True)
-class Effort:
-    """How hard to try: iterations, the relative gain that ends them, program accuracy, landings.
+class IterationBudget:
+    """How hard to try: iterations, the relative gain that ends them, accuracy, polishing.
 
-    A landing is a convex step that hardly moves: it leaves defects of second order only.  The
-    iteration ends when so many steps in a row have gained nothing (``quiet``), moves being cheaper
-    from one to the next: while they are dear, a small gain says little.  Nor is it the end while
-    steps cause defects beyond ``calm``, relative to the effort bound.  With violations that
+    A polishing step is a convex step that hardly moves: it leaves defects of second order only.
+    The iteration ends when so many steps in a row have gained nothing (``quiet``), moves being
+    cheaper from one to the next: while they are dear, a small gain says little.  Nor is it the end
+    while steps cause defects beyond ``calm``, relative to the effort bound.  With violations that
     remain, it ends after one more.
     """
 
     iterations: int
     tolerance: float
     accuracy: float
-    landings: int
+    polish_steps: int
     quiet: int = 1
     calm: float = 0.05
 
 
-FULL = Effort(60, 1e-5, 1e-9, 6, 2, 2e-3)
-SURVEY = Effort(8, 2e-3, 1e-6, 2)
+FULL = IterationBudget(60, 1e-5, 1e-9, 6, 2, 2e-3)
+SURVEY = IterationBudget(8, 2e-3, 1e-6, 2)
 """Enough to compare parameters with each other."""
 
 

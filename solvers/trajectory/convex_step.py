@@ -23,10 +23,10 @@ from typing import Protocol, TypeAlias
 import numpy as np
 
 from solvers.backends.conic import ConvexSolver, NotSolved
-from solvers.backends.solver_portfolio import Fallback
+from solvers.backends.solver_portfolio import SolverPortfolio
 from solvers.trajectory.linear_model import Model, PositionRows
 from solvers.trajectory.step_program import StepProgram
-from solvers.trajectory.subproblem import StepLayout, StepQuestion, StepResult, TrustRegion
+from solvers.trajectory.subproblem import StepLayout, StepResult, SubproblemSpec, TrustRegion
 from solvers.trajectory.trajectory import Trajectory
 
 
@@ -37,8 +37,8 @@ class ConvexStep:
     ``solver`` is asked; programs of one structure differ in their numbers only.
     """
 
-    question: StepQuestion
-    solver: ConvexSolver = field(default_factory=Fallback)
+    question: SubproblemSpec
+    solver: ConvexSolver = field(default_factory=SolverPortfolio)
     _programs: dict[bool, StepProgram] = field(default_factory=dict[bool, StepProgram])
 
     def solve(
@@ -103,7 +103,7 @@ class StepSolver(Protocol):
         ...
 
 
-StepMaker: TypeAlias = Callable[[StepQuestion], StepSolver]
+StepMaker: TypeAlias = Callable[[SubproblemSpec], StepSolver]
 """From a question to what solves its convex steps."""
 
 

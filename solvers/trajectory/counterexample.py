@@ -17,21 +17,21 @@ from compiler.arrays import Array
 from solvers.backends.conic import NotSolved
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.measured_motion import measured
-from solvers.trajectory.path_following import Follower
-from solvers.trajectory.subproblem import StepQuestion, TrustRegion, Weights
+from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.subproblem import SubproblemSpec, TrustRegion, Weights
 
 THRESHOLD = 1e-3
 RADIUS = 0.5
 
 
 def infeasible_sample(
-    follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]
+    path_problem: PathProblem, outcome: ControlOutcome, entries: tuple[int, ...]
 ) -> int | None:
     """The first sample that an infeasible outcome cannot be brought to; None: it is not known.
 
     One more than there are where all can be got to: something else is in the way.
     """
-    slacks = _slacks(follower, outcome, entries)
+    slacks = _slacks(path_problem, outcome, entries)
     return None if slacks is None else zero_prefix(slacks, THRESHOLD) + 1
 
 
@@ -51,14 +51,16 @@ def zero_prefix(slacks: Array, threshold: float) -> int:
     return int(above[0]) if len(above) else len(slacks)
 
 
-def _slacks(follower: Follower, outcome: ControlOutcome, entries: tuple[int, ...]) -> Array | None:
+def _slacks(
+    path_problem: PathProblem, outcome: ControlOutcome, entries: tuple[int, ...]
+) -> Array | None:
     """The slacks (k,) of Problem 4 about an infeasible outcome."""
-    problem = follower.problem(entries)
+    problem = path_problem.problem(entries)
     about = measured(problem, outcome.trajectory)
     if about is None:
         return None
-    epsilon = float(follower.task.slack)
-    question = StepQuestion(problem.limits, problem.groups, None, Weights(), epsilon)
+    epsilon = float(path_problem.task.slack)
+    question = SubproblemSpec(problem.limits, problem.groups, None, Weights(), epsilon)
     result = problem.steps(question).solve(about.model, about.rows, TrustRegion(RADIUS))
     if isinstance(result, NotSolved):
         return None

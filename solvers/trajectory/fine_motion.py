@@ -14,7 +14,7 @@ from compiler.tasks.sampled_formula import sampled
 from compiler.tasks.word_formula import holds
 from compiler.time_limits.time_limit import is_late
 from compiler.workspaces.polytope import polytope_of
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 
 AGREEMENT = 1e-10
@@ -56,16 +56,16 @@ PARTS = 8
 """A step is looked at so many times."""
 
 
-def seems_to_satisfy(follower: Follower, trajectory: Trajectory) -> bool:
+def seems_to_satisfy(path_problem: PathProblem, trajectory: Trajectory) -> bool:
     """Whether the places of the effectors, ``PARTS`` times a step, satisfy the formulas."""
-    formulas = [clause.formula for clause in follower.task.satisfy]
+    formulas = [clause.formula for clause in path_problem.task.satisfy]
     if not formulas:
         return True
-    task, workspace, numeric = follower.task, follower.workspace, follower.numeric
+    task, workspace, numeric = path_problem.task, path_problem.workspace, path_problem.numeric
     u = np.repeat(trajectory.u, PARTS, axis=0)
     dt = float(task.step) / PARTS
     with np.errstate(all="ignore"):
-        states = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt, follower.substeps)
+        states = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt, path_problem.substeps)
         places = numeric.points(states[:, : numeric.n], trajectory.theta).value
     word: list[dict[int, frozenset[str]]] = [{} for _ in states]
     named = {(atom.region, atom.effector) for atom in atoms(*formulas)}

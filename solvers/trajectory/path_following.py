@@ -15,7 +15,7 @@ from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.trajectory.body_clearance import body_clearance, convex_set
 from solvers.trajectory.control import WORST, synthesise_control
-from solvers.trajectory.control_problem import FULL, ControlOutcome, ControlProblem, Effort
+from solvers.trajectory.control_problem import FULL, ControlOutcome, ControlProblem, IterationBudget
 from solvers.trajectory.convex_step import step_maker
 from solvers.trajectory.corridor import Corridor, MotionConstraints
 from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
@@ -59,12 +59,12 @@ BEYOND = 1.25
 
 
 @dataclass(frozen=True, slots=True)
-class Follower:
+class PathProblem:
     """An effector of a robot that has to follow a path of cells, and what else binds the robot.
 
     ``recorded`` is the effector that starts (unless the task names another) and reaches, None: the
     one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
-    (n, 2, 2): motions were seen to pass them within steps.  A word of cells has to satisfy
+    (n, 2, 2): motions were seen to pass them within steps.  A cell trace has to satisfy
     ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
     are entered, where smooth timing will not do.  ``spread`` is the room that disturbed motions are
     given beside the margins.  ``solver`` is the name in cvxpy of what solves
@@ -126,7 +126,7 @@ class Follower:
             along, entries = timing_of(line, self.timing, k), self.timing
         return line.at(along), entries
 
-    def along(self, cells: tuple[int, ...], entries: Entries) -> Follower:
+    def along(self, cells: tuple[int, ...], entries: Entries) -> PathProblem:
         """The same task on another path, of which the entries are known."""
         return replace(self, cells=cells, timing=None if self.formula is None else entries)
 
@@ -226,52 +226,52 @@ class Follower:
         start: Trajectory,
         entries: Entries | None = None,
         box: tuple[Array, Array] | None = None,
-        effort: Effort = FULL,
+        budget: IterationBudget = FULL,
         radius: float = 0.5,
     ) -> ControlOutcome:
         """Control synthesis from a seed; with ``box`` the parameters are unknowns too."""
         if entries is None:
             entries = self.waypoints()[1]
-        return self._solve(self.problem(entries), start, box, effort, radius)
+        return self._solve(self.problem(entries), start, box, budget, radius)
 
     def released(
         self,
         start: Trajectory,
         entries: Entries,
         box: tuple[Array, Array] | None,
-        effort: Effort,
+        budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
         """The same with the cells between the two ends released; what else binds does as before."""
-        return self._solve(self.problem(entries, released=True), start, box, effort, radius)
+        return self._solve(self.problem(entries, released=True), start, box, budget, radius)
 
     def _solve(
         self,
         problem: ControlProblem,
         start: Trajectory,
         box: tuple[Array, Array] | None,
-        effort: Effort,
+        budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
         # Trial motions may diverge; what is not finite counts as infeasible.
         with np.errstate(all="ignore"):
-            outcome = synthesise_control(problem, start, box, effort, radius)
+            outcome = synthesise_control(problem, start, box, budget, radius)
         if np.isfinite(outcome.robustness):
             return outcome
         worst = -WORST * problem.scale
         return replace(outcome, feasible=False, robustness=worst, trajectory=start)
 
-    def with_margin(self, margin: float) -> Follower:
+    def with_margin(self, margin: float) -> PathProblem:
         """The same task with another margin."""
         return replace(self, margin=margin)
 
-    def spreading(self, trajectory: Trajectory, factor: float) -> Follower:
+    def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
         """The same task with so many times the room that a motion's disturbed ones take."""
         with np.errstate(all="ignore"):
             found = disturbance_spread(self.numeric, self.task, trajectory, self.substeps)
         return replace(self, spread=found.scaled(factor))
 
-    def refined(self, trajectory: Trajectory) -> Follower:
+    def refined(self, trajectory: Trajectory) -> PathProblem:
         """The same task with as many substeps as a motion needs to be integrated accurately.
 
         Doubling them once more moves no point and no coordinate by more than a share of its margin.
@@ -290,7 +290,7 @@ class Follower:
                 substeps, x = 2 * substeps, finer
         return replace(self, substeps=substeps)
 
-    def narrowed(self, trajectory: Trajectory) -> Follower | None:
+    def narrowed(self, trajectory: Trajectory) -> PathProblem | None:
         """The same task with the limits narrowed that a motion passes within its steps, or None."""
         numeric, n = self.numeric, self.numeric.n
         u = np.repeat(trajectory.u, WITHIN, axis=0)

@@ -35,7 +35,7 @@ from compiler.arrays import Array
 from solvers.backends.conic import NotSolved
 from solvers.backends.cvxpy_solvers import solved
 from solvers.trajectory.linear_model import Model, PositionRows
-from solvers.trajectory.subproblem import LEAST, StepQuestion, StepResult, TrustRegion
+from solvers.trajectory.subproblem import LEAST, StepResult, SubproblemSpec, TrustRegion
 from solvers.trajectory.trajectory import Trajectory
 
 
@@ -43,7 +43,7 @@ from solvers.trajectory.trajectory import Trajectory
 class ReferenceStep:
     """The convex steps of one question, each written and solved from scratch."""
 
-    question: StepQuestion
+    question: SubproblemSpec
     solver: str = "CLARABEL"
 
     def solve(
@@ -66,7 +66,7 @@ class ReferenceStep:
 class _Step:
     """The unknowns of one step, and what binds them."""
 
-    question: StepQuestion
+    question: SubproblemSpec
     model: Model
     rows: PositionRows
     region: TrustRegion

@@ -19,7 +19,7 @@ from scipy.sparse import csc_matrix
 from compiler.arrays import Array
 from solvers.backends.conic import Cones, ConvexProgram
 from solvers.trajectory.linear_model import Model, PositionRows
-from solvers.trajectory.subproblem import LEAST, Indices, StepLayout, StepQuestion, TrustRegion
+from solvers.trajectory.subproblem import LEAST, Indices, StepLayout, SubproblemSpec, TrustRegion
 from solvers.trajectory.task_limits import MotionLimits
 
 
@@ -27,7 +27,7 @@ from solvers.trajectory.task_limits import MotionLimits
 class StepProgram:
     """The structure of the convex steps of one question about trajectories of one size."""
 
-    question: StepQuestion
+    question: SubproblemSpec
     layout: StepLayout
     samples: Indices
     """The sample that each position row is about, (R,)."""

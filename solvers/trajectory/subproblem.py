@@ -46,7 +46,7 @@ class TrustRegion:
 
 
 @dataclass(frozen=True, slots=True)
-class StepQuestion:
+class SubproblemSpec:
     """What of a convex step stays the same from one to the next.
 
     With ``epsilon`` every step has a slack of its own under C.6.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from solvers.verifier.proofs.checked_condition import Finding, decisive
+from solvers.verifier.proofs.checked_condition import CheckedCondition, decisive
 from solvers.verifier.proofs.tube_checks import Status
 
 # --- The answers of the verifier, and how a claim is turned down ----------------------------------
@@ -49,13 +49,13 @@ class Report:
     verdict: str | None
     level: str | None
     reason: str | None
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[CheckedCondition, ...] = ()
     task: str | None = None
     spec: str | None = None
     spec_sha256: str | None = None
 
 
-def concluded(findings: Sequence[Finding]) -> Report:
+def concluded(findings: Sequence[CheckedCondition]) -> Report:
     """One violated condition refutes, one open condition leaves open."""
     due = decisive(findings)
     if due is None:

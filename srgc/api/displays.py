@@ -13,6 +13,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from grammar_lang.diagnostics.wording import counted
 from srgc.faults import MOST_FINDINGS, Checked, UsageFault
 from srgc.render.html_block import block, code, coloured, details, head, image, lines, table
 from srgc.render.html_text import number, text, with_unit
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from compiler.views.picture import Picture
     from grammar_lang import ir
     from solvers.explanation.explanation import Explanation
-    from solvers.verifier.proofs.checked_condition import Finding
+    from solvers.verifier.proofs.checked_condition import CheckedCondition
     from solvers.verifier.report import Report
     from srgc.chosen_robot import ChosenRobot
     from srgc.text_reports.plan_report import PlanReport
@@ -100,8 +101,8 @@ def _tried(design: Mapping[str, Any]) -> str:
         "same" if one["same_robot_as"] is not None else one["verdict"] for one in tried
     )
     return (
-        f"{len(tried)} structures, {counts['refuted']} robots refuted, "
-        f"{counts['same']} equal to an earlier one"
+        f"{counted(len(tried), 'structure')}, {counted(counts['refuted'], 'robot')} refuted, "
+        f"{counted(counts['same'], 'duplicate')}"
     )
 
 
@@ -335,7 +336,7 @@ def conditions_table(report: Report) -> str:
     return table(names, rows, (2, 3)) if rows else ""
 
 
-def _condition(finding: Finding) -> list[str]:
+def _condition(finding: CheckedCondition) -> list[str]:
     status = finding.status.value
     mark = f'<span class="{_COLOURS[status]}">{text(status)}</span>'
     margin = with_unit(finding.margin, finding.unit) if isfinite(finding.margin) else ""

@@ -66,14 +66,14 @@ def why(
     """
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
-    from solvers.run_context import Conduct
+    from solvers.run_context import RunContext
     from srgc.results.why_folder import tried_folder
 
     limit = TimeLimit(time_limit)
     tried = tried_folder(Path(result))
     if tried.tried is None:
         raise UsageFault("a robot was found: there is nothing to explain, `verify` checks it")
-    conduct = Conduct(
+    context = RunContext(
         seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
     )
     # Places are told as in the specification itself, not in the copy, which may be anywhere.
@@ -81,5 +81,5 @@ def why(
     sources = tuple(replace(source, name=source.path) for source in program.sources)
     posed = replace(tried.posed, program=replace(program, sources=sources))
     with limit.holds():
-        found = explain(posed, tried.tried, Asked(conduct, MOST_RUNS if runs else 0))
+        found = explain(posed, tried.tried, Asked(context, MOST_RUNS if runs else 0))
     return Explanation(found)

@@ -12,7 +12,7 @@ from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
-    from solvers.verifier.proofs.checked_condition import Finding
+    from solvers.verifier.proofs.checked_condition import CheckedCondition
     from solvers.verifier.report import Outcome, Report
 
 
@@ -62,7 +62,7 @@ class Verification:
         return self.report.reason
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self) -> tuple[CheckedCondition, ...]:
         """Every condition with its status, margin, unit, and where the margin is attained."""
         return self.report.findings
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILES
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc check specs/planar_arm.srg", "srgc check --json specs/patrol.srg"],
     statuses={0: "no errors; there may be warnings", 1: "errors, or no such file"},
     reads_spec=False,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import click
 
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc completion bash",
         "srgc completion zsh",

@@ -17,7 +17,7 @@ ALWAYS = {
 """Statuses that every command may end with; 5 only those that read a spec."""
 
 
-class TaughtCommand(click.Command):
+class DocumentedCommand(click.Command):
     """A click command with more sections in its help.
 
     ``examples`` are command lines that work in a checkout of srgc, in this order; the suite runs

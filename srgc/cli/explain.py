@@ -5,11 +5,11 @@ from __future__ import annotations
 import click
 
 from srgc.cli.completions import complete_code
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc explain SRG0301", "srgc explain"],
     reads_spec=False,
     read_on="docs/reference/codes.md",

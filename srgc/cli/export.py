@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, PathOf
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UsageFault
 
 FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
@@ -17,7 +17,7 @@ BINARY = ("npz",)
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc export out/demo --to urdf -o arm.urdf",
         "srgc export out/demo --to ros2 -o arm.yaml",

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILES_OR_STDIN
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import FOUND, INTERNAL, INTERRUPTED, REFUSED, SPEC_ERRORS, USAGE, UsageFault
 
 PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
@@ -16,7 +16,7 @@ PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc fmt --check specs/planar_arm.srg", "srgc fmt --diff specs/two_arm.srg"],
     statuses={
         0: "done, or nothing to do",

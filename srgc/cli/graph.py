@@ -8,11 +8,11 @@ import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE
 from srgc.cli.completions import complete_word
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc graph specs/planar_arm.srg --of sra",
         "srgc graph specs/planar_arm.srg --of words --depth 4",

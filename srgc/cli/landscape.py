@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from srgc.cli.arguments import FOLDER, QUIET, PathOf
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ PICTURE, GRID = "figures/landscape.svg", "landscape.csv"
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc landscape out/demo --points 3",
         "srgc landscape out/demo --over 4.length --points 3 -o out/length.svg --csv out/length.csv",

@@ -8,12 +8,12 @@ import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, QUIET
 from srgc.cli.completions import complete_name, complete_symbol
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UsageFault
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc words specs/planar_arm.srg --limit 5",
         "srgc words specs/planar_arm.srg --count --max-length 15",
@@ -75,7 +75,7 @@ def words(
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc accepts specs/planar_arm.srg -- B eps JO eps L eps JO eps L eps EN",
         "srgc accepts specs/planar_arm.srg --trace -- B eps JO eps L eps JO eps L eps EN",
@@ -103,7 +103,7 @@ def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ..
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc language specs/planar_arm.srg", "srgc language specs/nested.srg"],
     read_on="docs/how-to/words.md",
 )
@@ -123,7 +123,7 @@ def language(file: Path, grammar: str | None) -> int:
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc compare specs/planar_arm.srg PlanarArm PlanarArm"],
     statuses={0: "the same words", 1: "different words", 4: "it would take too long"},
     read_on="docs/how-to/words.md",

@@ -6,12 +6,12 @@ import sys
 
 import click
 
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UsageFault
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc lsp --help"],
     statuses={
         0: "ended by the client",

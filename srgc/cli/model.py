@@ -9,11 +9,11 @@ import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT
 from srgc.cli.completions import complete_name, complete_word
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         'srgc model specs/planar_arm.srg --word "B eps JO eps L eps JO eps L eps EN"',
         'srgc model specs/planar_arm.srg --word "B eps JO eps L eps EN" --format latex',

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import PathOf
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UsageFault
 
 
@@ -19,7 +19,7 @@ def _kinds(_context: click.Context, _parameter: click.Parameter, begun: str) -> 
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc new", "srgc new planar", "srgc new space -o crane.srg"],
     reads_spec=False,
     read_on="docs/how-to/new.md",

@@ -7,12 +7,12 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILE, QUIET, TASK, PathOf
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import FOUND, VERDICT_STATUS, UsageFault
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc plan specs/planar_arm.srg",
         "srgc plan specs/patrol.srg -o out/plan.svg",

@@ -9,12 +9,12 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UNKNOWN, UsageFault
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc replay out/demo --in mujoco",
         "srgc replay out/demo --in mujoco --timestep 0.125 --halvings 4",

@@ -8,14 +8,14 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, QUIET, PathOf
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UsageFault
 
 NAME = "report.html"
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=["srgc report out/demo", "srgc report out/demo --no-verify -o arm.html"],
     reads_spec=False,
     read_on="docs/how-to/report.md",

@@ -8,13 +8,13 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILE, QUIET, TASK, PathOf, limit_of_time
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import VERDICT_STATUS, UsageFault
 from srgc.time_limit import TimeLimit
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc synth specs/planar_arm.srg -o out/demo",
         "srgc verify out/demo",
@@ -96,11 +96,11 @@ def synth(
         click.echo(synthesis_text(result, chosen_task, str(folder), table, change))
         if result.design is None:
             from solvers.explanation.posed_task import PosedTask
-            from solvers.run_context import Conduct
+            from solvers.run_context import RunContext
             from srgc.text_reports.why_report import ending
 
             posed = PosedTask(program, chosen_task)
             with limit.holds():
-                last = ending(result, posed, Conduct(seed), str(folder))
+                last = ending(result, posed, RunContext(seed), str(folder))
             click.echo(last)
     return VERDICT_STATUS[result.verdict]

@@ -9,7 +9,7 @@ import click
 
 from srgc.cli.arguments import FOLDER, QUIET, PathOf
 from srgc.cli.completions import complete_file
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import REFUSED, UNEXPECTED, UNKNOWN, UsageFault
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc verify out/demo",
         "srgc verify out/demo --spec specs/planar_arm.srg --json",

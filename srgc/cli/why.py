@@ -8,12 +8,12 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, QUIET, limit_of_time
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from srgc.time_limit import TimeLimit
 
 
 @click.command(
-    cls=TaughtCommand,
+    cls=DocumentedCommand,
     examples=[
         "srgc why out/impossible --no-runs",
         "srgc why out/impossible --time-limit 5 --json",
@@ -44,7 +44,7 @@ def why(
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
-    from solvers.run_context import Conduct
+    from solvers.run_context import RunContext
     from srgc.results.progress_display import progress
     from srgc.results.why_folder import tried_folder
     from srgc.terminal import out_colours
@@ -55,10 +55,10 @@ def why(
         click.echo("verdict: found\nThere is nothing to explain: `srgc verify` checks the design.")
         return 0
     with limit.holds(), progress("why", quiet=quiet or as_json) as display:
-        conduct = Conduct(
+        context = RunContext(
             seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
         )
-        asked = Asked(conduct, 0 if no_runs else MOST_RUNS, display.note)
+        asked = Asked(context, 0 if no_runs else MOST_RUNS, display.note)
         found = explain(tried.posed, tried.tried, asked)
     text = why_json(found) if as_json else why_text(found, colour=out_colours())
     click.echo(text, nl=False)

@@ -27,7 +27,7 @@ from solvers.search.evaluation import Evaluator, SolveRequest
 from solvers.search.path_task import PathTask
 from solvers.search.synthesis import task_on_samples
 from solvers.trajectory.control_problem import ControlOutcome
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import exact
 from srgc.landscapes.landscape_request import Axis, Mark
@@ -82,11 +82,11 @@ def landscape(
         searched = last_samples(folder / "evaluations.csv", record.structure, names)
     except (OSError, ValueError) as error:
         raise UsageFault(str(error)) from None
-    follower = follower_of(found, record)
-    motion = motion_of(found, follower)
+    path_problem = follower_of(found, record)
+    motion = motion_of(found, path_problem)
     points = [*product(*(axis.values for axis in axes)), *(mark.values for mark in marks)]
-    seeds = [_seeds(follower, motion, _moved(found.theta, axes, point)) for point in points]
-    outcomes = Evaluator(follower, workers).solutions(
+    seeds = [_seeds(path_problem, motion, _moved(found.theta, axes, point)) for point in points]
+    outcomes = Evaluator(path_problem, workers).solutions(
         [SolveRequest(seed, released=True) for each in seeds for seed in each]
     )
     samples = []
@@ -98,7 +98,7 @@ def landscape(
     return Landscape(axes, tuple(samples[:count]), marks, tuple(samples[count:]), searched, design)
 
 
-def follower_of(found: FoundDesign, record: FoundRecord) -> Follower:
+def follower_of(found: FoundDesign, record: FoundRecord) -> PathProblem:
     """The control problem of a design's path.
 
     Raises:
@@ -110,25 +110,25 @@ def follower_of(found: FoundDesign, record: FoundRecord) -> Follower:
     numeric = NumericRobot(robot_graph(found.model, task.gravity))
     place = PathTask(program, task, numeric, task_on_samples(task), record.seed)
     effector, path = found.claim.effector, found.claim.path
-    follower = place.along(record.cells, effector, record.leader, path)
-    if follower is None:
+    path_problem = place.along(record.cells, effector, record.leader, path)
+    if path_problem is None:
         raise UsageFault(f"the cells of effector {record.leader + 1} in the design are no path")
-    return follower
+    return path_problem
 
 
-def motion_of(found: FoundDesign, follower: Follower) -> Trajectory:
+def motion_of(found: FoundDesign, path_problem: PathProblem) -> Trajectory:
     """The motion of a design on the samples, by simulation."""
     u = np.array([[float(exact(text)) for text in row] for row in found.claim.inputs])
-    u = u.reshape(len(found.claim.inputs), follower.numeric.m)
-    start = np.concatenate([[float(value) for value in found.start], follower.limits.own_start])
+    u = u.reshape(len(found.claim.inputs), path_problem.numeric.m)
+    start = np.concatenate([[float(value) for value in found.start], path_problem.limits.own_start])
     step = float(found.task.step)
-    x = follower.numeric.simulate(start, u, found.theta, step, follower.substeps)
+    x = path_problem.numeric.simulate(start, u, found.theta, step, path_problem.substeps)
     return Trajectory(x, u, found.theta)
 
 
-def _seeds(follower: Follower, motion: Trajectory, theta: Array) -> list[Trajectory]:
+def _seeds(path_problem: PathProblem, motion: Trajectory, theta: Array) -> list[Trajectory]:
     """Where evaluations begin: along the path, as the search does, and with the design's motion."""
-    return [*follower.seeds(theta), replace(motion, theta=theta)]
+    return [*path_problem.seeds(theta), replace(motion, theta=theta)]
 
 
 def _best(seeds: Sequence[Trajectory], outcomes: Iterable[ControlOutcome]) -> Sample:

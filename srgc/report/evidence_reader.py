@@ -16,7 +16,7 @@ from compiler.workspaces.abstraction import abstract
 from compiler.workspaces.map_fault import MapFault
 from solvers.explanation.conflict import Conflict
 from solvers.explanation.explanation import foremost, quick_conflict
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.verifier.claims.certificate import CertificateError, Claim, from_text
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, evidence_bytes, files_of
 from solvers.verifier.proofs.enclosure import EnclosureFailure
@@ -142,7 +142,7 @@ def quick_conflicts(folder: TriedFolder) -> tuple[Conflict, ...]:
     if refuted and (task.bounds_body or any(clause.subject == "body" for clause in task.avoid)):
         return ()
     first = foremost(folder.posed, refuted) if refuted else None
-    return quick_conflict(folder.posed, first, Conduct(folder.seed)).conflicts.found
+    return quick_conflict(folder.posed, first, RunContext(folder.seed)).conflicts.found
 
 
 def checked_design(design: Mapping[str, Any], path: Path) -> None:

@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 
-from solvers.verifier.proofs.checked_condition import Finding
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome
 from srgc.render.html_text import number, text, with_unit
@@ -44,7 +44,7 @@ def margins_section(evidence: Evidence) -> str:
     )
 
 
-def _row(finding: Finding, among: Sequence[Finding]) -> str:
+def _row(finding: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
     name = text(finding.name)
     if finding.status is not Status.HOLDS:
         name = f'<strong class="bad">{WORDS[finding.status]}:</strong> {name}'
@@ -60,11 +60,11 @@ def _row(finding: Finding, among: Sequence[Finding]) -> str:
     )
 
 
-def _class(finding: Finding) -> str:
+def _class(finding: CheckedCondition) -> str:
     return "holds" if finding.status is Status.HOLDS else "broken"
 
 
-def _when(finding: Finding) -> str:
+def _when(finding: CheckedCondition) -> str:
     if finding.time is None:
         return ""
     return (
@@ -73,7 +73,7 @@ def _when(finding: Finding) -> str:
     )
 
 
-def _bar(finding: Finding, among: Sequence[Finding]) -> str:
+def _bar(finding: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
     """How large a margin is beside the largest one of its unit, in powers of ten."""
     if not math.isfinite(finding.margin) or finding.margin <= 0:
         return ""

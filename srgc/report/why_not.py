@@ -19,7 +19,7 @@ MOST_REGIONS = 12
 
 
 def why_not_section(evidence: Evidence) -> str:
-    """Conflicting lines, reasons and evidence; nothing where no robot was refuted or in vain."""
+    """Conflicting lines, reasons and evidence; nothing where all robots were successful."""
     robots = tried_robots(evidence.design)
     refuted = [each for each in robots if each.verdict == "refuted"]
     parts = [

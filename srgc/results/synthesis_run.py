@@ -14,7 +14,7 @@ from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.design import Design
 from solvers.search.synthesis import Proved, Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
@@ -120,7 +120,7 @@ def _searched(
         unit="structures",
         count=lambda: structure_total(program, task),
     ) as display:
-        conduct = Conduct(
+        context = RunContext(
             seed=options.seed,
             workers=workers,
             solver=options.solver,
@@ -130,7 +130,7 @@ def _searched(
             out_of_time=limit.reached,
         )
         with limit.holds():
-            result = synthesise(program, task, conduct, options.cells, every=options.every)
+            result = synthesise(program, task, context, options.cells, every=options.every)
     return _told(result, limit)
 
 

@@ -23,7 +23,7 @@ def summary(results: Sequence[Checked]) -> str:
     counts = [counted(found[kind], kind.value) for kind in Severity if found[kind]]
     if not found[Severity.ERROR]:
         return ", ".join([f"{files} without errors", *counts])
-    return f"{files}: {', '.join(counts)}; `srgc explain CODE` says more of a code"
+    return f"{files}: {', '.join(counts)}; `srgc explain CODE` explains a code"
 
 
 # --- What ``srgc explain`` prints: pages of the catalogue, or the list of all codes ---------------

@@ -15,7 +15,7 @@ from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge
 from compiler.words.pushdown_automaton import Pda, Transition, run_along, sra
 from compiler.words.pushdown_runs import accepting_run
-from compiler.words.recogniser import PushdownReader
+from compiler.words.recogniser import PushdownMembership
 from compiler.words.sampling import WordSampler
 from compiler.words.structures import derivations_of
 from compiler.words.transition_network import transition_network
@@ -185,7 +185,7 @@ def _reason(family: Language, word: tuple[str, ...]) -> str:
         shown = " ".join(word[max(0, length + 1 - SHOWN_WORD) : length + 1])
         cut = "… " if length >= SHOWN_WORD else ""
         return f"no word of the grammar begins with `{cut}{shown}` ({length + 1} symbols)"
-    if PushdownReader(family.binary, names).accepts(word):
+    if PushdownMembership(family.binary, names).accepts(word):
         return "the grammar derives it, but the accept condition does not hold"
     return "it is only the beginning of a word" if word else "the grammar does not derive it"
 

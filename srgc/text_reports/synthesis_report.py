@@ -12,6 +12,7 @@ from compiler.robots.input_bounds import input_bounds
 from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
+from grammar_lang.diagnostics.wording import counted
 from solvers.search.design import Design
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from solvers.verifier.claims.certificate import exact
@@ -145,8 +146,8 @@ def synthesis_text(
     refuted = sum(1 for r in result.records if r.verdict == "refuted")
     same = sum(1 for r in result.records if r.same_robot_as is not None)
     lines.append(
-        f"tried:   {len(result.records)} structures, {refuted} robots refuted, "
-        f"{same} equal to an earlier one"
+        f"tried:   {counted(len(result.records), 'structure')}, "
+        f"{counted(refuted, 'robot')} refuted, {counted(same, 'duplicate')}"
     )
     if table:
         lines.append(f"designs: {len(result.designs)}\n{table}")

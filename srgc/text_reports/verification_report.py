@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import isfinite
 
 from grammar_lang.files.file_tree import visible
-from solvers.verifier.proofs.checked_condition import Finding
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
 
@@ -66,12 +66,12 @@ def verification_json(report: Report) -> str:
     return json.dumps(content, indent=1, ensure_ascii=False)
 
 
-def in_order(findings: Sequence[Finding]) -> list[Finding]:
+def in_order(findings: Sequence[CheckedCondition]) -> list[CheckedCondition]:
     """What is violated, what is open, what holds; each by its margin, those without one last."""
     return sorted(findings, key=lambda f: (ORDER.index(f.status), f.margin))
 
 
-def _said(finding: Finding) -> str:
+def _said(finding: CheckedCondition) -> str:
     """The margin of a finding, when and where it is, and that it is exact where it is."""
     parts = list[str]()
     if isfinite(finding.margin):
@@ -89,7 +89,7 @@ _PIECE = re.compile(r"(?P<what>.* to \w+)\.\d+")
 """A condition on one piece of a map of obstacles: of regions only these have names with a dot."""
 
 
-def by_map(findings: Sequence[Finding]) -> Iterator[Finding]:
+def by_map(findings: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]:
     """The findings, of those about the pieces of one map only the first of each status."""
     pieces = [_PIECE.fullmatch(finding.name) for finding in findings]
     kinds = [

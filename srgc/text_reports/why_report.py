@@ -16,7 +16,7 @@ from solvers.explanation.explanation import Explanation, foremost, quick_conflic
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Suggestion
 from solvers.explanation.task_line import TaskLine
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis
 
 MOST_CONFLICTS = 6
@@ -29,7 +29,7 @@ def why_text(found: Explanation, *, colour: bool = False) -> str:
     conflicts, suggested = conflict_blocks(found, colour=colour), _suggested(found)
     nearest = _nearest(found)
     unknown = found.tried.verdict == "unknown" and not found.all_refuted
-    # Where motions were searched in vain, other robots' conflicts are of less interest.
+    # Where motions were searched without success, other robots' conflicts are of less interest.
     told = [*nearest, suggested, *conflicts] if unknown else [*conflicts, suggested]
     blocks = [head, *told]
     if found.ended is not None:
@@ -96,7 +96,7 @@ def _nearest(found: Explanation) -> list[str]:
 
 
 def _suggested(found: Explanation) -> str:
-    """What would help, and what was tried in vain."""
+    """What would help, and what was tried without success."""
     lines = []
     if found.suggestions:
         lines.append("It is possible, as runs have found and proved,")
@@ -106,7 +106,7 @@ def _suggested(found: Explanation) -> str:
     else:
         lines.append("No changes were tried.")
     if found.failed:
-        lines.append(f"In vain: {'; '.join(change.says for change in found.failed)}.")
+        lines.append(f"Without success: {'; '.join(change.says for change in found.failed)}.")
     return "\n".join(lines)
 
 
@@ -117,7 +117,7 @@ def _suggestion(one: Suggestion) -> str:
     return f"{robot}, effort peak {one.effort_peak:.4g} {one.effort_unit}"
 
 
-def ending(result: Synthesis, posed: PosedTask, conduct: Conduct, folder: str) -> str:
+def ending(result: Synthesis, posed: PosedTask, context: RunContext, folder: str) -> str:
     """What ends the report of a synthesis without a design: a conflict, and where to ask more.
 
     A limit of time that holds here ends the search for a conflict.
@@ -125,18 +125,18 @@ def ending(result: Synthesis, posed: PosedTask, conduct: Conduct, folder: str) -
     lines = []
     if result.verdict == "impossible":
         with suppress(OutOfTimeError):
-            lines += _quickly(result, posed, conduct)
+            lines += _quickly(result, posed, context)
     lines.append(f"`srgc why {folder}` says what would make it possible")
     return "\n".join(lines)
 
 
-def _quickly(result: Synthesis, posed: PosedTask, conduct: Conduct) -> list[str]:
+def _quickly(result: Synthesis, posed: PosedTask, context: RunContext) -> list[str]:
     """Why a task is impossible, where a few questions say so."""
     reasons = {r.derivation: r.reason for r in result.records if r.same_robot_as is None}
     first = foremost(posed, tuple(reasons)) if reasons else None
     lines: list[str] = []
     if first is None or not _about_bodies(posed.task):
-        lines += conflict_blocks(quick_conflict(posed, first, conduct))
+        lines += conflict_blocks(quick_conflict(posed, first, context))
     if first is not None and not lines:
         lines.append(f"{_robot(first.word)}: {reasons[first.labels]}")
     return lines

@@ -23,10 +23,10 @@ def function() -> ca.Function:
 @pytest.mark.parametrize("count", [0, 1, 5, MOST_LANES, MOST_LANES + 1, 3 * MOST_LANES - 1])
 def test_all_samples_are_as_one_by_one(count: int) -> None:
     scalar, rng = function(), np.random.default_rng(count)
-    lanes = BatchedFunction.of(scalar)
+    batch = BatchedFunction.of(scalar)
     a, b, shared = rng.normal(size=(count, 2)), rng.normal(size=(count, 1)), rng.normal(size=3)
     for turn in range(2):
-        found = lanes((a + turn, b), shared * (1 + turn))
+        found = batch((a + turn, b), shared * (1 + turn))
         assert found.shape == (count, 2, 3)
         for row in range(count):
             one = np.asarray(scalar(a[row] + turn, b[row], shared * (1 + turn)).full())
@@ -34,28 +34,28 @@ def test_all_samples_are_as_one_by_one(count: int) -> None:
 
 
 def test_results_outlive_the_next_call() -> None:
-    lanes = BatchedFunction.of(function())
+    batch = BatchedFunction.of(function())
     a, b, shared = np.ones((4, 2)), np.ones((4, 1)), np.ones(3)
-    first = lanes((a, b), shared)
+    first = batch((a, b), shared)
     kept = first.copy()
-    lanes((5 * a, b), shared)
+    batch((5 * a, b), shared)
     np.testing.assert_array_equal(first, kept)
 
 
 def test_strided_columns_and_inputs_without_entries() -> None:
     a, none, shared = (ca.SX.sym(name, size) for name, size in (("a", 2), ("n", 0), ("s", 0)))
-    lanes = BatchedFunction.of(ca.Function("g", [a, none, shared], [ca.vertcat(a[1], 2 * a[0])]))
+    batch = BatchedFunction.of(ca.Function("g", [a, none, shared], [ca.vertcat(a[1], 2 * a[0])]))
     whole = np.arange(24.0).reshape(6, 4)
-    found = lanes((whole[:, 1:3], np.zeros((6, 0))), np.zeros(0))
+    found = batch((whole[:, 1:3], np.zeros((6, 0))), np.zeros(0))
     expected = np.stack([whole[:, 2], 2 * whole[:, 1]], axis=1)[:, :, None]
     np.testing.assert_array_equal(found, expected)
 
 
 def test_the_last_block_may_overlap() -> None:
-    """More samples than lanes, not a multiple of them: nothing is left out or mixed up."""
+    """More samples than batch, not a multiple of them: nothing is left out or mixed up."""
     a, shared = ca.SX.sym("a"), ca.SX.sym("s")
-    lanes = BatchedFunction.of(ca.Function("h", [a, shared], [a * shared]))
+    batch = BatchedFunction.of(ca.Function("h", [a, shared], [a * shared]))
     count = 2 * MOST_LANES + 3
     column = np.arange(count, dtype=float)[:, None]
-    found = lanes((column,), np.array([3.0]))
+    found = batch((column,), np.array([3.0]))
     np.testing.assert_array_equal(found[:, 0, 0], 3 * column[:, 0])

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.encodings.body_conditions import MOST, BodyDemands, body_demands
+from compiler.encodings.body_conditions import MOST, BodyConditions, body_conditions
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
 from compiler.encodings.pose_questions import PoseQuestion
 from compiler.encodings.region_terms import PolygonTerms, polygon_terms
@@ -43,8 +43,8 @@ TARGET: Poses = ("target",)
 
 def demands(
     *polygons: Polytope, effectors: Sequence[Polytope] = (), bounds_body: bool = False
-) -> BodyDemands:
-    return BodyDemands(tuple(map(known, polygons)), tuple(map(known, effectors)), bounds_body)
+) -> BodyConditions:
+    return BodyConditions(tuple(map(known, polygons)), tuple(map(known, effectors)), bounds_body)
 
 
 def known(polygon: Polytope) -> PolygonTerms:
@@ -56,7 +56,7 @@ def known(polygon: Polytope) -> PolygonTerms:
 def decide(
     arm: RobotModel | ArmBuilder,
     asked: PoseQuestion,
-    wanted: BodyDemands,
+    wanted: BodyConditions,
     poses: Poses = TARGET,
     budget: int = BUDGET,
 ) -> object:
@@ -301,7 +301,7 @@ def test_margins_and_radii_are_left_out() -> None:
     near = box("O", "obstacle", (1, "3/2"), ("0.1", 1))
     workspace = ir.Workspace("W", 2, box("bounds", "bounds", *PLANE), (near,))
     asked = task(ir.Avoid(("O",), "body", Fraction(1, 5)))
-    wanted = body_demands(workspace, asked)
+    wanted = body_conditions(workspace, asked)
     assert wanted is not None
     assert decide(arm, at(2, 0), wanted) == SAT
 
@@ -335,7 +335,7 @@ def test_in_space_the_body_is_left_out() -> None:
     near = box("O", "obstacle", (1, 2), (1, 2), (1, 2))
     workspace = ir.Workspace("W", 3, box("bounds", "bounds", *EVERYWHERE), (near,))
     asked = replace(task(ir.Avoid(("O",), "body", Fraction(0))), bounds_body=True)
-    assert body_demands(workspace, asked) is None
+    assert body_conditions(workspace, asked) is None
 
 
 # --- demands ------------------------------------------------------------------------------------
@@ -352,17 +352,17 @@ def test_only_tasks_about_bodies_have_demands() -> None:
     workspace = crowd(1)
     effector = ir.Avoid(("O0",), "effector", Fraction(0))
     body = ir.Avoid(("O-1", "O0", "O-1"), "body", Fraction(0))
-    assert body_demands(workspace, task(effector)) is None
-    both = body_demands(workspace, task(effector, body))
+    assert body_conditions(workspace, task(effector)) is None
+    both = body_conditions(workspace, task(effector, body))
     assert both is not None
     assert (len(both.bodies), len(both.effectors), both.bounds_body) == (2, 1, False)
-    bounds = body_demands(workspace, replace(task(), bounds_body=True))
-    assert bounds == BodyDemands((), (), True)
+    bounds = body_conditions(workspace, replace(task(), bounds_body=True))
+    assert bounds == BodyConditions((), (), True)
 
 
 def test_of_many_obstacles_those_near_the_middle_are_kept() -> None:
     names = tuple(f"O{i}" for i in range(-MOST, MOST))
-    wanted = body_demands(crowd(MOST), task(ir.Avoid(names, "body", Fraction(0))))
+    wanted = body_conditions(crowd(MOST), task(ir.Avoid(names, "body", Fraction(0))))
     assert wanted is not None
     places = sorted(min(x for x, _ in polygon.vertices) for polygon in wanted.bodies)
     assert places == list(range(-MOST // 2, MOST // 2))

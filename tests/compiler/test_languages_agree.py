@@ -18,7 +18,7 @@ from compiler.words.grammar import cyclic, trimmed
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton
 from compiler.words.pushdown_automaton import Pda, sra
-from compiler.words.recogniser import FiniteReader, PushdownReader
+from compiler.words.recogniser import FiniteMembership, PushdownMembership
 from compiler.words.residuals import Residuals
 from compiler.words.structures import derivations_of
 from grammar_lang import ir
@@ -29,7 +29,7 @@ from tests.oracles.shaped_grammars import LETTERS, SHAPES
 from tests.oracles.some_cases import examples
 
 Word = tuple[str, ...]
-Reader = Callable[[Word], bool]
+MembershipTest = Callable[[Word], bool]
 LONGEST = 7
 """Words up to this length are listed, counted and read in the ways that are fast."""
 SHORT = 5
@@ -39,7 +39,7 @@ SHORT = 5
 # --- the ways to read --------------------------------------------------------------------------
 
 
-def by_residuals(grammar: BinaryGrammar, names: Word) -> Reader:
+def by_residuals(grammar: BinaryGrammar, names: Word) -> MembershipTest:
     """Residual by residual, without a stack."""
     found = Residuals(grammar, names)
 
@@ -55,22 +55,22 @@ def by_residuals(grammar: BinaryGrammar, names: Word) -> Reader:
     return accepts
 
 
-def exact_readers(lang: Language) -> dict[str, Reader]:
+def exact_readers(lang: Language) -> dict[str, MembershipTest]:
     """The readers of the language with its accept condition inside."""
-    found: dict[str, Reader] = {
+    found: dict[str, MembershipTest] = {
         "itself": lang.accepts,
         "grammar of the product": by_residuals(lang.product, lang.srg.terminals),
     }
     if lang.finite_automaton is not None:
         found["finite automaton by steps"] = lang.finite_automaton.accepts
-        found["finite automaton"] = FiniteReader(lang.finite_automaton).accepts
+        found["finite automaton"] = FiniteMembership(lang.finite_automaton).accepts
     return found
 
 
-def pushdown_readers(lang: Language) -> dict[str, Reader]:
+def pushdown_readers(lang: Language) -> dict[str, MembershipTest]:
     """The automata with a stack, run by their definition."""
     nondeterministic = sra(lang.srg, lang.accept)
-    found: dict[str, Reader] = {"SRA": lambda w: pushdown_runs.accepts(nondeterministic, w)}
+    found: dict[str, MembershipTest] = {"SRA": lambda w: pushdown_runs.accepts(nondeterministic, w)}
     automaton = lang.lr_automaton
     if isinstance(automaton, LrAutomaton):
         pda = deterministic_pushdown(lang.srg, automaton, lang.accept)
@@ -81,14 +81,14 @@ def pushdown_readers(lang: Language) -> dict[str, Reader]:
     return found
 
 
-def grammar_readers(lang: Language) -> dict[str, Reader]:
+def grammar_readers(lang: Language) -> dict[str, MembershipTest]:
     """The readers of the grammar alone."""
     names = lang.srg.terminals
-    found: dict[str, Reader] = {
+    found: dict[str, MembershipTest] = {
         "residuals": by_residuals(lang.normal, names),
         "residuals with unit rules": by_residuals(lang.binary, names),
-        "pushdown": PushdownReader(lang.binary, names).accepts,
-        "pushdown without unit rules": PushdownReader(lang.normal, names).accepts,
+        "pushdown": PushdownMembership(lang.binary, names).accepts,
+        "pushdown without unit rules": PushdownMembership(lang.normal, names).accepts,
     }
     automaton = lang.lr_automaton
     if isinstance(automaton, LrAutomaton):
@@ -103,11 +103,11 @@ def check_settings(lang: Language, words: list[Word], derived: set[Word]) -> Non
     with patch.object(residuals, "CACHE_LIMIT", 3):
         reader = by_residuals(lang.normal, names)
         assert [w for w in words if reader(w)] == expected
-        stacked = PushdownReader(lang.binary, names)
+        stacked = PushdownMembership(lang.binary, names)
         assert [w for w in words if stacked.accepts(w)] == expected
     for height, limit in ((1, 50_000), (2, 50_000), (3, 50_000), (4, 2), (1, 2)):
         with patch.multiple(pushdown_reader, HEIGHT=height, CACHE_LIMIT=limit):
-            stacked = PushdownReader(lang.binary, names)
+            stacked = PushdownMembership(lang.binary, names)
             assert [w for w in words if stacked.accepts(w)] == expected, (height, limit)
 
 
@@ -150,7 +150,7 @@ def check_agreement(g: ir.Grammar, terminals: Word, longest: int, short: int) ->
 def check_libraries(g: ir.Grammar, terminals: Word, longest: int) -> None:
     """The same words told by the libraries, by brute force and by ours."""
     lang = of(g, terminals)
-    ours = PushdownReader(lang.binary, terminals)
+    ours = PushdownMembership(lang.binary, terminals)
     chart, table = NltkChart(g), PyformlangCyk(g)
     pda = sra(lang.srg, lang.accept)
     derived = words_of(g, longest)

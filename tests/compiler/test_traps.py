@@ -23,7 +23,7 @@ from compiler.words.lr_automaton import LrConflict
 from compiler.words.pushdown_automaton import configurations, sra
 from compiler.words.pushdown_runs import accepting_run
 from compiler.words.pushdown_runs import accepts as some_run_accepts
-from compiler.words.recogniser import PushdownReader, Recogniser
+from compiler.words.recogniser import Membership, PushdownMembership
 from compiler.words.structures import InfiniteAmbiguityError, derivations_of
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, derivations, satisfies, words_of
@@ -64,7 +64,7 @@ def all_answers(lang: Language, word: Word) -> tuple[bool, ...]:
     """As the language tells it, by a grammar with the condition inside, and by the SRA."""
     return (
         lang.accepts(word),
-        PushdownReader(lang.product, lang.srg.terminals).accepts(word),
+        PushdownMembership(lang.product, lang.srg.terminals).accepts(word),
         some_run_accepts(sra(lang.srg, lang.accept), word),
     )
 
@@ -92,7 +92,7 @@ def test_every_word_is_decided(name: str) -> None:
     text, terminals, kind, longest = SIX[name]
     lang = of(text, terminals)
     assert lang.recogniser.kind == kind
-    general = PushdownReader(lang.binary, terminals)
+    general = PushdownMembership(lang.binary, terminals)
     members = words_of(grammar(text, terminals), longest)
     rng = random.Random(name)
     drawn = [tuple(rng.choices(terminals, k=rng.randrange(longest + 1))) for _ in range(1000)]
@@ -449,7 +449,7 @@ def palindromes(middle: Word, count: int = 200) -> list[Word]:
     return [(*half, *middle, *reversed(half)) for half in halves]
 
 
-def memory_held(reader: Recogniser, words: list[Word]) -> int:
+def memory_held(reader: Membership, words: list[Word]) -> int:
     """What a reader holds in memory, in bytes, once it has read the words."""
     gc.collect()
     tracemalloc.start()

@@ -10,7 +10,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.trajectory.control import synthesise_control
-from solvers.trajectory.control_problem import FULL, ControlProblem, Effort
+from solvers.trajectory.control_problem import FULL, ControlProblem, IterationBudget
 from solvers.trajectory.linear_model import PositionRows
 from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
@@ -21,7 +21,7 @@ from tests.oracles.two_rods import rates, tip
 
 LENGTHS = np.array([1.0, 0.5])
 STEPS = 16
-ONCE = Effort(1, 1e-5, 1e-9, 0)
+ONCE = IterationBudget(1, 1e-5, 1e-9, 0)
 
 
 def test_half_way_between_two_poses_the_tip_is_elsewhere() -> None:

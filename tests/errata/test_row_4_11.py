@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from grammar_lang.load import load
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.structure_search import StructureSearch
 from solvers.search.synthesis import synthesise
 from solvers.trajectory.control import synthesise_control
@@ -50,7 +50,7 @@ def test_a_search_that_finds_nothing_refutes_nothing(
     program = load(path).program
     assert program is not None
     monkeypatch.setattr(StructureSearch, "design", lambda *_: (None, "no path can be followed"))
-    result = synthesise(program, program.tasks["Turn"], Conduct())
+    result = synthesise(program, program.tasks["Turn"], RunContext())
     assert result.verdict == "unknown"
     unresolved = [record for record in result.records if record.verdict == "unresolved"]
     assert [" ".join(record.word) for record in unresolved] == ["B eps JO eps L eps EN"]

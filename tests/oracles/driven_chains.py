@@ -11,7 +11,7 @@ from compiler.robots.robot import RobotModel
 from compiler.unreachability.actuation_reach import DriveBound, drive_reach, out_of_reach
 from compiler.unreachability.box_tree import LEAF, CoordinateTree, Part
 from compiler.unreachability.covered_poses import CoveredPoses
-from compiler.unreachability.motion_conditions import motion_demands
+from compiler.unreachability.motion_conditions import motion_conditions
 from compiler.words.structures import structures
 from grammar_lang import ir
 from tests.oracles.formulas import program
@@ -107,7 +107,7 @@ def answers(
     model, workspace, task = robot_of(text)
     with working_precision(64):
         drive = drive_reach(model, workspace, task)
-        poses = CoveredPoses(motion_demands(model, workspace, task))
+        poses = CoveredPoses(motion_conditions(model, workspace, task))
         box = tuple(parameters or [Part()] * len(model.parameters))
         cover = poses.cover(box, uniform(halvings))
         return [

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from grammar_lang.load import load
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis, synthesise
 from tests.oracles.small_specs import TURNER, replaced
 
@@ -48,7 +48,7 @@ def all_designs(folder: Path, extension: str) -> Synthesis:
     program = load(path).program
     assert program is not None
     (task,) = program.tasks.values()
-    return synthesise(program, task, Conduct(), every=True)
+    return synthesise(program, task, RunContext(), every=True)
 
 
 def best_robustness(least: float, most: float = LONGEST) -> float:

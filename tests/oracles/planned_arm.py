@@ -14,7 +14,7 @@ from compiler.robots.family import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.search.evaluation import evaluate
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from tests.conftest import ROOT
 
 THETAS = [np.array(theta) for theta in ((2.23, 3.35), (3.5, 1.75), (1.2, 3.9))]
@@ -33,7 +33,7 @@ def planned_arm():
     free = [i for i, cell in enumerate(cells.cells) if "O" not in cell.propositions]
     adjacency = nx.Graph((a, b) for a in free for b in cells.neighbours[a] if b in free)
     path = nx.shortest_path(adjacency, cells.index("S"), cells.index("T"))
-    return Follower(numeric, workspace, task, cells, 0, tuple(path), 2e-3, 0)
+    return PathProblem(numeric, workspace, task, cells, 0, tuple(path), 2e-3, 0)
 
 
 @cache

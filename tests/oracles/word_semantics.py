@@ -47,7 +47,7 @@ def within(
 def words(
     kinds: Sequence[frozenset[str]], steps: int, effectors: Sequence[int]
 ) -> Iterator[list[dict[int, frozenset[str]]]]:
-    """All words of cells over samples 0 .. ``steps``, whatever the cells' neighbours."""
+    """All cell traces over samples 0 .. ``steps``, whatever the cells' neighbours."""
     each = list(product(kinds, repeat=len(effectors)))
     for choice in product(each, repeat=steps + 1):
         yield [dict(zip(effectors, at, strict=True)) for at in choice]

@@ -10,7 +10,7 @@ import solvers.search.synthesis
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.load import load
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis, synthesise
 from tests.oracles.extended_arm import extended_arm
 from tests.oracles.small_specs import replaced
@@ -24,9 +24,9 @@ def program_of(folder: Path, text: str) -> ir.Program:
     return program
 
 
-def search(program: ir.Program, conduct: Conduct | None = None, *, every: bool) -> Synthesis:
+def search(program: ir.Program, context: RunContext | None = None, *, every: bool) -> Synthesis:
     (task,) = program.tasks.values()
-    return synthesise(program, task, conduct or Conduct(), every=every)
+    return synthesise(program, task, context or RunContext(), every=every)
 
 
 def test_the_first_design_is_that_of_an_ordinary_search(tmp_path: Path) -> None:
@@ -69,7 +69,7 @@ def test_out_of_time_before_the_first_design_is_unknown(tmp_path: Path) -> None:
         raise OutOfTimeError
 
     program = program_of(tmp_path, extended_arm("[0, 1]"))
-    result = search(program, Conduct(out_of_time=out_of_time), every=True)
+    result = search(program, RunContext(out_of_time=out_of_time), every=True)
     assert (result.verdict, result.designs, result.unfinished) == ("unknown", (), True)
     assert result.reason == "the time limit was reached"
 
@@ -83,6 +83,6 @@ def test_out_of_time_says_what_was_under_way(tmp_path: Path) -> None:
         return asked > 4
 
     program = program_of(tmp_path, extended_arm("[0, 1]"))
-    result = search(program, Conduct(out_of_time=out_of_time), every=True)
+    result = search(program, RunContext(out_of_time=out_of_time), every=True)
     assert result.verdict == "unknown"
     assert str(result.reason).startswith("the time limit was reached while a motion of B eps JO")

@@ -9,7 +9,7 @@ import pytest
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.body_conditions import body_demands
+from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import body_script
 from compiler.encodings.pose_questions import pose_questions
 from compiler.encodings.reachability_smt import refutation_script
@@ -20,7 +20,7 @@ from grammar_lang import ir
 from solvers.impossibility import structure_refutation
 from solvers.impossibility.clear_poses import clear_poses
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
 from tests.oracles.formulas import program, spec
@@ -51,7 +51,7 @@ def robot_of(found: ir.Program, task: ir.Task) -> RobotModel:
 def answer(right: float, clauses: str = SHELF) -> Refutation:
     found, task = task_of(right, clauses)
     numeric = NumericRobot(robot_graph(robot_of(found, task), task.gravity))
-    return refute_structure(numeric.graph.model, numeric, found, task, Conduct(seed=0))
+    return refute_structure(numeric.graph.model, numeric, found, task, RunContext(seed=0))
 
 
 def sampled(right: float, clauses: str = SHELF) -> frozenset[tuple[str, ...]]:
@@ -102,11 +102,11 @@ def test_every_script_of_the_body_is_evidence(tmp_path: Path, kind: str) -> None
     found, task = task_of(3.9)
     model, workspace = robot_of(found, task), found.workspaces[task.workspace]
     (question,) = pose_questions(workspace, task)
-    demands = body_demands(workspace, task)
+    demands = body_conditions(workspace, task)
     assert demands is not None
     if kind == "other":
         other, its = task_of(Fraction(7, 2))
-        demands = body_demands(other.workspaces[its.workspace], its)
+        demands = body_conditions(other.workspaces[its.workspace], its)
         assert demands is not None
     script = {
         "target": body_script(model, question, demands, ("target",)),

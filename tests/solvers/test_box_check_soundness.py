@@ -12,7 +12,7 @@ import shapely
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.unreachability.box_tree import ChoiceSide, Part, coordinate_boxes, coordinate_sides
 from compiler.unreachability.covered_poses import CoveredPoses
-from compiler.unreachability.motion_conditions import motion_demands
+from compiler.unreachability.motion_conditions import motion_conditions
 from grammar_lang import ir
 from solvers.verifier.refutations.box_check import why_not
 from tests.oracles.arms import ArmBuilder
@@ -96,7 +96,7 @@ def judge(seed, leaves):
     """The share of boxes that are blocked, after every label was held against poses."""
     rng, model, workspace, task = scene(seed)
     with working_precision(64):
-        poses = CoveredPoses(motion_demands(model, workspace, task))
+        poses = CoveredPoses(motion_conditions(model, workspace, task))
         tree = random_tree_code(rng, len(model.dofs), leaves)
         parts = random_parameters(rng, poses.parameters)
         cover = poses.cover(parts, tree)

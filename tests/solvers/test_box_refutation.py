@@ -13,13 +13,13 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.family import family_of
 from compiler.robots.robot import RobotModel
 from compiler.unreachability.box_tree import text
-from compiler.unreachability.motion_conditions import motion_demands
+from compiler.unreachability.motion_conditions import motion_conditions
 from compiler.words.structures import structures
 from grammar_lang import ir
-from solvers.impossibility.box_search import Effort, find_covering
+from solvers.impossibility.box_search import CoveringBudget, find_covering
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import synthesise
 from solvers.verifier.refutations.box_check import why_not
 from tests.oracles import small_specs
@@ -39,7 +39,7 @@ obstacle O polytope { x - y <= 0.2; y - x <= 0.2; x >= 0.3; x <= 2; } m;
 """
 FREE_TURN = (("in [-170, 170] deg", ""), ("bounds box [-1, 4] x [-1, 4]",
              "bounds box [-4, 4] x [-4, 4]"))  # fmt: skip
-EFFORT = Effort(3_000, 1_500, 120)
+EFFORT = CoveringBudget(3_000, 1_500, 120)
 
 
 def robot(
@@ -62,7 +62,7 @@ def answer(
 ) -> Refutation:
     found, task, model = robot(clauses, regions, arms, changes)
     numeric = NumericRobot(robot_graph(model, task.gravity))
-    return refute_structure(model, numeric, found, task, Conduct(seed=0))
+    return refute_structure(model, numeric, found, task, RunContext(seed=0))
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_a_given_start(start: str, reason: str | None) -> None:
 def test_every_refuted_structure_has_boxes(content: str) -> None:
     found = program(content)
     (task,) = found.tasks.values()
-    result = synthesise(found, task, Conduct())
+    result = synthesise(found, task, RunContext())
     assert result.verdict == "impossible"
     for record in result.records:
         assert (record.boxes is not None) == (record.verdict == "refuted")
@@ -183,7 +183,7 @@ def covered(seed: int) -> tuple[bool, bool]:
     (derivation,) = structures(family.language, 6)
     model, workspace = family.robot(derivation), found.workspaces[task.workspace]
     graph = robot_graph(model, task.gravity)
-    covering = find_covering(motion_demands(model, workspace, task), graph, EFFORT)
+    covering = find_covering(motion_conditions(model, workspace, task), graph, EFFORT)
     if covering is not None:
         assert why_not(text(covering.tree), model, workspace, task) is None
     return covering is not None, has_way(lengths, boxes)

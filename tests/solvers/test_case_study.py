@@ -16,7 +16,7 @@ from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.search.evaluation import evaluate
 from solvers.trajectory.control_problem import FULL
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter, read
 from tests.oracles.two_rods import FINE, simulated
@@ -124,8 +124,8 @@ def test_the_published_lengths_on_the_path_found(made):
     model = family.robot(family.replay(tuple(design["derivation"])))
     numeric = NumericRobot(robot_graph(model, task.gravity))
     path = tuple(cells.index(name) for name in dict.fromkeys(design["path"][0]))
-    follower = Follower(numeric, workspace, task, cells, 0, path, 2e-3, 0)
-    outcome = evaluate(follower, np.array(PUBLISHED), FULL)
+    path_problem = PathProblem(numeric, workspace, task, cells, 0, path, 2e-3, 0)
+    outcome = evaluate(path_problem, np.array(PUBLISHED), FULL)
     assert outcome.feasible
     assert design["robustness"] >= outcome.robustness
 

@@ -18,7 +18,7 @@ from solvers.explanation.relaxation import without
 from solvers.explanation.run import Runs
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, task_lines
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from tests.oracles.small_specs import TURNER, replaced
 
 ONE_LINK = ("B", "eps", "JO", "eps", "L", "eps", "EN")
@@ -73,7 +73,7 @@ def conflict(text: str, word: tuple[str, ...]) -> tuple[TaskLine, ...] | None:
     asked = posed(text)
     language = family_of(asked.program, asked.task).language
     (derivation,) = derivations_of(language, word)
-    return ConflictSearch(asked, Conduct()).conflict(derivation)
+    return ConflictSearch(asked, RunContext()).conflict(derivation)
 
 
 def names(lines: tuple[TaskLine, ...] | None) -> set[str]:
@@ -121,14 +121,14 @@ def test_the_hand_that_is_named_is_too_short() -> None:
     """Only the second hand is: 0.8 m for the target at 1.21 m; any hand would do otherwise."""
     asked = posed(TWO_HANDS)
     (derivation,) = structures(family_of(asked.program, asked.task).language, 7)
-    found = ConflictSearch(asked, Conduct()).conflict(derivation)
+    found = ConflictSearch(asked, RunContext()).conflict(derivation)
     assert names(found) == {"reach", "parameter H length"}
 
 
 def test_no_proper_part_of_a_conflict_is_refuted() -> None:
     asked = posed(TWO_HANDS)
     (derivation,) = structures(family_of(asked.program, asked.task).language, 7)
-    search = ConflictSearch(asked, Conduct())
+    search = ConflictSearch(asked, RunContext())
     found = search.conflict(derivation)
     assert found is not None
     parts = [part for n in range(len(found)) for part in combinations(found, n)]
@@ -141,9 +141,9 @@ def test_the_conflict_at_the_end_of_a_synthesis_takes_few_questions(
 ) -> None:
     asked = posed(TWO_HANDS)
     (derivation,) = structures(family_of(asked.program, asked.task).language, 7)
-    assert quick_conflict(asked, derivation, Conduct()).conflicts.found
+    assert quick_conflict(asked, derivation, RunContext()).conflicts.found
     monkeypatch.setattr(explanation, "MOST_QUICK", 3)
-    assert not quick_conflict(asked, derivation, Conduct()).conflicts.found
+    assert not quick_conflict(asked, derivation, RunContext()).conflicts.found
 
 
 class Vain(Runs):
@@ -156,7 +156,7 @@ class Vain(Runs):
 def test_effort_and_horizon_are_changed_before_ranges() -> None:
     """There may be more changes of ranges than there are runs."""
     asked = posed(TURNER)
-    runs = Vain(Conduct(), limit=3)
+    runs = Vain(RunContext(), limit=3)
     lines = [x for x in task_lines(asked) if x.kind in ("parameter", "effort", "horizon")]
     SuggestionSearch(asked, runs).after_conflicts(lines, None)
     assert [change.line.kind for change in runs.failed] == ["effort", "horizon", "parameter"]

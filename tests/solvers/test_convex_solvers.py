@@ -17,9 +17,9 @@ from solvers.backends.clarabel import Clarabel
 from solvers.backends.conic import Cones, ConvexProgram, NotSolved, Optimum, Status
 from solvers.backends.cvxpy_solvers import SolverNameError, solved, solver_called
 from solvers.backends.piqp import ProximalInteriorPoint
-from solvers.backends.solver_portfolio import FINAL, WIDER, Fallback
+from solvers.backends.solver_portfolio import FINAL, WIDER, SolverPortfolio
 
-ALL = (ProximalInteriorPoint(), Clarabel(), Clarabel(scaled=False), Fallback())
+ALL = (ProximalInteriorPoint(), Clarabel(), Clarabel(scaled=False), SolverPortfolio())
 
 
 def program(seed: int = 0, structure: object = None) -> ConvexProgram:
@@ -86,7 +86,7 @@ def test_cones_are_for_clarabel() -> None:
     none = csc_matrix((0, 2)), np.zeros(0)
     free = np.full(2, np.inf)
     asked = ConvexProgram(np.zeros(2), np.array([1.0, 2.0]), *none, *none, -free, free, cone)
-    answer = Fallback().solve(asked, 1e-9)
+    answer = SolverPortfolio().solve(asked, 1e-9)
     assert isinstance(answer, Optimum)
     assert answer.value == pytest.approx(-3 * np.sqrt(5), abs=1e-6)
     assert isinstance(ProximalInteriorPoint().solve(asked, 1e-9), NotSolved)
@@ -212,34 +212,34 @@ OWN_FAILURES = [status for status in Status if status not in FINAL]
 @pytest.mark.parametrize("status", OWN_FAILURES)
 def test_after_a_failure_of_its_own_another_solver_is_asked(status: Status) -> None:
     first, second, third = Scripted([NotSolved(status)]), Scripted([GOOD]), Scripted([])
-    assert Fallback((first, second, third)).solve(program(), 1e-8) is GOOD
+    assert SolverPortfolio((first, second, third)).solve(program(), 1e-8) is GOOD
     assert (first.asked, second.asked, third.asked) == ([1e-8], [1e-8], [])
 
 
 @pytest.mark.parametrize("status", sorted(FINAL, key=lambda status: status.value))
 def test_what_holds_for_every_solver_is_asked_once(status: Status) -> None:
     first, second = Scripted([NotSolved(status)]), Scripted([])
-    assert Fallback((first, second)).solve(program(), 1e-8) == NotSolved(status)
+    assert SolverPortfolio((first, second)).solve(program(), 1e-8) == NotSolved(status)
     assert second.asked == []
 
 
 def test_a_wider_tolerance_comes_last() -> None:
     failures = [NotSolved(Status.NUMERICS), RuntimeError("panic"), Optimum(np.zeros(6) + 9, 0.0)]
     stubs = [Scripted([failure, GOOD]) for failure in failures]
-    assert Fallback(stubs).solve(program(), 1e-8) is GOOD
+    assert SolverPortfolio(stubs).solve(program(), 1e-8) is GOOD
     assert [stub.asked for stub in stubs] == [[1e-8, 1e-8 * WIDER], [1e-8], [1e-8]]
 
 
 def test_what_none_solves_is_not_solved() -> None:
     stubs = [Scripted([NotSolved(Status.NUMERICS), NotSolved(Status.INACCURATE)]) for _ in "abc"]
-    assert Fallback(stubs).solve(program(), 1e-8) == NotSolved(Status.INACCURATE)
-    assert Fallback(()).solve(program(), 1e-8) == NotSolved(Status.FAILED, "no solver")
+    assert SolverPortfolio(stubs).solve(program(), 1e-8) == NotSolved(Status.INACCURATE)
+    assert SolverPortfolio(()).solve(program(), 1e-8) == NotSolved(Status.FAILED, "no solver")
 
 
 @pytest.mark.parametrize("stop", [KeyboardInterrupt(), SystemExit(3)])
 def test_an_interrupt_is_none_of_its_business(stop: BaseException) -> None:
     with pytest.raises(type(stop)):
-        Fallback((Scripted([stop]),)).solve(program(), 1e-8)
+        SolverPortfolio((Scripted([stop]),)).solve(program(), 1e-8)
 
 
 def test_a_failure_in_one_line() -> None:

@@ -14,7 +14,7 @@ from solvers.backends.conic import NotSolved, Status
 from solvers.trajectory.convex_step import ConvexStep
 from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
 from solvers.trajectory.reference_step import ReferenceStep
-from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
 from solvers.trajectory.task_limits import InputGroup, MotionLimits
 from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.planar_chain import chain_dynamics
@@ -93,8 +93,8 @@ class Case:
     epsilon: float | None = None
 
     @property
-    def question(self) -> StepQuestion:
-        return StepQuestion(self.limits, self.groups, self.box, Weights(), self.epsilon)
+    def question(self) -> SubproblemSpec:
+        return SubproblemSpec(self.limits, self.groups, self.box, Weights(), self.epsilon)
 
     @property
     def region(self) -> TrustRegion:

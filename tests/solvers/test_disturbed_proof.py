@@ -19,7 +19,7 @@ from compiler.tasks.stops import REST_RATE
 from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from grammar_lang.load import load
-from solvers.verifier.proofs.checked_condition import Finding, decisive
+from solvers.verifier.proofs.checked_condition import CheckedCondition, decisive
 from solvers.verifier.proofs.disturbed_proof import disturbed_start
 from solvers.verifier.proofs.trajectory_proof import Motion, Scene, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
@@ -105,7 +105,7 @@ def proved(
     inputs: Sequence[Sequence[Fraction]],
     *,
     refute: bool = False,
-) -> dict[str, Finding]:
+) -> dict[str, CheckedCondition]:
     """The findings on a motion; its path of cells, which is about the plan alone, is left out."""
     task = replace(where.task, steps=len(inputs))
     where = replace(where, task=task)
@@ -116,7 +116,7 @@ def proved(
 # --- closed forms ---------------------------------------------------------------------------------
 
 
-def near(found: Finding, plan: float, off: float) -> None:
+def near(found: CheckedCondition, plan: float, off: float) -> None:
     """A proved margin is never above the true one; what motions are off by counts at most twice."""
     assert found.status is Status.HOLDS
     assert plan - 2 * off - 0.05 * plan <= found.margin <= plan - off + 1e-9

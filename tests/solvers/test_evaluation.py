@@ -14,7 +14,7 @@ from solvers.parameters.parameter_space import parameter_space
 from solvers.run_context import Memory
 from solvers.search import evaluation
 from solvers.search.evaluation import Evaluator, SolveRequest, outcome_of, record_of
-from solvers.trajectory.path_following import Follower
+from solvers.trajectory.path_following import PathProblem
 from tests.oracles.planned_arm import THETAS, bits, evaluated, planned_arm
 
 
@@ -64,9 +64,9 @@ def counted(monkeypatch):
     solved = []
     outcome = SolveRequest.outcome
 
-    def counting(request, follower):
+    def counting(request, path_problem):
         solved.append(request)
-        return outcome(request, follower)
+        return outcome(request, path_problem)
 
     monkeypatch.setattr(SolveRequest, "outcome", counting)
     return solved
@@ -114,11 +114,11 @@ def test_another_question_is_not_answered_from_the_journal(monkeypatch):
     list(Evaluator(arm, InProcess(), journal, "a").solutions([request]))
     solved = []
 
-    def seeds(follower, theta):
+    def seeds(path_problem, theta):
         solved.append(theta)
         return [outcome.trajectory]
 
-    monkeypatch.setattr(Follower, "seeds", seeds)
+    monkeypatch.setattr(PathProblem, "seeds", seeds)
     monkeypatch.setattr(SolveRequest, "outcome", lambda *_: solved.append(None) or outcome)
     others = [
         Evaluator(arm, InProcess(), journal, "b").batch(THETAS[:1]),
@@ -179,7 +179,7 @@ def test_parameters_without_seeds_have_no_outcomes(monkeypatch, counts):
     outcome = evaluated(*THETAS[0])
     thetas = [np.array([number, 1.0]) for number in range(len(counts))]
 
-    def seeds(follower, theta):
+    def seeds(path_problem, theta):
         start = outcome.trajectory
         return [replace(start, theta=theta)] * counts[int(theta[0])]
 

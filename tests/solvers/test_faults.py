@@ -22,7 +22,7 @@ from solvers.backends.conic import Status
 from solvers.execution.process_pool import ProcessPool
 from solvers.execution.workers import WorkersLostError
 from solvers.impossibility import box_evidence, structure_refutation
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import OUT_OF_TIME, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
@@ -171,8 +171,8 @@ def test_a_solver_that_takes_all_the_time(tmp_path: Path, monkeypatch: pytest.Mo
     program = load(tmp_path / "spec.srg").program
     assert program is not None
     calls = inject(monkeypatch, claims(Status.TIME_LIMIT))
-    conduct = Conduct(out_of_time=lambda: calls[0] > 0)
-    result = synthesise(program, program.tasks["Slide"], conduct)
+    context = RunContext(out_of_time=lambda: calls[0] > 0)
+    result = synthesise(program, program.tasks["Slide"], context)
     assert result.verdict == "unknown"
     assert result.reason == f"{OUT_OF_TIME} while a motion of B eps P eps M eps EN was searched"
     assert result.unfinished
@@ -211,7 +211,7 @@ def test_workers_that_die_are_no_answer(tmp_path: Path, monkeypatch: pytest.Monk
     pool = EagerPool(2)
     try:
         with pytest.raises(WorkersLostError):
-            synthesise(program, program.tasks["Turn"], Conduct(workers=pool))
+            synthesise(program, program.tasks["Turn"], RunContext(workers=pool))
     finally:
         pool.close()
 

@@ -24,7 +24,7 @@ from grammar_lang import ir
 from solvers.trajectory.convex_step import ConvexStep
 from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
 from solvers.trajectory.reference_step import ReferenceStep
-from solvers.trajectory.subproblem import StepQuestion, StepResult, TrustRegion, Weights
+from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
 from solvers.trajectory.task_limits import InputGroup, MotionLimits
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.enclosure import Accuracy, tube
@@ -68,7 +68,7 @@ def test_the_optimum_is_that_of_the_readable_formulation(*, free: bool) -> None:
     # An input whose bounds are not symmetric, beside an effort.
     groups = (InputGroup((1,), -9.0, 9.0, norm2=False), InputGroup((0,), -3.0, 5.0, norm2=False))
     box = (np.full(2, 0.5), np.full(2, 5.0)) if free else None
-    question = StepQuestion(limits, groups, box, Weights())
+    question = SubproblemSpec(limits, groups, box, Weights())
     values = []
     for step in (ConvexStep(question), ReferenceStep(question)):
         found = step.solve(model, NONE, TrustRegion(0.5), 1e-9)

@@ -1,4 +1,4 @@
-"""Limits and substeps of a follower, against arithmetic and a precise integrator."""
+"""Limits and substeps of a path problem, against arithmetic and a precise integrator."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from compiler.robots.family import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.trajectory.control_problem import ControlOutcome
-from solvers.trajectory.path_following import LIMIT_MARGIN, Follower
+from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
 from solvers.trajectory.task_limits import motion_limits
 from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.small_specs import TURNER
@@ -21,7 +21,7 @@ from tests.oracles.small_specs import TURNER
 WORD = ("tool", "link", "joint", "base")
 
 
-def follower(tmp_path, *changes):
+def path_problem(tmp_path, *changes):
     text = TURNER
     for before, after in changes:
         assert before in text
@@ -35,11 +35,11 @@ def follower(tmp_path, *changes):
     model = family.robot(family.replay(WORD))
     numeric = NumericRobot(robot_graph(model, task.gravity))
     cells = abstract(workspace)
-    return Follower(numeric, workspace, task, cells, 0, (cells.index("S"),), 2e-3, 0)
+    return PathProblem(numeric, workspace, task, cells, 0, (cells.index("S"),), 2e-3, 0)
 
 
 def test_limits_are_kept_at_a_distance_that_grows_with_the_margin(tmp_path):
-    plain = follower(tmp_path)
+    plain = path_problem(tmp_path)
     least = motion_limits(plain.model, plain.task, plain.limit_margin)
     assert least.upper[0] == pytest.approx(np.pi - LIMIT_MARGIN)
     wide = plain.with_margin(4e-2)
@@ -49,17 +49,17 @@ def test_limits_are_kept_at_a_distance_that_grows_with_the_margin(tmp_path):
 
 
 def test_a_narrow_range_is_never_turned_inside_out(tmp_path):
-    narrow = follower(tmp_path, ("[-180, 180] deg", "[0.3, 0.301]"))
+    narrow = path_problem(tmp_path, ("[-180, 180] deg", "[0.3, 0.301]"))
     limits = motion_limits(narrow.model, narrow.task, 0.5)
     assert 0.3 < limits.lower[0] < limits.upper[0] < 0.301
-    fixed = follower(tmp_path, ("[-180, 180] deg", "[0.3, 0.3]"))
+    fixed = path_problem(tmp_path, ("[-180, 180] deg", "[0.3, 0.3]"))
     limits = motion_limits(fixed.model, fixed.task, 0.5)
     assert limits.lower[0] == limits.upper[0] == pytest.approx(0.3)
 
 
 def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):
     """A rod hanging in strong gravity, held over coarse steps, against DOP853."""
-    swing = follower(
+    swing = path_problem(
         tmp_path,
         ("  horizon 10 steps of 0.2 s", "  gravity (0, -40) m/s^2;\n  horizon 10 steps of 0.5 s"),
     )
@@ -86,13 +86,13 @@ def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):
 
 
 def test_a_gentle_motion_keeps_its_substeps(tmp_path):
-    plain = follower(tmp_path)
+    plain = path_problem(tmp_path)
     still = Trajectory(np.zeros((11, 2)), np.full((10, 1), 0.1), np.array([1.5]))
     assert plain.refined(still).substeps == plain.substeps
 
 
 def test_an_outcome_that_is_no_number_counts_as_the_worst(tmp_path, monkeypatch):
-    plain = follower(tmp_path)
+    plain = path_problem(tmp_path)
     seed = Trajectory(np.zeros((11, 2)), np.zeros((10, 1)), np.array([1.5]))
     broken = ControlOutcome(seed, True, np.nan, 0.0, np.zeros(10), 0.0, 1, "diverged")
     monkeypatch.setattr(

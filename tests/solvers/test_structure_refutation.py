@@ -13,7 +13,7 @@ from compiler.words.structures import structures
 from grammar_lang import ir
 from solvers.impossibility import structure_refutation
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
 from tests.oracles.formulas import program, spec
@@ -36,7 +36,7 @@ def answer(clauses: str) -> Refutation:
     (derivation,) = structures(family_of(found, task).language, 7)
     model = family_of(found, task).robot(derivation)
     numeric = NumericRobot(robot_graph(model, task.gravity))
-    return refute_structure(model, numeric, found, task, Conduct(seed=0))
+    return refute_structure(model, numeric, found, task, RunContext(seed=0))
 
 
 @pytest.mark.parametrize(

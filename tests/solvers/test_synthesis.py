@@ -10,7 +10,7 @@ import solvers.conclusion
 import solvers.search.structure_search
 import solvers.search.synthesis
 from grammar_lang.load import load
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import synthesise
 from tests.oracles.small_specs import TURNER
 
@@ -33,7 +33,7 @@ def run(tmp_path, text):
     path.write_text(text, encoding="utf-8")
     program = load(path).program
     (task,) = program.tasks.values()
-    return synthesise(program, task, Conduct())
+    return synthesise(program, task, RunContext())
 
 
 def standing(target):

@@ -27,7 +27,7 @@ from solvers.impossibility.box_search import WITH_PROOF
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.impossibility.structure_refutation import refute_structure
 from solvers.planner import Planner
-from solvers.run_context import Conduct, Memory
+from solvers.run_context import Memory, RunContext
 from solvers.search.synthesis import NOT_COVERED, OUT_OF_TIME, Synthesis, synthesise
 from solvers.trajectory.fine_motion import fine_motion
 from solvers.trajectory.trajectory import Trajectory
@@ -86,7 +86,7 @@ def covering() -> str:
 
 def refuted() -> object:
     return refute_structure(
-        BEYOND.model, BEYOND.numeric, BEYOND.program, BEYOND.task, Conduct(journal=Memory())
+        BEYOND.model, BEYOND.numeric, BEYOND.program, BEYOND.task, RunContext(journal=Memory())
     )
 
 
@@ -157,7 +157,7 @@ def test_what_z3_says_once_time_is_over_is_no_answer(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(z3.Solver, "check", late)
     journal = Memory()
     with time_limit(over), pytest.raises(OutOfTimeError):
-        structure_refutation._refuted(CIRCLE.format(1), Conduct(journal=journal), 10_000)
+        structure_refutation._refuted(CIRCLE.format(1), RunContext(journal=journal), 10_000)
     assert not journal.values
 
 
@@ -192,7 +192,7 @@ def test_jobs_of_others_are_not_waited_for() -> None:
 
 
 def searched(robot: Robot, journal: Memory, *, every: bool = False) -> Synthesis:
-    return synthesise(robot.program, robot.task, Conduct(journal=journal), every=every)
+    return synthesise(robot.program, robot.task, RunContext(journal=journal), every=every)
 
 
 def same(one: Synthesis, other: Synthesis) -> bool:

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load_text
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
@@ -36,7 +36,7 @@ def turner(dynamics: str, old: str = "", new: str = "") -> str:
 
 def answer(text: str) -> Synthesis:
     found = program(text)
-    return synthesise(found, found.tasks["Turn"], Conduct())
+    return synthesise(found, found.tasks["Turn"], RunContext())
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compiler.tasks.formula_parts import occurrences, strengthened
-from compiler.tasks.necessary_conditions import conjuncts, task_demands
+from compiler.tasks.necessary_conditions import conjuncts, necessary_conditions
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Severity, Sink
-from solvers.conflicts.contradiction import DemandConflicts, contradictions_among
+from solvers.conflicts.contradiction import ConditionConflicts, contradictions_among
 from solvers.conflicts.vacuity import (
     Entailment,
     always_holds,
@@ -166,9 +166,9 @@ def judged(name: str, given_formulas: tuple[ir.Formula, ...], seconds: int) -> i
     found = PROGRAMS[name]
     satisfy = tuple(map(ir.Satisfy, given_formulas))
     task = replace(found.tasks["P"], satisfy=satisfy, steps=seconds, step=SECOND)
-    asked = task_demands(found, task)
+    asked = necessary_conditions(found, task)
     assert asked is not None
-    conflicts = DemandConflicts(asked)
+    conflicts = ConditionConflicts(asked)
     if contradictions_among(task, asked.demands, conflicts):
         conflicts.close()
         return 0

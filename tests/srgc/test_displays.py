@@ -23,7 +23,7 @@ ODD = TURNER.replace("edge eps;", 'edge "<b>&";').replace(" eps ", ' "<b>&" ')
 ODD_WORD = "B <b>& JO <b>& L <b>& EN"
 
 
-class Reader(HTMLParser):
+class MembershipTest(HTMLParser):
     """Elements, their attributes and text; every element has to be closed in its turn."""
 
     def __init__(self) -> None:
@@ -51,7 +51,7 @@ class Reader(HTMLParser):
 def read(thing):
     """The display of a thing, which brings no scripts and loads nothing."""
     shown = thing if isinstance(thing, str) else thing._repr_html_()
-    reader = Reader()
+    reader = MembershipTest()
     reader.feed(shown)
     reader.close()
     assert reader.open == []

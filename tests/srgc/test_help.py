@@ -11,7 +11,7 @@ import pytest
 
 from srgc.cli import run
 from srgc.cli.command_table import GROUPS, TABLE, all_commands, command_named
-from srgc.cli.documented_command import TaughtCommand
+from srgc.cli.documented_command import DocumentedCommand
 from tests.conftest import ROOT
 from tests.oracles.some_cases import some
 
@@ -138,7 +138,7 @@ def test_the_table_for_a_reference():
     for commands in found.values():
         for name, command in commands.items():
             assert command.name == name
-            assert isinstance(command, TaughtCommand)
+            assert isinstance(command, DocumentedCommand)
 
 
 @pytest.mark.parametrize(

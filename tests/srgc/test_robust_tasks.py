@@ -97,7 +97,7 @@ def test_too_much_for_any_room_is_unknown_with_the_reason(srgc, spec, tmp_path, 
     text = SHAKEN.replace("0.2 deg,", f"{radius},").replace("horizon", "modules <= 4;\n  horizon")
     ran = srgc("synth", spec(text), "-o", tmp_path / "out")
     assert ran.status == 4
-    assert "no motion was found that leaves disturbed ones the room" in ran.out
+    assert "no motion was found that leaves disturbed ones the clearance" in ran.out
     # Of more than a motion can leave from the beginning nothing is tried to be proved.
     outgrown = "the enclosure of the disturbed motions outgrows the margin of `"
     assert (outgrown in ran.out and "` at " in ran.out) is proved

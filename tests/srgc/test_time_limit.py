@@ -14,7 +14,7 @@ from compiler.time_limits.time_limit import OutOfTimeError, check_time, time_lim
 from grammar_lang.load import load, load_text
 from solvers.explanation.conflict import ConflictSearch
 from solvers.explanation.explanation import Asked, explain
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis, synthesise
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.results.synthesis_run import PICTURES, SynthesisOptions, run_synthesis
@@ -125,14 +125,14 @@ def test_a_cut_run_says_by_how_much_the_limit_was_passed(
 
 def test_the_conflict_at_the_end_keeps_to_the_limit(made: Made) -> None:
     tried = tried_folder(made("beyond_reach") / "out")
-    searched = synthesise(tried.posed.program, tried.posed.task, Conduct())
+    searched = synthesise(tried.posed.program, tried.posed.task, RunContext())
     assert searched.verdict == "impossible"
     last = "`srgc why out` says what would make it possible"
-    whole = ending(searched, tried.posed, Conduct(), "out")
+    whole = ending(searched, tried.posed, RunContext(), "out")
     assert len(whole.splitlines()) > 2
     assert whole.endswith(last)
     with time_limit(lambda: True):
-        short = ending(searched, tried.posed, Conduct(), "out")
+        short = ending(searched, tried.posed, RunContext(), "out")
     assert short.splitlines()[-1] == last
     assert len(short) < len(whole)
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from solvers.verifier.proofs.checked_condition import Finding
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
 from srgc.text_reports.verification_report import verification_text
 
 
-def clear(name: str, margin: float, status: Status = Status.HOLDS) -> Finding:
-    return Finding(f"clearance of effector to {name}", status, margin, "m", 1.0, (0.5, 0.25))
+def clear(name: str, margin: float, status: Status = Status.HOLDS) -> CheckedCondition:
+    return CheckedCondition(
+        f"clearance of effector to {name}", status, margin, "m", 1.0, (0.5, 0.25)
+    )
 
 
-def printed(*findings: Finding) -> list[str]:
+def printed(*findings: CheckedCondition) -> list[str]:
     report = Report(Outcome.VALID, "found", "validated", None, findings)
     head, *lines = verification_text(report).splitlines()
     assert head == "valid: found, level validated"
@@ -39,6 +41,8 @@ def test_pieces_that_hold_do_not_hide_one_that_fails() -> None:
 
 
 def test_names_are_in_one_column() -> None:
-    long = Finding("satisfy 1: eventually[0 s, 3 s] (A and eventually B)", Status.HOLDS, 0.1, "m")
+    long = CheckedCondition(
+        "satisfy 1: eventually[0 s, 3 s] (A and eventually B)", Status.HOLDS, 0.1, "m"
+    )
     lines = printed(long, clear("post", 0.5))
     assert len({line.index("margin") for line in lines}) == 1

@@ -14,7 +14,7 @@ from compiler.robots.input_bounds import InputBound, input_bounds, unbounded_kin
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim, exact
-from solvers.verifier.proofs.checked_condition import Finding
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.trajectory_proof import Motion
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Refused
@@ -25,9 +25,9 @@ NOT_A_DECIMAL = Fraction(1, 10**9)
 
 def check_efforts(
     claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
-) -> list[Finding]:
+) -> list[CheckedCondition]:
     """Every input is within its bound, exactly; the claimed peak and robustness are true."""
-    peak, margins, findings = Fraction(0), list[Fraction](), list[Finding]()
+    peak, margins, findings = Fraction(0), list[Fraction](), list[CheckedCondition]()
     all_exact = True
     free = unbounded_kinds(model, task)
     if free:
@@ -38,7 +38,9 @@ def check_efforts(
         all_exact = all_exact and held.exact
         status = Status.HOLDS if held.holds else Status.FAILS
         name = f"effort ({bound.unit})" if bound.effort else bound.name
-        findings.append(Finding(name, status, float(held.margin), bound.unit, time, exact=True))
+        findings.append(
+            CheckedCondition(name, status, float(held.margin), bound.unit, time, exact=True)
+        )
         peak = max(peak, held.largest) if bound.effort else peak
         margins.append(held.margin)
     true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}

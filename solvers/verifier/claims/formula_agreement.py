@@ -11,13 +11,13 @@ from typing import Any
 from compiler.tasks.formula_text import formula_text
 from grammar_lang import ir
 from solvers.verifier.claims.spec_copy import bounded_bytes
-from solvers.verifier.proofs.checked_condition import Finding
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 
 CLOSELY = 1e-9
 """How far a stated robustness may be from the proved one, in metres: balls depend on libraries."""
 
 
-def satisfied_formulas(task: ir.Task, findings: Sequence[Finding]) -> list[dict[str, Any]]:
+def satisfied_formulas(task: ir.Task, findings: Sequence[CheckedCondition]) -> list[dict[str, Any]]:
     """Per ``satisfy`` its text and a lower bound of its robustness in metres.
 
     The bound is None where the formula holds wherever the effectors are.
@@ -32,7 +32,9 @@ def satisfied_formulas(task: ir.Task, findings: Sequence[Finding]) -> list[dict[
     ]
 
 
-def misstated_formula(folder: Path, task: ir.Task, findings: Sequence[Finding]) -> str | None:
+def misstated_formula(
+    folder: Path, task: ir.Task, findings: Sequence[CheckedCondition]
+) -> str | None:
     """Why the folder's ``design.json`` misstates a proved formula, or None.
 
     Args:

@@ -15,7 +15,7 @@ NO_MARGIN = float("inf")
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class CheckedCondition:
     """One proved, disproved or undecided condition, with its margin and where it is attained.
 
     One that is not proved says instead where that is seen first; its margin is not positive.
@@ -49,7 +49,7 @@ class Finding:
         return f"{self.why or f'{self.name}: {verb}'}{at}"
 
 
-def decisive(findings: Sequence[Finding]) -> Finding | None:
+def decisive(findings: Sequence[CheckedCondition]) -> CheckedCondition | None:
     """The first violation, else what is open earliest; None where all hold."""
     failed = next((f for f in findings if f.status is Status.FAILS), None)
     if failed is not None:
@@ -58,7 +58,7 @@ def decisive(findings: Sequence[Finding]) -> Finding | None:
     return min(still_open, key=lambda f: NO_MARGIN if f.time is None else f.time, default=None)
 
 
-def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> Finding:
+def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> CheckedCondition:
     """A point at one instant lies strictly inside a polytope."""
     gaps = [
         (r.offset - sum((a * x for a, x in zip(r.normal, point, strict=True)), arb(0))) / r.length
@@ -69,11 +69,11 @@ def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> 
 
 def least(
     name: str, gaps: Sequence[arb], unit: str, time: float, place: tuple[float, ...] = ()
-) -> Finding:
+) -> CheckedCondition:
     """All gaps are positive; the margin is a lower bound of the least."""
     if any(bool(gap < 0) for gap in gaps):
         worst = min(float(gap.mid()) for gap in gaps)
-        return Finding(name, Status.FAILS, worst, unit, time, place)
+        return CheckedCondition(name, Status.FAILS, worst, unit, time, place)
     status = Status.HOLDS if all(bool(gap > 0) for gap in gaps) else Status.UNDECIDED
     margin = min((float(gap.lower()) for gap in gaps), default=NO_MARGIN)
-    return Finding(name, status, margin, unit, time, place)
+    return CheckedCondition(name, status, margin, unit, time, place)

@@ -17,7 +17,7 @@ from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.tasks.disturbance_radii import disturbance_radii
 from grammar_lang import ir
-from solvers.verifier.proofs.checked_condition import NO_MARGIN, Finding, decisive, inside
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.scene import Motion, Scene
@@ -36,10 +36,10 @@ from solvers.verifier.proofs.watch import Watch
 def disturbed_findings(
     scene: Scene,
     motion: Motion,
-    planned: Sequence[Finding],
+    planned: Sequence[CheckedCondition],
     accuracy: Accuracy,
     watch: Watch,
-) -> tuple[Finding, ...]:
+) -> tuple[CheckedCondition, ...]:
     """The findings on the planned motion, replaced by those on all disturbed ones.
 
     Where the tube ends early, what has to hold until the end is not decided.
@@ -60,10 +60,10 @@ def disturbed_findings(
 
 
 def _cut_short(
-    scene: Scene, planned: Sequence[Finding], told: Sequence[Finding], time: float
-) -> list[Finding]:
+    scene: Scene, planned: Sequence[CheckedCondition], told: Sequence[CheckedCondition], time: float
+) -> list[CheckedCondition]:
     """What is not proved by a tube that ends early; ``told`` is what it shows up to there."""
-    ended = Finding(
+    ended = CheckedCondition(
         "disturbed motions", Status.UNDECIDED, -NO_MARGIN, "", time,
         why="the enclosure of the disturbed motions ends",
     )  # fmt: skip
@@ -86,10 +86,10 @@ def _target(scene: Scene) -> str | None:
 def with_counterexample(
     scene: Scene,
     motion: Motion,
-    findings: tuple[Finding, ...],
+    findings: tuple[CheckedCondition, ...],
     accuracy: Accuracy,
     watch: Watch,
-) -> tuple[Finding, ...]:
+) -> tuple[CheckedCondition, ...]:
     """The findings, with a violation by a disturbed motion where one is found of what is open."""
     worst = decisive(findings)
     if worst is None or worst.status is Status.FAILS:
@@ -112,7 +112,7 @@ def with_counterexample(
     return findings
 
 
-def _told(finding: Finding) -> Finding:
+def _told(finding: CheckedCondition) -> CheckedCondition:
     """A finding on all disturbed motions, with the reason where they are too many to prove it."""
     if finding.status is not Status.UNDECIDED:
         return finding
@@ -187,7 +187,7 @@ def counterexample(
     radii: Sequence[Fraction],
     accuracy: Accuracy,
     watch: Watch,
-) -> Finding | None:
+) -> CheckedCondition | None:
     """A violation by a disturbed motion of the condition of that name, or None.
 
     ``radii`` are those of coordinates and rates.  Formulas are not looked at.

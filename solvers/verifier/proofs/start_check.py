@@ -14,12 +14,12 @@ from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
 from compiler.tasks.stops import REST_RATE
 from grammar_lang import ir
-from solvers.verifier.proofs.checked_condition import NO_MARGIN, Finding, inside, least
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside, least
 from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.tube_checks import Status
 
 
-def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) -> Finding:
+def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) -> CheckedCondition:
     """M is positive definite at the start: all pivots of its LDL^T factorisation are positive.
 
     Along the tube the pivots stay away from zero, or the enclosure would fail, so M stays so.
@@ -39,18 +39,20 @@ def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) 
     return least("mass matrix positive definite", [least_pivot], "SI", 0.0)
 
 
-def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[Finding]:
+def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]:
     """The bodies of which a length, mass, density, radius or moment of inertia is negative."""
     scalars = scalar_balls(model.scalars, tail)
     return [
-        Finding(f"amounts of body {number}", Status.FAILS, float(scalars[i].mid()), "SI", 0.0)
+        CheckedCondition(
+            f"amounts of body {number}", Status.FAILS, float(scalars[i].mid()), "SI", 0.0
+        )
         for number, body in enumerate(model.bodies, 1)
         for i in amounts_of(body)
         if scalars[i] < 0
     ]
 
 
-def at_rest(graph: RobotGraph, state: Sequence[arb], time: float) -> Finding:
+def at_rest(graph: RobotGraph, state: Sequence[arb], time: float) -> CheckedCondition:
     """All rates of the joints are below the bound of a rest."""
     rates = [_weighed(row, state[len(row) :]) for row in graph.coordinates.rows]
     gaps = [ball(REST_RATE) - abs(rate) for rate in rates]
@@ -59,7 +61,7 @@ def at_rest(graph: RobotGraph, state: Sequence[arb], time: float) -> Finding:
 
 def start_findings(
     scene: Scene, motion: Motion, state: Sequence[arb], tips: Sequence[Sequence[arb]]
-) -> list[Finding]:
+) -> list[CheckedCondition]:
     """The initial state is one that the task allows; ``tips`` are the positions there."""
     start, n = scene.task.start, len(scene.model.dofs)
     rates = [abs(value) for value in motion.state[n:]]
@@ -73,7 +75,7 @@ def start_findings(
     ]
 
 
-def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> Finding:
+def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> CheckedCondition:
     """The coordinates are those of the task, but for what no decimal is.
 
     They say nothing of the joints that are merged, or left out: the value of each of these has to
@@ -81,7 +83,7 @@ def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> Finding:
     """
     given = given_start(scene.model, start)
     if given.fault:
-        return Finding("start pose", Status.FAILS, -1.0, "SI", 0.0, why=given.fault)
+        return CheckedCondition("start pose", Status.FAILS, -1.0, "SI", 0.0, why=given.fault)
     exact = [closed_ball(value) for value in given.values]
     own = [_weighed(row, state) for row in scene.graph.coordinates.rows]
     near = [ball(Fraction(1, 10**9)) - abs(s - e) for s, e in zip(own, exact, strict=True)]
@@ -89,18 +91,18 @@ def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> Finding:
     if given.undecided and found.status is Status.HOLDS:
         number = given.undecided[0].number + 1
         why = f"value {number} of the start may be out of the range of its joint"
-        return Finding("start pose", Status.UNDECIDED, 0.0, "SI", 0.0, why=why)
+        return CheckedCondition("start pose", Status.UNDECIDED, 0.0, "SI", 0.0, why=why)
     margin = NO_MARGIN if found.status is Status.HOLDS else found.margin
-    return Finding(found.name, found.status, margin, "SI", 0.0)
+    return CheckedCondition(found.name, found.status, margin, "SI", 0.0)
 
 
-def _rates(name: str, rates: Sequence[Fraction], bound: Fraction) -> Finding:
+def _rates(name: str, rates: Sequence[Fraction], bound: Fraction) -> CheckedCondition:
     """No rate is larger than a bound; a start at rest has no margin."""
     gap = bound - max(rates, default=Fraction(0))
     if gap < 0:
-        return Finding(name, Status.FAILS, float(gap), "SI", 0.0, exact=True)
+        return CheckedCondition(name, Status.FAILS, float(gap), "SI", 0.0, exact=True)
     margin = float(gap) if bound else NO_MARGIN
-    return Finding(name, Status.HOLDS, margin, "SI", 0.0, exact=True)
+    return CheckedCondition(name, Status.HOLDS, margin, "SI", 0.0, exact=True)
 
 
 def _weighed(weights: Sequence[int], values: Sequence[arb]) -> arb:

@@ -16,7 +16,7 @@ from compiler.expressions.evaluators.balls import working_precision
 from compiler.expressions.tape import UndefinedValueError
 from compiler.tasks.task_formula import missing_effector
 from compiler.workspaces.abstraction import Abstraction
-from solvers.verifier.proofs.checked_condition import NO_MARGIN, Finding, decisive, inside
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.initial_set import InitialSet
@@ -39,7 +39,7 @@ def prove_motion(
     watch: Watch = UNWATCHED,
     *,
     refute: bool = False,
-) -> tuple[Finding, ...]:
+) -> tuple[CheckedCondition, ...]:
     """All conditions on a motion, at the first accuracy that decides them all, with close margins.
 
     Where the task names disturbances, what the planned motion is proved to do is then proved of all
@@ -51,7 +51,7 @@ def prove_motion(
     """
     missing = missing_effector(scene.task, len(scene.model.effectors))
     if missing is not None:
-        return (Finding(f"effector {missing} of the task", Status.FAILS, 0.0, ""),)
+        return (CheckedCondition(f"effector {missing} of the task", Status.FAILS, 0.0, ""),)
     try:
         planned = _planned(scene, motion, watch)
         if scene.task.robust is None or decisive(planned) is not None:
@@ -61,13 +61,13 @@ def prove_motion(
             return found
         return with_counterexample(scene, motion, found, ACCURACIES[0], watch)
     except UndefinedValueError as error:
-        return (Finding(f"equations of motion: {error}", Status.FAILS, 0.0, ""),)
+        return (CheckedCondition(f"equations of motion: {error}", Status.FAILS, 0.0, ""),)
 
 
-def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[Finding, ...]:
+def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[CheckedCondition, ...]:
     """The conditions on the planned motion; where none decides, from the tube that got farthest."""
-    decided: tuple[Finding, ...] | None = None
-    farthest: tuple[Finding, ...] = ()
+    decided: tuple[CheckedCondition, ...] | None = None
+    farthest: tuple[CheckedCondition, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
             findings = _findings(scene, motion, accuracy, watch)
@@ -82,7 +82,7 @@ def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[Finding, ...]:
     return farthest if decided is None else decided
 
 
-def _end(findings: tuple[Finding, ...]) -> float:
+def _end(findings: tuple[CheckedCondition, ...]) -> float:
     """The time up to which a tube has got; infinite for a complete one."""
     if not findings:
         return -NO_MARGIN
@@ -91,7 +91,7 @@ def _end(findings: tuple[Finding, ...]) -> float:
 
 def _findings(
     scene: Scene, motion: Motion, accuracy: Accuracy, watch: Watch
-) -> tuple[Finding, ...]:
+) -> tuple[CheckedCondition, ...]:
     robot = driven_robot(scene, motion)
     found = [positive_mass(scene.graph, robot.state, robot.tail)]
     found += unphysical(scene.model, robot.tail)
@@ -103,7 +103,7 @@ def _findings(
         # What is violated before the tube ends stays so, whatever comes after.
         failed = [each for each in followed.so_far() if each.status is Status.FAILS]
         why = f"the {ENDED} ends"
-        ended = Finding(ENDED, Status.UNDECIDED, NO_MARGIN, "", followed.time, why=why)
+        ended = CheckedCondition(ENDED, Status.UNDECIDED, NO_MARGIN, "", followed.time, why=why)
         return (*found, *(failed or [ended]))
     # Whose path a formula is about, and that it holds, is proved without the path.
     following = None if scene.task.satisfy else motion.effector
@@ -122,7 +122,7 @@ def cell_path(
     path: Sequence[Sequence[str]],
     following: int | None,
     positions: Sequence[Sequence[Sequence[arb]]],
-) -> Finding:
+) -> CheckedCondition:
     """Every effector is in its cell at every sample, and one moves between neighbours only.
 
     Args:
@@ -134,14 +134,16 @@ def cell_path(
         positions: per sample and effector where it is, m.
     """
     adjacent = set(cells.adjacency)
-    worst = Finding("cell path", Status.HOLDS, NO_MARGIN, "m")
+    worst = CheckedCondition("cell path", Status.HOLDS, NO_MARGIN, "m")
     for effector, names in enumerate(path):
         for sample, name in enumerate(names):
             where = f"cell path: effector {effector + 1} at sample {sample}"
             try:
                 index = cells.index(name)
             except KeyError:
-                return Finding(f"{where}: no cell `{name}`", Status.FAILS, 0.0, "m", sample * dt)
+                return CheckedCondition(
+                    f"{where}: no cell `{name}`", Status.FAILS, 0.0, "m", sample * dt
+                )
             polytope = cells.cells[index].polytope
             finding = inside("cell path", polytope, positions[sample][effector], sample * dt)
             if finding.status is Status.FAILS:
@@ -151,13 +153,13 @@ def cell_path(
                 before = cells.index(names[sample - 1])
                 pair = (min(before, index), max(before, index))
                 if before != index and pair not in adjacent:
-                    return Finding(
+                    return CheckedCondition(
                         f"{where} enters `{name}`, no neighbour of `{names[sample - 1]}`",
                         Status.FAILS, 0.0, "m", sample * dt,
                     )  # fmt: skip
     return worst
 
 
-def _clear(finding: Finding) -> tuple[bool, float]:
+def _clear(finding: CheckedCondition) -> tuple[bool, float]:
     """The less, the worse; what is open counts before what holds."""
     return finding.status is Status.HOLDS, finding.margin

@@ -24,7 +24,7 @@ from compiler.tasks.formula_text import formula_text
 from compiler.tasks.monitor import key
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
-from solvers.verifier.proofs.checked_condition import NO_MARGIN, Finding, inside
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.initial_set import InitialSet
@@ -106,7 +106,7 @@ class Followed:
         """Positions (samples, points, d)."""
         return [self.robot.point_map.positions(sample) for sample in self.samples]
 
-    def findings(self) -> list[Finding]:
+    def findings(self) -> list[CheckedCondition]:
         """All that a complete tube shows, but for what is asked of samples alone."""
         found = self.so_far()
         scene, effector = self.robot.scene, self.robot.motion.effector
@@ -121,28 +121,29 @@ class Followed:
         found += [self._satisfied(*each) for each in enumerate(task.satisfy)]
         return found
 
-    def so_far(self) -> list[Finding]:
+    def so_far(self) -> list[CheckedCondition]:
         """What has to hold at every instant."""
         found = []
         if self.defined.is_needed:
             item = self.defined
             name = "equations of motion defined"
-            found.append(Finding(name, item.status, NO_MARGIN, "", item.time))
+            found.append(CheckedCondition(name, item.status, NO_MARGIN, "", item.time))
         found += [
-            Finding(c.name, c.status, c.margin, "m", c.time, c.place) for c in self.constraints
+            CheckedCondition(c.name, c.status, c.margin, "m", c.time, c.place)
+            for c in self.constraints
         ]
         found += [
-            Finding(limit.name, limit.status, limit.margin, limit.unit, limit.time)
+            CheckedCondition(limit.name, limit.status, limit.margin, limit.unit, limit.time)
             for limit in self.limits
             if limit.margin < NO_MARGIN or limit.status is not Status.HOLDS
         ]
         return found
 
-    def _satisfied(self, number: int, clause: ir.Satisfy) -> Finding:
+    def _satisfied(self, number: int, clause: ir.Satisfy) -> CheckedCondition:
         """What is proved of a formula; its margin is a bound of its robustness."""
         text = shorten(formula_text(clause.formula), LONGEST_TEXT, placeholder=" …")
         verdict = self.formulas.verdict(clause.formula)
-        return Finding(
+        return CheckedCondition(
             f"satisfy {number + 1}: {text}", verdict.status, verdict.robustness, "m",
             verdict.time, verdict.place, clause=number, loose=verdict.loose,
         )  # fmt: skip

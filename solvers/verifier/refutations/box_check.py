@@ -18,7 +18,7 @@ from compiler.unreachability.box_tree import (
     parse,
 )
 from compiler.unreachability.covered_poses import Cover, CoveredPoses
-from compiler.unreachability.motion_conditions import Passage, motion_demands
+from compiler.unreachability.motion_conditions import Passage, motion_conditions
 from grammar_lang import ir
 
 PRECISION = 64
@@ -48,7 +48,7 @@ def _why_not(
     tree = parse(covering)
     leaves = (node for node in tree if isinstance(node, ParameterLeaf))
     try:
-        poses = CoveredPoses(motion_demands(model, workspace, task))
+        poses = CoveredPoses(motion_conditions(model, workspace, task))
         by_drives = any(leaf.reason == "!" for leaf in leaves)
         drive = drive_reach(model, workspace, task) if by_drives else None
     except BoxTreeError:

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from compiler.encodings.body_conditions import body_demands
+from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import body_script, body_scripts
 from compiler.encodings.pose_questions import pose_questions
 from compiler.encodings.reachability_smt import refutation_script
@@ -330,7 +330,7 @@ def run_z3_subprocess(
 
 def refutation_scripts(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Iterator[str]:
     """The scripts in a fixed order, made one by one; any of them that is ``unsat`` refutes."""
-    demands = body_demands(workspace, task)
+    demands = body_conditions(workspace, task)
     for question in pose_questions(workspace, task):
         yield refutation_script(model, question)
         if demands is None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grammar_lang.load import load
-from solvers.run_context import Conduct
+from solvers.run_context import RunContext
 from solvers.search.synthesis import synthesise
 from srgc.render.result_pictures import _effector_line, input_figure, workspace_figure
 from srgc.render.robot_drawing import drawn_robot
@@ -22,7 +22,7 @@ def drawn(tmp_path_factory):
     path.write_text(TURNER.replace(ROD, POINT), encoding="utf-8")
     program = load(path).program
     task = program.tasks["Turn"]
-    return program, task, synthesise(program, task, Conduct())
+    return program, task, synthesise(program, task, RunContext())
 
 
 def robot_of(result):

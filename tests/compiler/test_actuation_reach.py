@@ -10,7 +10,7 @@ from flint import arb
 from compiler.unreachability.actuation_bounds import LeafBox
 from compiler.unreachability.actuation_reach import drive_reach, out_of_reach
 from compiler.unreachability.box_tree import Part
-from compiler.unreachability.motion_conditions import motion_demands
+from compiler.unreachability.motion_conditions import motion_conditions
 from tests.oracles.driven_chains import (
     LIMITED,
     Segment,
@@ -251,7 +251,7 @@ def test_three_links():
 def test_nothing_is_said_of_boxes_without_ends():
     text = problem(ROD, spot((-1, 0)), f"start at (0); reach T; {PUSH} horizon 1 steps of 0.1 s;")
     model, workspace, task = robot_of(text)
-    ((passage,),) = motion_demands(model, workspace, task).passages
+    ((passage,),) = motion_conditions(model, workspace, task).passages
     drive = drive_reach(model, workspace, task)
     far = [LeafBox((arb(0, 0.1),), True, False), LeafBox((arb(3, 0.1),), False, True)]
     assert out_of_reach(drive, passage, [], far) is not None

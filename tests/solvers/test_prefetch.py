@@ -1,4 +1,4 @@
-"""Examinations ahead of need: of the right robots, in order, and never with one worker."""
+"""Screenings ahead of need: of the right robots, in order, and never with one worker."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from compiler.robots.family import family_of
 from compiler.robots.robot_key import robot_key
 from grammar_lang.load import load
 from solvers.execution.process_pool import ProcessPool
-from solvers.run_context import Conduct, Memory
-from solvers.search import prefetch as look_ahead
-from solvers.search.prefetch import LookAhead, examination_of
+from solvers.run_context import Memory, RunContext
+from solvers.search import prefetch
+from solvers.search.prefetch import Prefetch, screening_of
 from tests.oracles.small_specs import BEYOND_REACH
 
 MODULES = 5
@@ -54,35 +54,35 @@ def drawn(question):
     return candidates(family_of(*question), MODULES, None)
 
 
-def all_examined(question, conduct, given=None):
-    """By number, the examination of every robot that was not seen before."""
+def all_examined(question, context, given=None):
+    """By number, the screening of every robot that was not seen before."""
     seen, found = set(), {}
-    ahead = LookAhead(given or drawn(question), *question, conduct)
+    ahead = Prefetch(given or drawn(question), *question, context)
     numbers = []
     for candidate in ahead:
         numbers.append(candidate.number)
         if candidate.model is None or robot_key(candidate.model) in seen:
             continue
         seen.add(robot_key(candidate.model))
-        found[candidate.number] = ahead.examination(candidate)
+        found[candidate.number] = ahead.screening(candidate)
     assert numbers == list(range(len(numbers)))
     return found
 
 
 @pytest.fixture(scope="module")
 def here(question):
-    return all_examined(question, Conduct())
+    return all_examined(question, RunContext())
 
 
 def test_the_same_examinations_whoever_makes_them(question, here):
     assert len(here) > 4
     assert {one.refutation.refuted for one in here.values()} >= {True}
     workers = Recording(3)
-    assert all_examined(question, Conduct(workers=workers)) == here
+    assert all_examined(question, RunContext(workers=workers)) == here
     assert workers.begun == list(here)
     pool = ProcessPool(2, patience=0.0)
     try:
-        assert all_examined(question, Conduct(workers=pool)) == here
+        assert all_examined(question, RunContext(workers=pool)) == here
     finally:
         pool.close()
 
@@ -90,10 +90,10 @@ def test_the_same_examinations_whoever_makes_them(question, here):
 def test_workers_are_ahead_by_their_width_and_no_more(question):
     for width in (1, 2):
         workers = Recording(width)
-        ahead = LookAhead(drawn(question), *question, Conduct(workers=workers))
+        ahead = Prefetch(drawn(question), *question, RunContext(workers=workers))
         first = next(candidate for candidate in ahead if candidate.model is not None)
         assert workers.begun == []
-        ahead.examination(first)
+        ahead.screening(first)
         assert workers.begun[0] == first.number
         assert len(workers.begun) == width
 
@@ -106,17 +106,17 @@ def test_nothing_is_drawn_before_it_is_needed_where_there_is_one_process(questio
             given.append(candidate.number)
             yield candidate
 
-    ahead = LookAhead(noted(), *question, Conduct())
+    ahead = Prefetch(noted(), *question, RunContext())
     for count, candidate in enumerate(ahead, 1):
         if candidate.model is not None and count < 4:
-            ahead.examination(candidate)
+            ahead.screening(candidate)
         assert len(given) == count
 
 
 def test_an_examination_that_nobody_asks_for_is_left_out(question, here):
-    ahead = LookAhead(drawn(question), *question, Conduct(workers=Recording(3)))
+    ahead = Prefetch(drawn(question), *question, RunContext(workers=Recording(3)))
     asked = list(here)[::2]
-    found = {c.number: ahead.examination(c) for c in ahead if c.number in asked}
+    found = {c.number: ahead.screening(c) for c in ahead if c.number in asked}
     assert found == {number: here[number] for number in asked}
 
 
@@ -132,30 +132,30 @@ def test_a_fault_of_a_later_structure_is_raised_in_its_turn(question):
 
     given = []
 
-    def examined():
-        ahead = LookAhead(faulty(), *question, Conduct(workers=Recording(8)))
+    def screened():
+        ahead = Prefetch(faulty(), *question, RunContext(workers=Recording(8)))
         for candidate in ahead:
             given.append(candidate.number)
             if candidate.model is not None:
-                ahead.examination(candidate)
+                ahead.screening(candidate)
 
     with pytest.raises(Fault):
-        examined()
+        screened()
     assert given == [0, 1, 2]
 
 
 def test_what_the_journal_has_is_not_examined_again(question, here, monkeypatch):
     journal = Memory()
-    assert all_examined(question, Conduct(journal=journal)) == here
+    assert all_examined(question, RunContext(journal=journal)) == here
     # As a file would keep it.
     journal.values = json.loads(json.dumps(journal.values))
-    monkeypatch.setattr(look_ahead, "examine", None)
+    monkeypatch.setattr(prefetch, "screen", None)
     workers = Recording(3)
-    assert all_examined(question, Conduct(journal=journal, workers=workers)) == here
+    assert all_examined(question, RunContext(journal=journal, workers=workers)) == here
     assert workers.begun == []
-    assert all_examined(question, Conduct(journal=journal)) == here
+    assert all_examined(question, RunContext(journal=journal)) == here
 
 
 def test_what_is_no_record_of_an_examination():
     for wrong in (None, 1.0, [], [{}, None], [{"reason": "x"}, None], [[], None], {"a": 1}):
-        assert examination_of(wrong) is None
+        assert screening_of(wrong) is None

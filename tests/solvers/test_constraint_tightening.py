@@ -1,0 +1,68 @@
+"""How much more tightening a motion is given where a proof did not go through."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from solvers.search.constraint_tightening import (
+    MARGINS,
+    WIDEST,
+    ConstraintTightening,
+    missing_margin,
+)
+from solvers.trajectory.disturbance_spread import DisturbanceSpread
+from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.tube_checks import Status
+
+SPREAD = DisturbanceSpread(np.array([[0.0], [0.01], [0.04]]), np.array([[0.02, 0.1]]))
+
+
+def finding(margin: float, unit: str = "m", status: Status = Status.UNDECIDED) -> CheckedCondition:
+    return CheckedCondition("something", status, margin, unit)
+
+
+def test_the_largest_lack_counts_as_a_part_of_the_room() -> None:
+    held = finding(0.5, status=Status.HOLDS)
+    assert missing_margin([finding(-0.01), finding(-0.03), held], SPREAD) == pytest.approx(0.75)
+    assert missing_margin([held], SPREAD) == 0
+    assert missing_margin([finding(float("-inf"), "")], SPREAD) == float("inf")
+    # Limits of coordinates and rates are held against the spread of those.
+    assert missing_margin([finding(-0.05, "rad")], SPREAD) == pytest.approx(0.5)
+
+
+def test_what_the_disturbances_do_not_move_is_given_a_wider_margin() -> None:
+    none = DisturbanceSpread(np.zeros((3, 1)), np.zeros((1, 2)))
+    lacking = missing_margin([finding(-0.01)], none)
+    assert ConstraintTightening().wider(lacking, none) == ConstraintTightening(MARGINS[1])
+    assert missing_margin([finding(float("-inf"), "")], none) == float("inf")
+
+
+def test_the_room_gets_as_wide_as_was_lacking() -> None:
+    tightening = ConstraintTightening().wider(0.75, SPREAD)
+    assert tightening is not None
+    assert tightening.margin == MARGINS[0]
+    assert tightening.spreads >= 1.75
+    again = tightening.wider(1e-9, SPREAD.scaled(tightening.spreads))
+    assert again is not None
+    assert again.spreads > 1.1 * tightening.spreads
+
+
+def test_without_disturbances_margins_grow_step_by_step() -> None:
+    tightening, seen = ConstraintTightening(), [ConstraintTightening().margin]
+    while (following := tightening.wider(0.0, None)) is not None:
+        tightening = following
+        seen.append(tightening.margin)
+    assert tuple(seen) == MARGINS
+    assert tightening.is_last
+
+
+def test_it_ends() -> None:
+    assert ConstraintTightening().wider(float("inf"), SPREAD) is None
+    tightening: ConstraintTightening | None = ConstraintTightening()
+    for _ in range(100):
+        if tightening is None:
+            break
+        assert tightening.spreads * SPREAD.widest <= WIDEST
+        tightening = tightening.wider(0.3, SPREAD.scaled(tightening.spreads))
+    assert tightening is None
