@@ -20,7 +20,7 @@ def words_in_order(
     """All words, by length and then by the order of the symbols.
 
     Args:
-        recogniser_up_to: makes a recogniser with the horizon asked for; longer words need a larger one.
+        recogniser_up_to: makes one with the horizon asked for; longer words need a larger one.
         first: no word is shorter.
         longest: no longer ones are asked for, or there are none; None: not known.
         last: asked once, where there is no word of some length: the length of the longest word,

@@ -40,7 +40,7 @@ class Recogniser(Protocol[State]):
         """Bit m is set where some word of m symbols may follow, up to the horizon."""
 
 
-# --- A finite automaton read from left to right: see :mod:`compiler.words.recogniser` ------------
+# --- A finite automaton read from left to right ---------------------------------------------------
 
 
 class FiniteRecogniser:
@@ -95,7 +95,7 @@ Pair = tuple[Residual, int]
 
 
 class ConditionedRecogniser:
-    """A reading (see :mod:`compiler.words.recogniser`) of words that a condition accepts too.
+    """A recogniser of the words that a condition accepts too.
 
     ``lengths`` has all lengths of words that may follow, and maybe more.
     """
