@@ -142,9 +142,6 @@ def _modules(node: DerivationNode) -> list[tuple[int, str]]:
     return [(place, symbol.name) for place, symbol in symbols if symbol.kind == "module"]
 
 
-# --- What an export of a robot is made of, whatever the format ------------------------------------
-
-
 # --- The names that the parts of a design have in whatever it is exported as ----------------------
 
 
