@@ -71,7 +71,7 @@ def fresh(subject: Subject) -> Language:
 
 def kind_of(found: Language) -> str:
     """Which engine reads the words."""
-    return str(getattr(getattr(found, "recogniser", None), "kind", "unknown"))
+    return str(getattr(getattr(found, "membership", None), "kind", "unknown"))
 
 
 def timed(action: Callable[[], object]) -> float:

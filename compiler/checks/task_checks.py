@@ -14,7 +14,7 @@ from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa, interse
 from compiler.words.grammar import Srg, alphabet_of, srg
 from compiler.words.intersection import CHECKED_RULES, IntersectionTooLargeError
 from compiler.words.language import Language, restrict
-from compiler.words.word_reader import viable_prefix
+from compiler.words.recogniser import viable_prefix
 from grammar_lang import ir
 from grammar_lang.diagnostics.codes import Code
 from grammar_lang.diagnostics.diagnostic import Sink

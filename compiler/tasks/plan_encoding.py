@@ -127,9 +127,6 @@ class TimedRegions:
             self._clauses.clause([-int(own), -int(here), int(gone), there])
 
 
-# --- A planning problem as clauses ----------------------------------------------------------------
-
-
 # --- The sum of the changes of several paths, counted in unary ------------------------------------
 #
 # Source: the totalizer (Bailleux & Boufkhad, *Efficient CNF encoding of Boolean cardinality

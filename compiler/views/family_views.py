@@ -68,10 +68,6 @@ def grammar_view(language: Language, highlight: Sequence[str] | None = None) -> 
     return Picture("grammar", "ellipse", (*symbols, *boxes), tuple(edges), (start,))
 
 
-# --------------------------------------------------------------------------------------------------
-# Automata as pictures: that of a linear family or of its accept condition, the SRA and the FRA.
-
-
 # --- Finite automata as pictures: that of a linear family, or that of its accept condition --------
 
 

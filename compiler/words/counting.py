@@ -7,7 +7,7 @@ from operator import mul
 from compiler.time_limits.time_limit import check_time
 from compiler.words.binary_normal_form import BinaryGrammar, RightSide
 from compiler.words.budget import MOVE_BUDGET, BudgetExceededError
-from compiler.words.word_reader import Recogniser, State
+from compiler.words.recogniser import Recogniser, State
 
 # --- How many derivations a grammar in binary normal form has, by length --------------------------
 #
@@ -138,29 +138,29 @@ REASON = (
 
 
 def count_by_length(
-    reading: Recogniser[State], longest: int, budget: int | None = MOVE_BUDGET
+    recogniser: Recogniser[State], longest: int, budget: int | None = MOVE_BUDGET
 ) -> tuple[int, ...]:
     """The number of words of each length from 0 to ``longest``, at most the reading's horizon.
 
     Raises:
         BudgetExceededError: more than ``budget`` moves are needed; None: there is no bound.
     """
-    level = {reading.root: 1} if reading.lengths(reading.root) else {}
+    level = {recogniser.root: 1} if recogniser.lengths(recogniser.root) else {}
     counts: list[int] = []
     moves = 0
     for rest in range(longest, -1, -1):
-        counts.append(sum(n for state, n in level.items() if reading.accepting(state)))
+        counts.append(sum(n for state, n in level.items() if recogniser.accepting(state)))
         if not rest:
             break
         mask = (1 << rest) - 1
         following: dict[State, int] = {}
         for state, number in level.items():
             check_time()
-            for _, target in reading.moves(state):
+            for _, target in recogniser.moves(state):
                 moves += 1
                 if budget is not None and moves > budget:
                     raise BudgetExceededError(QUESTION, budget, REASON)
-                if reading.lengths(target) & mask:
+                if recogniser.lengths(target) & mask:
                     following[target] = following.get(target, 0) + number
         level = following
     return tuple(counts)
@@ -174,22 +174,22 @@ class WordsOfLength:
     """
 
     def __init__(
-        self, reading: Recogniser[State], length: int, budget: int | None = MOVE_BUDGET
+        self, recogniser: Recogniser[State], length: int, budget: int | None = MOVE_BUDGET
     ) -> None:
         self.length = length
         moves = 0
-        place = {reading.root: 0} if reading.lengths(reading.root) >> length & 1 else {}
+        place = {recogniser.root: 0} if recogniser.lengths(recogniser.root) >> length & 1 else {}
         self._moves: list[list[list[tuple[int, int]]]] = []
         for rest in range(length - 1, -1, -1):
             following: dict[State, int] = {}
             rows: list[list[tuple[int, int]]] = []
             for state in place:
                 row: list[tuple[int, int]] = []
-                for symbol, target in reading.moves(state):
+                for symbol, target in recogniser.moves(state):
                     moves += 1
                     if budget is not None and moves > budget:
                         raise BudgetExceededError(QUESTION, budget, REASON)
-                    if reading.lengths(target) >> rest & 1:
+                    if recogniser.lengths(target) >> rest & 1:
                         row.append((symbol, following.setdefault(target, len(following))))
                 rows.append(row)
             self._moves.append(rows)

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 
 from compiler.time_limits.time_limit import check_time
 from compiler.words.budget import LENGTH_LIMIT, WordsTooLongError
-from compiler.words.word_reader import Recogniser, State
+from compiler.words.recogniser import Recogniser, State
 
 FIRST_HORIZON = 32
 
 
 def words_in_order(
-    reading_up_to: Callable[[int], Recogniser[State]],
+    recogniser_up_to: Callable[[int], Recogniser[State]],
     first: int,
     longest: int | None,
     last: Callable[[], int | None],
@@ -20,7 +20,7 @@ def words_in_order(
     """All words, by length and then by the order of the symbols.
 
     Args:
-        reading_up_to: makes a reading with the horizon asked for; longer words need a larger one.
+        recogniser_up_to: makes one with the horizon asked for; longer words need a larger one.
         first: no word is shorter.
         longest: no longer ones are asked for, or there are none; None: not known.
         last: asked once, where there is no word of some length: the length of the longest word,
@@ -31,19 +31,19 @@ def words_in_order(
     """
     asked = longest is not None
     horizon = max(FIRST_HORIZON, first)
-    reading = None
+    recogniser = None
     dead: set[tuple[State, int]] = set()
     length = first
     while longest is None or length <= longest:
         check_time()
         if length > LENGTH_LIMIT:
             raise WordsTooLongError
-        if reading is None or length > reading.horizon:
-            horizon = horizon if reading is None else 2 * reading.horizon
-            reading = reading_up_to(horizon if longest is None else min(longest, horizon))
+        if recogniser is None or length > recogniser.horizon:
+            horizon = horizon if recogniser is None else 2 * recogniser.horizon
+            recogniser = recogniser_up_to(horizon if longest is None else min(longest, horizon))
             dead = set()
         found = False
-        for word in words_of_length(reading, length, dead):
+        for word in words_of_length(recogniser, length, dead):
             found = True
             yield word
         if not found and not asked:
@@ -52,26 +52,26 @@ def words_in_order(
 
 
 def words_of_length(
-    reading: Recogniser[State], length: int, dead: set[tuple[State, int]] | None = None
+    recogniser: Recogniser[State], length: int, dead: set[tuple[State, int]] | None = None
 ) -> Iterator[tuple[int, ...]]:
     """The words of one length in lexicographic order, by depth-first search.
 
     ``dead`` remembers states from which no word of some length follows, though their lengths have
     it: no such dead end is entered twice.
     """
-    if length and reading.lengths(reading.root) >> length & 1:
-        yield from _search(reading, length, set() if dead is None else dead)
-    elif length == 0 and reading.accepting(reading.root):
+    if length and recogniser.lengths(recogniser.root) >> length & 1:
+        yield from _search(recogniser, length, set() if dead is None else dead)
+    elif length == 0 and recogniser.accepting(recogniser.root):
         yield ()
 
 
 def _search(
-    reading: Recogniser[State], length: int, dead: set[tuple[State, int]]
+    recogniser: Recogniser[State], length: int, dead: set[tuple[State, int]]
 ) -> Iterator[tuple[int, ...]]:
-    moves, lengths, accepting = reading.moves, reading.lengths, reading.accepting
+    moves, lengths, accepting = recogniser.moves, recogniser.lengths, recogniser.accepting
     word: list[int] = []
-    path = [reading.root]
-    choices = [iter(moves(reading.root))]
+    path = [recogniser.root]
+    choices = [iter(moves(recogniser.root))]
     # The length of the path at the last word, to tell dead ends from what has been listed.
     fruitful = 0
     rest = length - 1

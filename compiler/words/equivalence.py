@@ -8,7 +8,7 @@ from typing import TypeAlias, TypeVar
 
 from compiler.words.budget import MOVE_BUDGET, BudgetExceededError
 from compiler.words.language import Language
-from compiler.words.word_reader import Recogniser
+from compiler.words.recogniser import Recogniser
 
 # --- The first word, in length-lexicographic order, that is in one language and not in another ----
 #
@@ -138,6 +138,6 @@ def compare(
         all_words = max(first.longest() or 0, second.longest() or 0)
         if all_words <= longest:
             covered, horizon = None, all_words
-    found = first_difference(first.reading(horizon), second.reading(horizon), horizon, most)
+    found = first_difference(first.recogniser(horizon), second.recogniser(horizon), horizon, most)
     word = None if found is None else first.srg.decode(found)
     return Comparison(word, word is not None and first.accepts(word), covered)

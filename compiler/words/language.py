@@ -27,10 +27,10 @@ from compiler.words.finite_automaton import Dfa, intersection
 from compiler.words.grammar import Srg, components, srg
 from compiler.words.intersection import intersect
 from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge, lr_automaton
-from compiler.words.recogniser import FiniteMembership, Membership, PushdownMembership
+from compiler.words.membership import FiniteMembership, Membership, PushdownMembership
+from compiler.words.recogniser import ConditionedRecogniser, FiniteRecogniser, Recogniser
 from compiler.words.regular_automaton import regular_automaton
 from compiler.words.residuals import Residuals
-from compiler.words.word_reader import ConditionedRecogniser, FiniteRecogniser, Recogniser
 from grammar_lang import ir
 
 QUICK_MOVES = 20_000
@@ -80,7 +80,7 @@ class Language:
         return isinstance(self.lr_automaton, LrAutomaton)
 
     @cached_property
-    def recogniser(self) -> Membership:
+    def membership(self) -> Membership:
         """What tells the words of the language."""
         if self.finite_automaton is not None:
             return Membership("finite automaton", FiniteMembership(self.finite_automaton), None)
@@ -96,7 +96,7 @@ class Language:
 
         Bound to the reader once, for it may be asked about millions of words.
         """
-        return self.recogniser.accepts
+        return self.membership.accepts
 
     def is_empty(self, *, max_modules: int | None = None) -> bool:
         """Whether there is no word (with at most ``max_modules`` modules)."""
@@ -126,9 +126,9 @@ class Language:
             return _longest(self._restricted(max_modules))
         if bound > LENGTH_LIMIT:
             raise WordsTooLongError
-        reading = self.reading(bound, max_modules=max_modules)
+        recogniser = self.recogniser(bound, max_modules=max_modules)
         for length in range(bound, -1, -1):
-            if next(words_of_length(reading, length), None) is not None:
+            if next(words_of_length(recogniser, length), None) is not None:
                 return length
         return -1
 
@@ -160,9 +160,9 @@ class Language:
         if first is None:
             return
         longest = _least(self._bound(self._bounded(self.accept, max_modules)), max_length)
-        reading = partial(self.reading, max_modules=max_modules)
+        recogniser = partial(self.recogniser, max_modules=max_modules)
         last = partial(self._last, max_modules)
-        for codes in words_in_order(reading, first, longest, last):
+        for codes in words_in_order(recogniser, first, longest, last):
             yield self.srg.decode(codes)
 
     def count_words(
@@ -187,19 +187,19 @@ class Language:
             raise ValueError("an infinite language needs a greatest length to be counted")
         if longest > LENGTH_LIMIT:
             raise WordsTooLongError
-        reading = self.reading(longest, max_modules=max_modules)
+        recogniser = self.recogniser(longest, max_modules=max_modules)
         if self.finite_automaton is not None:
-            return count_by_length(reading, longest, budget)
+            return count_by_length(recogniser, longest, budget)
         most = MOVE_BUDGET if budget is None else budget
         try:
-            return count_by_length(reading, longest, min(most, QUICK_MOVES))
+            return count_by_length(recogniser, longest, min(most, QUICK_MOVES))
         except BudgetExceededError:
             if not self.is_lr:
-                return count_by_length(reading, longest, most)
+                return count_by_length(recogniser, longest, most)
         derivations = DerivationCounts(self._restricted(max_modules), longest)
         return tuple(derivations.total(length) for length in range(longest + 1))
 
-    def reading(self, horizon: int, *, max_modules: int | None = None) -> Recogniser[Any]:
+    def recogniser(self, horizon: int, *, max_modules: int | None = None) -> Recogniser[Any]:
         """The words read from left to right, by few states; some of them may be dead ends."""
         if self.finite_automaton is not None:
             return FiniteRecogniser(self._bounded(self.finite_automaton, max_modules), horizon)

@@ -71,10 +71,10 @@ class WordSampler:
 
 def _numbered(language: Language, length: int, budget: int) -> WordsOfLength | None:
     """The words numbered by prefixes; None where the derivations of an LR(1) grammar are to be."""
-    reading = language.reading(length)
+    recogniser = language.recogniser(length)
     if language.finite_automaton is not None:
-        return WordsOfLength(reading, length, None)
+        return WordsOfLength(recogniser, length, None)
     try:
-        return WordsOfLength(reading, length, min(budget, QUICK_MOVES))
+        return WordsOfLength(recogniser, length, min(budget, QUICK_MOVES))
     except BudgetExceededError:
-        return None if language.is_lr else WordsOfLength(reading, length, budget)
+        return None if language.is_lr else WordsOfLength(recogniser, length, budget)

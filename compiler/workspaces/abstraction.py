@@ -188,7 +188,7 @@ def abstract(workspace: Workspace) -> Abstraction:
 
     Raises:
         ValueError: the bounds are empty, flat or unbounded, or there are maps: these become regions
-            before (:mod:`compiler.maps`), so that no obstacle is left out.
+            before (:mod:`compiler.tasks.obstacle_pieces`), so that no obstacle is left out.
     """
     if workspace.maps:
         raise ValueError("the maps of a workspace become regions before it is divided")

@@ -241,7 +241,7 @@ class Evaluator:
             yield from (attempts_at(self.path_problem, theta, budget) for theta in thetas)
             return
         counts: deque[int] = deque()
-        jobs = ((self._parcel(), theta) for theta in thetas)
+        jobs = ((self._payload(), theta) for theta in thetas)
 
         def requests() -> Iterator[SolveRequest]:
             for seeds in self._workers.map(_seeds, jobs):
@@ -264,9 +264,9 @@ class Evaluator:
     def _outcomes(self, requests: Iterable[SolveRequest]) -> Iterator[ControlOutcome]:
         if isinstance(self._workers, InProcess):
             return (request.outcome(self.path_problem) for request in requests)
-        return self._workers.map(_solved, ((self._parcel(), request) for request in requests))
+        return self._workers.map(_solved, ((self._payload(), request) for request in requests))
 
-    def _parcel(self) -> SharedPayload[Recipe]:
+    def _payload(self) -> SharedPayload[Recipe]:
         """The path problem for other processes; this one has it already."""
         if self._packed is None:
             self._packed = packed(recipe(self.path_problem))

@@ -104,7 +104,7 @@ class _Run:
     designs: list[Proved] = field(default_factory=list[Proved])
     samples: list[PathSamples] = field(default_factory=list[PathSamples])
     blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
-    in_vain: int = 0
+    without_success: int = 0
     stopped: str | None = None
     search: StructureSearch | None = None
     """The search that is under way."""
@@ -147,7 +147,7 @@ class _Run:
 
     def at_limit(self, tried: int, robots: int | None) -> bool:
         """Whether a limit ends the search; both are counts, so that verdicts repeat."""
-        if self.in_vain >= MOTION_SEARCHES:
+        if self.without_success >= MOTION_SEARCHES:
             self.stopped = (
                 f"the search ended at its limit of {MOTION_SEARCHES} robots that no motion was "
                 "found for: narrow `accept`, or weaken the task"
@@ -205,7 +205,7 @@ class _Run:
             if late is not None:
                 self.record(derivation, "refuted", late.reason, boxes=late.boxes)
                 return None
-            self.in_vain += 1
+            self.without_success += 1
             self.record(derivation, "unresolved", reason)
             return None
         self.record(derivation, "found", "proved")

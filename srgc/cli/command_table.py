@@ -52,7 +52,7 @@ GROUPS = {
         "why": ("why", "Say why there is no robot, and what to change."),
         "explain": ("explain", "Say what the code of a finding means."),
     },
-    "Take away": {
+    "Use results": {
         "report": ("report", "Show a result as one page for a browser."),
         "export": ("export", "Write a robot or its motion for other tools."),
         "replay": ("replay", "Play a design in a simulator, against its proof."),

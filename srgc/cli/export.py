@@ -25,7 +25,7 @@ BINARY = ("npz",)
         "srgc export out/demo --to all -o arm_files",
     ],
     reads_spec=False,
-    read_on="docs/how-to/take-away.md",
+    read_on="docs/how-to/export.md",
 )
 @FOLDER
 @click.option(

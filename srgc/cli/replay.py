@@ -25,7 +25,7 @@ from srgc.faults import UNKNOWN, UsageFault
         UNKNOWN: "there is no tube to compare with",
     },
     reads_spec=False,
-    read_on="docs/how-to/take-away.md",
+    read_on="docs/how-to/export.md",
 )
 @FOLDER
 @click.option(

@@ -13,13 +13,13 @@ from compiler.words.equivalence import compare
 from compiler.words.grammar import cyclic, linearity, trimmed, useful_rules
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge
+from compiler.words.membership import PushdownMembership
 from compiler.words.pushdown_automaton import Pda, Transition, run_along, sra
 from compiler.words.pushdown_runs import accepting_run
-from compiler.words.recogniser import PushdownMembership
+from compiler.words.recogniser import viable_prefix
 from compiler.words.sampling import WordSampler
 from compiler.words.structures import derivations_of
 from compiler.words.transition_network import transition_network
-from compiler.words.word_reader import viable_prefix
 from grammar_lang import ir
 from srgc.session import UsageFault
 
@@ -44,7 +44,7 @@ def language_text(program: ir.Program, grammar: ir.Grammar) -> str:
         ("words", _size(family)),
         ("shortest word", _shortest(family)),
         *_ambiguity(family),
-        ("read by", READERS[family.recogniser.kind]),
+        ("read by", READERS[family.membership.kind]),
     ]
     return "\n".join(f"{name + ':':<20}{text}" for name, text in rows)
 

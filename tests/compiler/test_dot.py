@@ -17,12 +17,12 @@ import pytest
 
 from compiler.views.dot import to_dot
 from compiler.views.family_views import family_dfa_view, grammar_view, sra_view
-from compiler.views.networkx_graph import to_networkx
 from compiler.views.picture import Arrow, Edge, Node, Picture
 from compiler.views.words_view import words_view
 from compiler.words.language import Language, language
 from compiler.words.pushdown_automaton import sra
 from grammar_lang import ir
+from srgc.api.graph import to_networkx
 from tests.oracles.grammars import ALPHABET, ARM_MODULES, ARM_TERMINALS, TRAPS, arm, grammar
 from tests.oracles.some_cases import some
 

@@ -35,9 +35,9 @@ def over(text: str, accept: ir.Accept = EVERY) -> Language:
 def test_words_of_a_length_are_those_of_brute_force(g: ir.Grammar) -> None:
     lang = language(g, AB, frozenset(AB))
     words = sorted(word for word in words_of(g, 6) if satisfies(g.accept, word))
-    reading = lang.reading(6)
+    recogniser = lang.recogniser(6)
     for length in range(7):
-        listed = list(map(lang.srg.decode, words_of_length(reading, length)))
+        listed = list(map(lang.srg.decode, words_of_length(recogniser, length)))
         assert listed == [word for word in words if len(word) == length]
 
 
@@ -94,17 +94,17 @@ def test_horizons_double() -> None:
     asked: list[int] = []
     lang = over("S -> a S | empty")
 
-    def reading(horizon: int) -> object:
+    def recogniser(horizon: int) -> object:
         asked.append(horizon)
-        return lang.reading(horizon)
+        return lang.recogniser(horizon)
 
-    words = words_in_order(reading, 0, None, lambda: None)  # type: ignore[arg-type]
+    words = words_in_order(recogniser, 0, None, lambda: None)  # type: ignore[arg-type]
     assert next(words) == ()
     assert asked == [FIRST_HORIZON]
     assert len(next(islice(words, 4 * FIRST_HORIZON, None))) == 4 * FIRST_HORIZON + 1
     assert asked == [FIRST_HORIZON * 2**k for k in range(4)]
     asked.clear()
-    some = words_in_order(reading, 0, FIRST_HORIZON + 2, lambda: None)  # type: ignore[arg-type]
+    some = words_in_order(recogniser, 0, FIRST_HORIZON + 2, lambda: None)  # type: ignore[arg-type]
     assert len(list(some)) == FIRST_HORIZON + 3
     assert asked == [FIRST_HORIZON, FIRST_HORIZON + 2]
 

@@ -39,7 +39,7 @@ def check_against_brute_force(g: ir.Grammar, h: ir.Grammar, terminals: tuple[str
     else:
         assert found.word == expected
     assert found.in_first == (found.word is not None and first.accepts(found.word))
-    codes = first_difference(first.reading(LENGTH), second.reading(LENGTH), LENGTH)
+    codes = first_difference(first.recogniser(LENGTH), second.recogniser(LENGTH), LENGTH)
     short = expected if expected is not None and len(expected) <= LENGTH else None
     assert (None if codes is None else first.srg.decode(codes)) == short
 
@@ -156,5 +156,5 @@ def test_an_exceeded_budget_says_so() -> None:
 def test_no_move_is_made_after_the_last_symbol() -> None:
     # one pair of states: two moves, and then it is known
     every, other = over("S -> a S | b S | empty", AB), over("S -> S a | S b | empty", AB)
-    assert first_difference(every.reading(0), other.reading(0), 0, budget=0) is None
-    assert first_difference(every.reading(9), other.reading(9), 9, budget=2) is None
+    assert first_difference(every.recogniser(0), other.recogniser(0), 0, budget=0) is None
+    assert first_difference(every.recogniser(9), other.recogniser(9), 9, budget=2) is None

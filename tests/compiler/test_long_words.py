@@ -168,7 +168,7 @@ def test_listing_long_words(name: str, length: int, letters: dict[str, int] | No
     text, terminals, _, _ = LONG_WORDS[name]
     lang = of(text, terminals)
     with few_frames():
-        codes = list(islice(words_of_length(lang.reading(length), length), 3))
+        codes = list(islice(words_of_length(lang.recogniser(length), length), 3))
     words = [lang.srg.decode(word) for word in codes]
     assert words == sorted(set(words), key=lambda w: [terminals.index(s) for s in w])
     assert words

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from compiler.rigid_links.part_names import PartNames, effector_modules, part_names
 from compiler.rigid_links.rigid_tree import rigid_tree
 from compiler.robots.family import RobotFamily
 from compiler.robots.labelled_graph import labelled_graph
 from compiler.words.derivation import replay
 from grammar_lang import ir
 from grammar_lang.load import load
+from srgc.exports.exported_robot import PartNames, effector_modules, part_names
 
 HEADER = """\
 module B { role base; }

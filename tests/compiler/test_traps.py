@@ -13,17 +13,17 @@ from itertools import islice
 import lark
 import pytest
 
-from compiler.words import recogniser as pushdown_reader
+from compiler.words import membership as pushdown_reader
 from compiler.words import residuals
 from compiler.words.budget import BudgetExceededError
 from compiler.words.counting import DerivationCounts
 from compiler.words.derivation import replay
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrConflict
+from compiler.words.membership import Membership, PushdownMembership
 from compiler.words.pushdown_automaton import configurations, sra
 from compiler.words.pushdown_runs import accepting_run
 from compiler.words.pushdown_runs import accepts as some_run_accepts
-from compiler.words.recogniser import Membership, PushdownMembership
 from compiler.words.structures import InfiniteAmbiguityError, derivations_of
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, derivations, satisfies, words_of
@@ -91,7 +91,7 @@ def test_every_word_is_decided(name: str) -> None:
     """A reader that decides only some words, or gives up on some grammars, is of no use."""
     text, terminals, kind, longest = SIX[name]
     lang = of(text, terminals)
-    assert lang.recogniser.kind == kind
+    assert lang.membership.kind == kind
     general = PushdownMembership(lang.binary, terminals)
     members = words_of(grammar(text, terminals), longest)
     rng = random.Random(name)
@@ -467,11 +467,11 @@ def test_what_is_remembered_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caches that keep what every prefix led to, for as long as the reader lives."""
     text = TRAPS["even palindromes"]
     words = palindromes((), 100)
-    unbounded = memory_held(of(text).recogniser, words)
+    unbounded = memory_held(of(text).membership, words)
     for module in (residuals, pushdown_reader):
         monkeypatch.setattr(module, "CACHE_LIMIT", 30)
-    some = memory_held(of(text).recogniser, words[:20])
-    bounded = memory_held(of(text).recogniser, words)
+    some = memory_held(of(text).membership, words[:20])
+    bounded = memory_held(of(text).membership, words)
     assert unbounded > 20 * bounded
     assert bounded < some + 50_000
 
@@ -479,7 +479,7 @@ def test_what_is_remembered_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_prefixes_are_not_remembered_where_a_stack_does() -> None:
     """The same where the middle is marked: no limit is needed, few states tell all words."""
     lang = of("S -> a S a | b S b | c")
-    assert memory_held(lang.recogniser, palindromes(("c",))) < 300_000
+    assert memory_held(lang.membership, palindromes(("c",))) < 300_000
 
 
 # --- 17 ----------------------------------------------------------------------------------------

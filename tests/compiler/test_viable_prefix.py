@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 
 from compiler.words.language import language
-from compiler.words.word_reader import viable_prefix
+from compiler.words.recogniser import viable_prefix
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import Word, all_words, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars

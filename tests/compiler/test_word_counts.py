@@ -42,9 +42,9 @@ def test_all_ways_of_counting_agree_with_brute_force(g: ir.Grammar) -> None:
     expected = brute_force(g, 7)
     assert lang.count_words(7) == expected
     # a horizon that is larger than needed, and the prefixes of a grammar that has a quicker way
-    assert count_by_length(lang.reading(11), 7) == expected
+    assert count_by_length(lang.recogniser(11), 7) == expected
     for length, number in enumerate(expected):
-        assert WordsOfLength(lang.reading(length), length).number == number
+        assert WordsOfLength(lang.recogniser(length), length).number == number
 
 
 @pytest.mark.parametrize("accept", [ir.Contains(("a", "b")), ir.Count("a", "<=", 2)])
@@ -188,12 +188,12 @@ def test_an_exceeded_budget_says_so() -> None:
 
 def test_the_budget_counts_moves_before_the_last_symbol_only() -> None:
     # one state with three moves, once per symbol: no move is made after the last
-    reading = over("S -> a S | b S | c S | empty").reading(10)
-    assert count_by_length(reading, 10, budget=30)[-1] == 3**10
-    assert WordsOfLength(reading, 10, budget=30).number == 3**10
+    recogniser = over("S -> a S | b S | c S | empty").recogniser(10)
+    assert count_by_length(recogniser, 10, budget=30)[-1] == 3**10
+    assert WordsOfLength(recogniser, 10, budget=30).number == 3**10
     for use in (count_by_length, WordsOfLength):
         with pytest.raises(BudgetExceededError):
-            use(reading, 10, budget=29)
+            use(recogniser, 10, budget=29)
 
 
 def test_what_can_be_counted_in_polynomial_time_has_no_budget(

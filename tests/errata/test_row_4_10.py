@@ -62,11 +62,11 @@ def simulated_end(at: Trajectory) -> Array:
 
 def test_one_linear_program_does_not_do_and_their_sequence_does() -> None:
     problem, seed = two_links()
-    once = synthesise_control(problem, seed, effort=ONCE)
+    once = synthesise_control(problem, seed, budget=ONCE)
     missed = simulated_end(once.trajectory) - once.trajectory.x[-1]
     assert not once.feasible
     assert np.abs(missed).max() > 0.1
-    outcome = synthesise_control(problem, seed, effort=FULL)
+    outcome = synthesise_control(problem, seed, budget=FULL)
     assert outcome.feasible
     end = simulated_end(outcome.trajectory)
     np.testing.assert_allclose(end, outcome.trajectory.x[-1], atol=1e-5)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 from random import Random
 
-from compiler.rigid_links.part_names import PartNames
 from compiler.rigid_links.rigid_tree import rigid_tree
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir
-from srgc.exports.exported_robot import ExportedRobot
+from srgc.exports.exported_robot import ExportedRobot, PartNames
 from tests.oracles.robots import Builder, interval
 
 PLANAR: tuple[ir.Axis, ...] = ("x", "-x", "y", "-y")

@@ -313,7 +313,7 @@ def test_a_check_without_maps_loads_no_reader_of_maps(tmp_path: Path) -> None:
     program = (
         "import sys\nfrom srgc.cli import run\n"
         f"assert run(['check', {str(path)!r}]) == 0\n"
-        "assert not {'PIL', 'yaml', 'numpy', 'compiler.maps'} & set(sys.modules)"
+        "assert not {'PIL', 'yaml', 'numpy', 'compiler.workspaces.map_server'} & set(sys.modules)"
     )
     root = Path(__file__).parents[2]
     subprocess.run([sys.executable, "-c", program], cwd=root, check=True, capture_output=True)

@@ -7,8 +7,8 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from compiler.geometry.abstraction import abstract
 
+from compiler.workspaces.abstraction import abstract
 from srgc.render.svg import LETTER, MARGIN, closed_path, document, marks_style, moved, place
 from srgc.render.workspace_picture import workspace_svg
 from tests.oracles.planes import bench

@@ -1,4 +1,4 @@
-"""``docs/how-to/take-away.md``: what a page's session does not run, and its program elsewhere."""
+"""``docs/how-to/export.md``: what a page's session does not run, and its program elsewhere."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.oracles.found_folders import claim_found
 from tests.oracles.small_specs import TURNER, replaced
 from tests.srgc.conftest import ROOT
 
-PAGE = (ROOT / "docs" / "how-to" / "take-away.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "export.md").read_text(encoding="utf-8")
 
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -43,7 +43,7 @@ def test_the_program_replays_a_robot_that_cannot_move(
     assert run(["export", str(folder), "--to", "mujoco", "-o", "arm_mujoco"]) == 0
     capsys.readouterr()
     content, output = program()
-    exec(compile(content, "take-away.md", "exec"), {})
+    exec(compile(content, "export.md", "exec"), {})
     assert capsys.readouterr().out == output
 
 
