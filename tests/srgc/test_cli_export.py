@@ -13,6 +13,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from srgc.cli.export import BINARY, FOLDERS, FORMS
+from srgc.exports import design_export
 from srgc.exports.urdf import urdf_text
 from tests.conftest import srgc_process
 from tests.oracles import result_files
@@ -31,6 +33,12 @@ Result = Callable[[str], Path]
 def crane(tmp_path: Path) -> Path:
     word = "B eps V eps H eps L eps P eps L eps EN"
     return claim_found(tmp_path / "crane", CRANE, word, ["1.5", "1.25"])
+
+
+def test_the_formats_that_the_command_offers_are_those_that_there_are() -> None:
+    """The command has lists of its own, so that its help loads no export."""
+    assert set(FORMS) == set(design_export.FORMS)
+    assert (FOLDERS, BINARY) == (design_export.FOLDERS, design_export.BINARY)
 
 
 def check_urdf(path: Path) -> list[str]:
