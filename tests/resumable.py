@@ -1,6 +1,7 @@
 """Long suites in parts: a shard of the tests, and a run that goes on where the last one ended.
 
-``--shard 2/6`` runs every sixth test, from the second on. ``--ledger FOLDER`` writes each test that
+``--shard 2/6`` runs every sixth test, from the second on, and ``--files 2/6`` the tests of every
+sixth file, which alone are imported then. ``--ledger FOLDER`` writes each test that
 passes, with its seconds, into a file that is named after the code, and leaves out what is in it:
 once anything that is tested or tests has changed, the file has another name and all tests run.
 """
@@ -11,6 +12,7 @@ import hashlib
 import json
 import os
 import subprocess
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +23,28 @@ ROOT = Path(__file__).parents[1]
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--shard", metavar="K/N", help="every Nth test, from the Kth on")
+    parser.addoption("--files", metavar="K/N", help="every Nth file of tests, from the Kth on")
     parser.addoption("--ledger", metavar="FOLDER", help="leave out what passed with the same code")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     if config.option.ledger:
         config.pluginmanager.register(Ledger(config), "ledger of tests that passed")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    if not config.option.files or not collection_path.name.startswith("test_"):
+        return None
+    first, count = shard_of(config.option.files)
+    tests = config.rootpath / "tests"
+    number = test_files(tests if tests.is_dir() else config.rootpath).get(collection_path)
+    return None if number is None or number % count == first else True
+
+
+@cache
+def test_files(folder: Path) -> dict[Path, int]:
+    """All files of tests below a folder, numbered."""
+    return {file: number for number, file in enumerate(sorted(folder.rglob("test_*.py")))}
 
 
 @pytest.hookimpl(trylast=True)
@@ -44,7 +62,7 @@ def shard_of(text: str) -> tuple[int, int]:
     """``"2/6"`` as the number of its first test, from 0, and the number of shards."""
     number, slash, count = text.partition("/")
     if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
-        raise pytest.UsageError(f"--shard {text}: expected K/N with 1 <= K <= N, as in 2/6")
+        raise pytest.UsageError(f"{text}: expected K/N with 1 <= K <= N, as in 2/6")
     return int(number) - 1, int(count)
 
 

@@ -41,6 +41,14 @@ def test_every_test_is_in_one_shard(tmp_path: Path) -> None:
     assert set.union(*parts) == {f"test_{number}" for number in range(10)}
 
 
+def test_every_file_is_in_one_part(tmp_path: Path) -> None:
+    for number in range(5):
+        test = f"def test_{number}(): pass"
+        (tmp_path / f"test_{number}.py").write_text(test, encoding="utf-8")
+    parts = [run(tmp_path, "-p", "tests.resumable", f"--files={part}/2")[1] for part in (1, 2)]
+    assert parts == [{"test_0", "test_2", "test_4"}, {"test_1", "test_3"}]
+
+
 @pytest.mark.parametrize("shard", ["0/3", "4/3", "3", "a/b", "-1/3", "1/0"])
 def test_a_shard_that_is_none(shard: str) -> None:
     with pytest.raises(pytest.UsageError, match="expected K/N with 1 <= K <= N"):
