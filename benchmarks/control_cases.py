@@ -18,7 +18,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.tasks.specification import planning_problem
 from compiler.words.structures import derivations_of
 from compiler.workspaces.abstraction import abstract
@@ -27,9 +27,9 @@ from solvers.planner import Planner
 from solvers.search.evaluation import hopeful
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
+from solvers.trajectory.corridor import Entries
 from solvers.trajectory.linear_model import PositionRows
 from solvers.trajectory.path_following import LEAST_MARGIN, PathProblem
-from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds
 from srgc.session import check_loaded

@@ -50,13 +50,13 @@ def measure_convex_step(runs: int) -> list[Line]:
 
     from compiler.discretisation.numeric_robot import NumericRobot
     from compiler.dynamics.equations_of_motion import robot_graph
-    from compiler.robots.family import family_of
+    from compiler.robots.normal_form import family_of
     from compiler.tasks.specification import planning_problem
     from compiler.words.structures import derivations_of
     from compiler.workspaces.abstraction import abstract
     from solvers.planner import Planner
+    from solvers.trajectory.control_problem import measured
     from solvers.trajectory.convex_step import ConvexStep
-    from solvers.trajectory.measured_motion import measured
     from solvers.trajectory.path_following import PathProblem
     from solvers.trajectory.reference_step import ReferenceStep
     from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
@@ -94,7 +94,7 @@ def measure_convex_step(runs: int) -> list[Line]:
 def measure_proof(runs: int, folder: Path) -> list[Line]:
     """The validated tube of a result, alone and with all conditions checked on it."""
     from compiler.expressions.evaluators.balls import working_precision
-    from compiler.robots.family import family_of
+    from compiler.robots.normal_form import family_of
     from compiler.workspaces.abstraction import abstract
     from solvers.verifier.claims.certificate import FoundClaim, claimed_values, from_text
     from solvers.verifier.proofs.enclosure import TubeSegment, tube

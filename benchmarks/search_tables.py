@@ -14,7 +14,7 @@ from timing import SPEC, seconds
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.tasks.specification import planning_problem
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load

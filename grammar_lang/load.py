@@ -9,8 +9,7 @@ from pathlib import Path
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.modules import ModuleInfo, lower_module
 from grammar_lang.elaboration.productions import GrammarInfo, lower_grammar
@@ -18,14 +17,12 @@ from grammar_lang.elaboration.recovery import sound_part, without_followers
 from grammar_lang.elaboration.semantics import SemanticsInfo, lower_semantics
 from grammar_lang.elaboration.tasks import Family, Surroundings, lower_task
 from grammar_lang.elaboration.workspaces import lower_workspace
-from grammar_lang.files.file_set import FileSet, too_large
-from grammar_lang.files.file_tree import FileTree, name_of
+from grammar_lang.files.file_tree import FileSet, FileTree, name_of, too_large
 from grammar_lang.files.inclusion import include_all
 from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
 from grammar_lang.names.resolver import resolve_names
-from grammar_lang.names.table import NameTable
-from grammar_lang.names.unused import report_unused
-from grammar_lang.paused_collection import without_collection
+from grammar_lang.names.table import NameTable, report_unused
+from grammar_lang.parsing.parse import without_collection
 from grammar_lang.source import Source, Span
 from grammar_lang.syntax import tasks as t
 from grammar_lang.syntax.tasks import File

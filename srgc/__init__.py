@@ -6,16 +6,16 @@ this file: a name is loaded when it is first used, and heavy libraries by the ca
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from srgc.api.explanation import why as why
     from srgc.api.export import export as export
     from srgc.api.graph import graph as graph
-    from srgc.api.plan import plan as plan
     from srgc.api.program import check as check
     from srgc.api.program import load as load
     from srgc.api.program import words as words
     from srgc.api.result import open_result as open_result
     from srgc.api.robot import robot as robot
+    from srgc.api.synthesis import plan as plan
     from srgc.api.synthesis import synthesize as synthesize
+    from srgc.api.synthesis import why as why
     from srgc.api.verification import verify as verify
     from srgc.faults import SrgcError as SrgcError
 
@@ -26,11 +26,11 @@ _HOMES = {
     "graph": "srgc.api.graph",
     "load": "srgc.api.program",
     "open_result": "srgc.api.result",
-    "plan": "srgc.api.plan",
+    "plan": "srgc.api.synthesis",
     "robot": "srgc.api.robot",
     "synthesize": "srgc.api.synthesis",
     "verify": "srgc.api.verification",
-    "why": "srgc.api.explanation",
+    "why": "srgc.api.synthesis",
     "words": "srgc.api.program",
 }
 

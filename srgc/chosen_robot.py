@@ -8,7 +8,7 @@ from typing import Literal
 
 from compiler.expressions.scalars import Constant
 from compiler.robots.attributes import SemanticsError
-from compiler.robots.family import RobotFamily
+from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import (
     Body,
     Joint,

@@ -12,7 +12,7 @@ from compiler.checks.workspace_checks import workspace_diagnostics
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Severity, Sink
 from grammar_lang.load import Loaded, load
-from grammar_lang.paused_collection import without_collection
+from grammar_lang.parsing.parse import without_collection
 from srgc.faults import Checked, NoAnswer, SpecErrors, SrgcError, UsageFault
 
 __all__ = [

@@ -21,7 +21,7 @@ from grammar_lang.diagnostics.code_pages import (
     page_text,
     read_page,
 )
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.diagnostics.render import to_text
 from srgc.session import check_file
 

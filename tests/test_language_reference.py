@@ -20,17 +20,16 @@ from lark import Lark, Token, Tree
 import srgc.cli
 from compiler.words.finite_automaton import STATE_LIMIT
 from grammar_lang.diagnostics.code_pages import page_text, read_page
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.render import to_text
 from grammar_lang.elaboration import emissions, typecheck
-from grammar_lang.elaboration.plausibility import PLAUSIBLE
-from grammar_lang.files.file_set import IMAGE_LIMIT
+from grammar_lang.elaboration.sorts import PLAUSIBLE
+from grammar_lang.files.file_tree import IMAGE_LIMIT
 from grammar_lang.files.source_file import LIMIT
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir import expressions
 from grammar_lang.parsing import lalr, parse, tree_builder
-from grammar_lang.parsing.tables import RESERVED
+from grammar_lang.parsing.lalr import RESERVED
 from grammar_lang.units import MAX_EXPONENT, UNIT_NAMES, unit
 from solvers.conclusion import DEFAULT_MODULES
 from srgc.session import check_file

@@ -12,8 +12,7 @@ import pytest
 from grammar_lang.diagnostics.code_pages import examples
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
 from grammar_lang.load import load_text
-from grammar_lang.parsing.items import cut
-from grammar_lang.parsing.tokens import tokenise
+from grammar_lang.parsing.tokens import cut, tokenise
 from srgc.session import check_loaded
 
 PAGE = Path(__file__).parent / "golden" / "twenty-mistakes.md"

@@ -11,8 +11,7 @@ from compiler.words.derivation import Derivation
 from compiler.words.language import Language
 from compiler.words.structures import derivations_of
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 
 if TYPE_CHECKING:
     from compiler.robots.robot import RobotModel
@@ -129,7 +128,7 @@ def _robots(
     """The robots of those derivations that the semantics give one."""
     # Ambiguous grammars are few: the robots' part of the compiler is loaded for them only.
     from compiler.robots.attributes import SemanticsError
-    from compiler.robots.family import RobotFamily
+    from compiler.robots.normal_form import RobotFamily
 
     family = RobotFamily(program, grammar, dimension)
     found: list[tuple[Derivation, RobotModel]] = []

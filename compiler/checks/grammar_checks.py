@@ -12,15 +12,13 @@ from itertools import pairwise
 
 from compiler.checks.ambiguity_checks import ambiguity_diagnostics
 from compiler.words.acceptance import accept_dfa
-from compiler.words.ambiguity import ambiguity
+from compiler.words.ambiguity import ProductionCycle, ambiguity, production_cycles
 from compiler.words.finite_automaton import AutomatonTooLargeError, intersection
 from compiler.words.grammar import Srg, alphabet_of, productive, reachable, srg
 from compiler.words.intersection import CHECKED_RULES, IntersectionTooLargeError
 from compiler.words.language import Language, longest_word, number_of_words, restrict
-from compiler.words.production_cycles import ProductionCycle, production_cycles
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.source import Span
 
 EXACT_BELOW = 10**9

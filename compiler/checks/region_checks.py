@@ -8,12 +8,11 @@ from fractions import Fraction
 from itertools import islice
 from typing import Literal
 
-from compiler.workspaces.double_description import Point
-from compiler.workspaces.overlaps import interiors_meet
+from compiler.workspaces.adjacency import interiors_meet
+from compiler.workspaces.hull import Point
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import AXES, Polytope, polytope_of
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region, StartIn, Task
 from grammar_lang.source import Span
 

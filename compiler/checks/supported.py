@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity
 from grammar_lang.source import Span
 
 

@@ -9,15 +9,13 @@ from functools import cached_property
 from compiler.robots.effector_counts import several_effectors
 from compiler.tasks.formula_parts import subformulas
 from compiler.words.acceptance import accept_dfa
-from compiler.words.binary_normal_form import BinaryGrammar
 from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa, intersection
 from compiler.words.grammar import Srg, alphabet_of, srg
-from compiler.words.intersection import CHECKED_RULES, IntersectionTooLargeError
+from compiler.words.intersection import CHECKED_RULES, BinaryGrammar, IntersectionTooLargeError
 from compiler.words.language import Language, restrict
 from compiler.words.recogniser import viable_prefix
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 
 
 def task_diagnostics(program: ir.Program, sink: Sink) -> None:

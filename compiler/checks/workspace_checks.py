@@ -9,13 +9,12 @@ from typing import assert_never
 
 from compiler.checks.region_checks import Shapes, end_diagnostics, ends, sound_polytope
 from compiler.tasks.obstacle_pieces import pieces_of, polytopes_within
-from compiler.workspaces.map_fault import MapFault
-from compiler.workspaces.overlaps import candidates, interiors_meet
+from compiler.workspaces.adjacency import candidates, interiors_meet
+from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.pieces import Pieces, cross, sides
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import counted
 from grammar_lang.ir import ObstacleMap, Region, Workspace
 
@@ -77,9 +76,6 @@ def _shapes(workspace: ir.Workspace, sink: Sink) -> Shapes | None:
     inside = {name: part.irredundant() for name, part in parts.items() if part.has_interior}
     if not workspace.maps:
         return Shapes(bounds, regions, inside)
-    # Loaded where there is a map alone, so that other checks start fast.
-    from compiler.checks.workspace_checks import map_shapes
-
     return Shapes(bounds, regions, inside, map_shapes(workspace, bounds, sink))
 
 

@@ -21,12 +21,16 @@ import casadi as ca
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.dynamics.absolute_angles import Coordinates, generalised_forces, own_motion
-from compiler.dynamics.drive import Motion, drive
+from compiler.dynamics.energy_graph import ldl_solve
 from compiler.dynamics.equations_of_motion import MADE, RobotGraph
-from compiler.dynamics.kinematics import Kinematics, kinematics
-from compiler.dynamics.ldl import ldl_solve
-from compiler.dynamics.rigid_bodies import angular_jacobian, inertia_of
+from compiler.dynamics.kinematics import (
+    Coordinates,
+    Kinematics,
+    generalised_forces,
+    kinematics,
+    own_motion,
+)
+from compiler.dynamics.rigid_bodies import Motion, angular_jacobian, drive, inertia_of
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant
 from compiler.robots.robot import PointBody, RobotModel

@@ -16,16 +16,21 @@ from functools import cached_property
 
 import casadi as ca
 
-from compiler.dynamics.absolute_angles import (
+from compiler.dynamics.energy_graph import ldl_solve
+from compiler.dynamics.kinematics import (
     Coordinates,
     generalised_forces,
+    kinematics,
     own_coordinates,
     own_motion,
 )
-from compiler.dynamics.drive import Motion, drive
-from compiler.dynamics.kinematics import kinematics
-from compiler.dynamics.ldl import ldl_solve
-from compiler.dynamics.rigid_bodies import centrifugal_forces, gravitational_forces, mass_matrix
+from compiler.dynamics.rigid_bodies import (
+    Motion,
+    centrifugal_forces,
+    drive,
+    gravitational_forces,
+    mass_matrix,
+)
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import RobotModel

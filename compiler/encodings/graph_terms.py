@@ -16,7 +16,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.encodings.real_terms import (
+from compiler.encodings.region_terms import (
     Quantity,
     RealScript,
     add,
@@ -34,7 +34,7 @@ from compiler.encodings.real_terms import (
 )
 from compiler.encodings.scalar_terms import Angle, absolute
 from compiler.expressions.evaluator import Evaluator
-from compiler.expressions.rational_enclosure import outward
+from compiler.expressions.exact_numbers import outward
 from grammar_lang import ir
 from grammar_lang.ir.constants import apply
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from compiler.encodings.real_terms import (
+from compiler.encodings.region_terms import (
     Quantity,
     RealScript,
     add,

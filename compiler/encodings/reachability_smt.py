@@ -29,7 +29,7 @@ from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices
-from compiler.encodings.real_terms import (
+from compiler.encodings.region_terms import (
     FALSE,
     Formula,
     Quantity,
@@ -40,12 +40,12 @@ from compiler.encodings.real_terms import (
     at_most,
     constant,
     equal,
+    inside,
     multiply,
     non_negative,
     subtract,
     sum_of_squares,
 )
-from compiler.encodings.region_terms import inside
 from compiler.encodings.scalar_terms import ScalarTerms, absolute, slide_term
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.expressions.scalars import Constant

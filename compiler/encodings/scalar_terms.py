@@ -14,7 +14,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from compiler.encodings.real_terms import (
+from compiler.encodings.region_terms import (
     Quantity,
     RealScript,
     add,
@@ -31,10 +31,10 @@ from compiler.encodings.real_terms import (
     sum_of_squares,
 )
 from compiler.expressions.evaluators.balls import BALLS, closed_ball
-from compiler.expressions.evaluators.monomials import MonomialEvaluator
-from compiler.expressions.rational_enclosure import exact_rational, outward, rational_bounds
+from compiler.expressions.exact_numbers import exact_rational, outward, rational_bounds
 from compiler.expressions.scalars import (
     Apply,
+    MonomialEvaluator,
     ParameterLeaf,
     PiConstant,
     ScalarNode,

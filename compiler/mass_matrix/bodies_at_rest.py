@@ -23,8 +23,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from compiler.arrays import Array
-from compiler.dynamics.absolute_angles import own_coordinates
-from compiler.dynamics.kinematics import Kinematics, kinematics, rotation
+from compiler.dynamics.kinematics import Kinematics, kinematics, own_coordinates, rotation
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluators.balls import constant_ball
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around

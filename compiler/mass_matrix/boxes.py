@@ -13,7 +13,7 @@ from flint import arb
 from compiler.expressions.evaluators.balls import closed_ball
 from compiler.expressions.evaluators.exact import NotExact, PiLinear, exact_closed
 from compiler.expressions.evaluators.intervals import INFINITY, Ends, around, outward
-from compiler.expressions.rational_enclosure import rational_bounds
+from compiler.expressions.exact_numbers import rational_bounds
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 

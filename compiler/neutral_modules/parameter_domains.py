@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from compiler.expressions.rational_enclosure import rational_bounds
+from compiler.expressions.exact_numbers import rational_bounds
 from grammar_lang import ir
 from grammar_lang.ir.constants import MagnitudeError, monomial
 from grammar_lang.ir.expression_text import number_text

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from compiler.robots.alignment import alignment
 from compiler.robots.attributes import SemanticsError
-from compiler.robots.family import RobotFamily
+from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
 from compiler.time_limits.time_limit import check_time
 from compiler.words.budget import WordsTooLongError

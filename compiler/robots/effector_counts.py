@@ -10,12 +10,12 @@ with an automaton (:mod:`compiler.words.intersection`).
 from __future__ import annotations
 
 from compiler.words.acceptance import accept_dfa
-from compiler.words.binary_normal_form import binary_normal_form
 from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa
 from compiler.words.grammar import Cfg, Rule, srg
 from compiler.words.intersection import (
     CHECKED_RULES,
     IntersectionTooLargeError,
+    binary_normal_form,
     intersect,
 )
 from grammar_lang import ir

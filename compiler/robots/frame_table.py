@@ -7,16 +7,17 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from compiler.expressions.scalars import Apply, ScalarNode
-from compiler.robots.own_dynamics import OwnDynamics, own_dynamics
 from compiler.robots.robot import (
     WORLD,
     FrameNode,
     Joint,
     Offset,
+    OwnDynamics,
     RobotDof,
     RobotParameter,
     Step,
     Turn,
+    own_dynamics,
 )
 from grammar_lang import ir
 

@@ -13,12 +13,12 @@ from compiler.expressions.evaluator import Evaluator
 from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
 from compiler.expressions.scalars import Apply, ParameterLeaf, evaluate_scalars
 from compiler.robots.given_start import given_start
-from compiler.robots.own_dynamics import OwnDynamics
 from compiler.robots.robot import (
     Body,
     FrameNode,
     Joint,
     Offset,
+    OwnDynamics,
     PointBody,
     RobotDof,
     RobotModel,

@@ -10,8 +10,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.tasks.cell_graph import UNREACHABLE, distances, edges
-from compiler.tasks.clauses import Ints
+from compiler.tasks.formula_clauses import Ints
+from compiler.tasks.places import UNREACHABLE, distances, edges
 from compiler.tasks.sampled_formula import (
     Eventually,
     Every,

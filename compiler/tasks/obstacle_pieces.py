@@ -13,11 +13,11 @@ from functools import lru_cache
 from typing import assert_never
 
 from compiler.tasks.formula_parts import atoms
-from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.pieces import Pieces, Polygon, apart, disjoint
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 
 PIECE_LIMIT = 5_000
 """So many pieces may a map have within the bounds."""

@@ -8,11 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.tasks.cell_graph import UNREACHABLE
-from compiler.tasks.clauses import TRUE, Clauses, Ints
 from compiler.tasks.effector_distances import EffectorDistances
-from compiler.tasks.formula_clauses import FormulaClauses, Layers
-from compiler.tasks.places import Places, RegionLinks, Word
+from compiler.tasks.formula_clauses import TRUE, Clauses, FormulaClauses, Ints, Layers
+from compiler.tasks.places import UNREACHABLE, Places, RegionLinks, Word
 from compiler.tasks.position_paths import PositionPaths
 from compiler.tasks.sampled_formula import Literal
 from compiler.tasks.specification import PlanningProblem

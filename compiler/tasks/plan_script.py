@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compiler.tasks.clauses import Clauses
+from compiler.tasks.formula_clauses import Clauses
 from compiler.tasks.plan_encoding import plan_encoding
 from compiler.tasks.specification import PlanningProblem
 

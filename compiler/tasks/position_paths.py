@@ -14,9 +14,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.tasks.cell_graph import UNREACHABLE, Edges
-from compiler.tasks.clauses import TRUE, Clauses, Ints
-from compiler.tasks.places import NOWHERE, Places
+from compiler.tasks.formula_clauses import TRUE, Clauses, Ints
+from compiler.tasks.places import NOWHERE, UNREACHABLE, Edges, Places
 
 
 class PositionPaths:

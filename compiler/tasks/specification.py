@@ -1,16 +1,14 @@
-"""What a task asks of paths through the cells.
-
-Source: Section 4.2 (the set of runs from the initial region to the target that avoid obstacles),
-with correction 4.18: ``reach`` is about the last instant only, the target may be entered early;
-``satisfy`` as a formula about samples (:mod:`compiler.tasks.sampled_formula`).
-"""
+"""The one formula of a task: its ``satisfy`` clauses, with ``reach`` and ``avoid`` as sugar."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import assert_never
 
+from compiler.robots.robot import RobotModel
+from compiler.tasks.formula_parts import atoms
 from compiler.tasks.sampled_formula import (
     Literal,
     SampledFormula,
@@ -21,6 +19,67 @@ from compiler.tasks.sampled_formula import (
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from grammar_lang.ir import StartAt, StartIn, Task
+
+_THROUGHOUT = ir.Window(Fraction(0), None)
+
+
+def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | None:
+    """What the effectors of a robot have to satisfy at time 0; None for no demand at all.
+
+    A margin of an ``avoid`` is not expressed: the formula asks for less than the task then.
+
+    Args:
+        task: the task.
+        effectors: how many effectors the robot has.
+        recorded: the effector that starts and reaches, from 0.
+    """
+    parts = [clause.formula for clause in task.satisfy]
+    if task.reach is not None:
+        parts.append(ir.Last(Fraction(0), ir.Atom(task.reach.region, recorded + 1)))
+    parts += [
+        ir.Always(ir.Not(ir.Atom(region, effector)), _THROUGHOUT)
+        for avoid in task.avoid
+        if avoid.subject == "effector"
+        for region in avoid.regions
+        for effector in range(1, effectors + 1)
+    ]
+    if len(parts) < 2:
+        return parts[0] if parts else None
+    return ir.And(tuple(parts))
+
+
+def recorded_effector(task: ir.Task) -> int | None:
+    """The effector that a task binds to be the recorded one, from 0; None: any, the claim says.
+
+    It is the one that reaches; where nothing is to be reached, the one that starts.
+    """
+    if task.reach is not None:
+        named = task.reach.effector
+    elif isinstance(task.start, ir.StartAt):
+        named = 1
+    else:
+        named = task.start.effector
+    return None if named is None else named - 1
+
+
+def missing_effector(task: ir.Task, effectors: int) -> int | None:
+    """An effector, from 1, that a task names and a robot with so many lacks; None for none.
+
+    Such a robot is no candidate, whatever is asked of the effector.
+    """
+    named = [atom.effector for atom in atoms(*(clause.formula for clause in task.satisfy))]
+    if task.reach is not None and task.reach.effector is not None:
+        named.append(task.reach.effector)
+    if isinstance(task.start, ir.StartIn) and task.start.effector is not None:
+        named.append(task.start.effector)
+    return max((number for number in named if number > effectors), default=None)
+
+
+# --- What a task asks of paths through the cells --------------------------------------------------
+#
+# Source: Section 4.2 (the set of runs from the initial region to the target that avoid obstacles),
+# with correction 4.18: ``reach`` is about the last instant only, the target may be entered early;
+# ``satisfy`` as a formula about samples (:mod:`compiler.tasks.sampled_formula`).
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,3 +202,14 @@ def _conjunction(formulas: Sequence[ir.Formula]) -> ir.Formula:
 def _named(formula: SampledFormula) -> set[int]:
     """The effectors, from 0, that a formula names."""
     return {node.effector - 1 for node in nodes(formula) if isinstance(node, Literal)}
+
+
+# --- The radii of `robust start` by coordinate and rate -------------------------------------------
+
+
+def disturbance_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
+    """Per joint's coordinate, then per rate, how far it may be from what is planned, in SI."""
+    robust = task.robust or ir.Robust()
+    turning = [dof.kind == "revolute" for dof in model.dofs]
+    places = [robust.angle if turns else robust.length for turns in turning]
+    return places + [robust.angular_rate if turns else robust.speed for turns in turning]

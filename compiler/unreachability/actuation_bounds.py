@@ -14,7 +14,14 @@ from flint import arb, fmpz
 from compiler.dynamics.energy_graph import EnergyGraph
 from compiler.expressions.evaluators.balls import ball
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
-from compiler.unreachability.actuation_measures import CoordinateMeasure, HeightMeasure, Measure
+from compiler.unreachability.actuation_measures import (
+    CoordinateMeasure,
+    HeightMeasure,
+    Measure,
+    Momentum,
+    MomentumMeasure,
+    momentum_of,
+)
 from compiler.unreachability.actuation_metric import (
     EffortGroup,
     EnclosedMass,
@@ -22,7 +29,6 @@ from compiler.unreachability.actuation_metric import (
     kinetic_speed,
     metric,
 )
-from compiler.unreachability.actuation_momentum import Momentum, MomentumMeasure, momentum_of
 
 ZERO = arb(0)
 

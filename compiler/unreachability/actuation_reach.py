@@ -19,21 +19,20 @@ from flint import arb
 from compiler.dynamics.energy_graph import EnergyGraph, energy_graph
 from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
-from compiler.robots.input_bounds import input_bounds, unbounded_kinds
 from compiler.robots.robot import RobotDof, RobotModel
-from compiler.robots.state_and_input import robot_inputs
-from compiler.tasks.stops import REST_RATE
+from compiler.robots.state_and_input import input_bounds, robot_inputs, unbounded_kinds
+from compiler.tasks.necessary import REST_RATE
 from compiler.unreachability.actuation_bounds import BoxEvaluator, LeafBox
-from compiler.unreachability.actuation_budget import Budget
-from compiler.unreachability.actuation_levels import least, needed
+from compiler.unreachability.actuation_levels import Budget, least, needed
 from compiler.unreachability.actuation_measures import (
     HeightMeasure,
     Measure,
+    MomentumMeasure,
     coordinate_measures,
     height_measures,
+    momentum_measures,
 )
 from compiler.unreachability.actuation_metric import EffortGroup, most_power
-from compiler.unreachability.actuation_momentum import MomentumMeasure, momentum_measures
 from compiler.unreachability.actuation_region import Limits, Region
 from compiler.unreachability.covered_poses import NEAR
 from compiler.unreachability.motion_conditions import GivenPose, Passage

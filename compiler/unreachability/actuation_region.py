@@ -25,10 +25,24 @@ from numpy.typing import NDArray
 from compiler.expressions.evaluators.intervals import Ends
 from compiler.time_limits.time_limit import check_time
 from compiler.unreachability.actuation_bounds import BoxBounds, Course, LeafBox
-from compiler.unreachability.actuation_budget import Budget, Ramp, RateBounds, budget
-from compiler.unreachability.actuation_levels import OneWay, Side, climb, largest, least
-from compiler.unreachability.actuation_measures import CoordinateMeasure, HeightMeasure, Measure
-from compiler.unreachability.actuation_momentum import Momentum, MomentumMeasure
+from compiler.unreachability.actuation_levels import (
+    Budget,
+    OneWay,
+    Ramp,
+    RateBounds,
+    Side,
+    budget,
+    climb,
+    largest,
+    least,
+)
+from compiler.unreachability.actuation_measures import (
+    CoordinateMeasure,
+    HeightMeasure,
+    Measure,
+    Momentum,
+    MomentumMeasure,
+)
 
 ZERO = arb(0)
 

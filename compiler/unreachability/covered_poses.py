@@ -32,8 +32,13 @@ from compiler.unreachability.box_tree import (
     parameter_sides,
 )
 from compiler.unreachability.motion_conditions import GivenPose, MotionConditions, Passage, PointIn
-from compiler.unreachability.point_enclosure import EnclosedPoints, PointTapes
-from compiler.unreachability.violations import Violation, at_any_instant, elsewhere
+from compiler.unreachability.violations import (
+    EnclosedPoints,
+    PointTapes,
+    Violation,
+    at_any_instant,
+    elsewhere,
+)
 from grammar_lang import ir
 
 NEAR = Fraction(1, 10**9)

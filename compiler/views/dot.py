@@ -9,7 +9,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator, Mapping
 
-from compiler.views.picture import Arrow, Edge, Node, Picture
+from compiler.views.workspace_view import Arrow, Edge, Node, Picture
 
 RED = "#d00000"
 FONT = "sans-serif"

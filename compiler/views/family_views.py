@@ -9,7 +9,15 @@ from typing import cast
 
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.labelled_graph import LabelledGraph
-from compiler.views.picture import Arrow, Edge, Node, Picture, not_accepted, refuse_unknown, run_of
+from compiler.views.workspace_view import (
+    Arrow,
+    Edge,
+    Node,
+    Picture,
+    not_accepted,
+    refuse_unknown,
+    run_of,
+)
 from compiler.words.finite_automaton import Dfa
 from compiler.words.functional_automaton import Fra, fra
 from compiler.words.language import Language, language

@@ -6,7 +6,7 @@ from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from compiler.views.picture import (
+from compiler.views.workspace_view import (
     Arrow,
     Edge,
     HighlightError,

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from compiler.words.binary_normal_form import BinaryGrammar
+from compiler.words.intersection import BinaryGrammar
 from compiler.words.left_corners import Group
 
 # --- The lengths of words as bit sets: bit m is set where there is a word of length m -------------

@@ -13,8 +13,14 @@ from dataclasses import dataclass
 
 from compiler.words.finite_automaton import Dfa
 from compiler.words.grammar import Srg
-from compiler.words.pushdown_automaton import Configuration, Pda, Transition, configurations, sra
-from compiler.words.pushdown_runs import accepting_run
+from compiler.words.pushdown_automaton import (
+    Configuration,
+    Pda,
+    Transition,
+    accepting_run,
+    configurations,
+    sra,
+)
 from grammar_lang import ir
 from grammar_lang.ir.expression_text import updates_text
 from grammar_lang.source import Source, written

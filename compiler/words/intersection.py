@@ -1,18 +1,211 @@
-"""L(SRG) intersected with L(accept) as a grammar (Bar-Hillel, Perles, Shamir 1961).
+"""Binary normal form: right sides of one terminal or of two symbols.
 
-The product of a grammar in binary normal form with the automaton is built from the nonterminals
-(p, A, q) that are really needed: called from the start in state p, returning in state q.
+There are no empty and no unit rules (Chomsky 1959, without the restriction to nonterminals in
+pairs).  Such a grammar speaks of words only; derivations are those of the original grammar.  The
+*binary form* keeps the unit rules, but for their cycles: taking them out can square the size.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from compiler.time_limits.time_limit import check_time
-from compiler.words.binary_normal_form import BinaryGrammar, RightSide
 from compiler.words.finite_automaton import Dfa
+from compiler.words.grammar import Cfg, Rule, components, nullable, on_cycle, trimmed
+
+RightSide: TypeAlias = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BinaryGrammar:
+    """A grammar in binary normal form.
+
+    Symbols below ``terminals`` are terminals; ``rules[k]`` are the right sides of the nonterminal
+    ``terminals + k``: one terminal, or two symbols; in binary form also one nonterminal.  The
+    language is what any of ``starts`` derives, and the empty word where ``empty_word``.
+    """
+
+    terminals: int
+    rules: tuple[tuple[RightSide, ...], ...]
+    starts: tuple[int, ...]
+    empty_word: bool
+
+    def is_empty(self) -> bool:
+        """Whether there is no word, not even the empty one, given that all are useful."""
+        return not self.starts and not self.empty_word
+
+    def is_finite(self) -> bool:
+        """Whether the language is finite: no nonterminal reaches itself, given all are useful."""
+        first = self.terminals
+        edges = ((k, s - first) for k, right in self._sides() for s in right if s >= first)
+        return not on_cycle(len(self.rules), edges)
+
+    def longest(self) -> int:
+        """The length of the longest word of a finite, non-empty language."""
+        first = self.terminals
+        children = [
+            [s - first for right in rights for s in right if s >= first] for rights in self.rules
+        ]
+        component = components(len(self.rules), children.__getitem__)
+        length = [0] * len(self.rules)
+        for k in sorted(range(len(self.rules)), key=component.__getitem__):
+            lengths = (
+                sum(1 if s < first else length[s - first] for s in right) for right in self.rules[k]
+            )
+            length[k] = max(lengths, default=0)
+        return max((length[s - first] for s in self.starts), default=0)
+
+    def shortest(self) -> int | None:
+        """The length of the shortest word; None where there is none."""
+        return 0 if self.empty_word else self.lightest([1] * self.terminals)
+
+    def lightest(self, weights: Sequence[int]) -> int | None:
+        """The least weight of a word that is not empty; None where there is none.
+
+        Knuth's generalisation of shortest paths, *Inf. Proc. Lett.* 6 (1977), by relaxation.
+
+        Args:
+            weights: of the terminals, none negative.
+        """
+        least: list[int | None] = [None] * len(self.rules)
+        users: list[dict[int, None]] = [{} for _ in self.rules]
+        for k, right in self._sides():
+            for symbol in right:
+                if symbol >= self.terminals:
+                    users[symbol - self.terminals][k] = None
+        todo = dict.fromkeys(range(len(self.rules)))
+        while todo:
+            k = next(iter(todo))
+            del todo[k]
+            found = self._least(k, least, weights)
+            if found != least[k]:
+                least[k] = found
+                todo.update(users[k])
+        totals = [least[start - self.terminals] for start in self.starts]
+        return min((total for total in totals if total is not None), default=None)
+
+    def _least(self, k: int, least: Sequence[int | None], weights: Sequence[int]) -> int | None:
+        """The least weight of nonterminal number k, from what is known of the others."""
+        found = least[k]
+        for right in self.rules[k]:
+            total = 0
+            for symbol in right:
+                first = self.terminals
+                part = weights[symbol] if symbol < first else least[symbol - first]
+                if part is None:
+                    break
+                total += part
+            else:
+                found = total if found is None else min(found, total)
+        return found
+
+    def _sides(self) -> Iterable[tuple[int, RightSide]]:
+        return ((k, right) for k, rights in enumerate(self.rules) for right in rights)
+
+
+def binary_normal_form(cfg: Cfg) -> BinaryGrammar:
+    """The language of ``cfg`` in binary normal form; useless nonterminals have no rules."""
+    pairs = _binarised(trimmed(cfg))
+    empty = nullable(pairs)
+    first = pairs.terminals
+    solid: list[dict[RightSide, None]] = [{} for _ in range(pairs.nonterminals)]
+    units: list[list[int]] = [[] for _ in range(pairs.nonterminals)]
+    for left, right in pairs.rules:
+        for side in _without_empty(right, empty):
+            if len(side) == 1 and side[0] >= first:
+                units[left - first].append(side[0] - first)
+            else:
+                solid[left - first][side] = None
+    rules = tuple(
+        tuple(dict.fromkeys(side for k in _reached(n, units) for side in solid[k]))
+        for n in range(pairs.nonterminals)
+    )
+    return BinaryGrammar(first, rules, (pairs.start,), pairs.start in empty)
+
+
+def binary_form(cfg: Cfg) -> BinaryGrammar:
+    """The language of ``cfg`` in binary form: with unit rules, of which none lead in a circle.
+
+    Nonterminals that derive each other alone derive the same words, and are one.
+    """
+    pairs = _binarised(trimmed(cfg))
+    empty = nullable(pairs)
+    first = pairs.terminals
+    sides = [(left, side) for left, right in pairs.rules for side in _without_empty(right, empty)]
+    units: list[list[int]] = [[] for _ in range(pairs.nonterminals)]
+    for left, side in sides:
+        if len(side) == 1 and side[0] >= first:
+            units[left - first].append(side[0] - first)
+    component = components(pairs.nonterminals, units.__getitem__)
+    one: dict[int, int] = {}
+    name = [first + one.setdefault(c, n) for n, c in enumerate(component)]
+    rules: list[dict[RightSide, None]] = [{} for _ in range(pairs.nonterminals)]
+    for left, side in sides:
+        renamed = tuple(s if s < first else name[s - first] for s in side)
+        if renamed != (name[left - first],):
+            rules[name[left - first] - first][renamed] = None
+    start = name[pairs.start - first]
+    # Nonterminals that derive the empty word alone have no rules left: rules with them are useless.
+    kept = trimmed(
+        Cfg(
+            first,
+            pairs.nonterminals,
+            tuple(Rule(first + n, side) for n, row in enumerate(rules) for side in row),
+            start,
+        )
+    )
+    useful: list[list[RightSide]] = [[] for _ in rules]
+    for left, side in kept.rules:
+        useful[left - first].append(side)
+    starts = (start,) if useful[start - first] else ()
+    return BinaryGrammar(first, tuple(map(tuple, useful)), starts, pairs.start in empty)
+
+
+def _binarised(cfg: Cfg) -> Cfg:
+    """Right sides of at most two symbols; equal rests of right sides share a nonterminal."""
+    rules: list[Rule] = []
+    rest_of: dict[RightSide, int] = {}
+    for left, right in cfg.rules:
+        head, tail = left, right
+        while len(tail) > 2:
+            known = tail[1:] in rest_of
+            rest = rest_of.setdefault(tail[1:], cfg.terminals + cfg.nonterminals + len(rest_of))
+            rules.append(Rule(head, (tail[0], rest)))
+            if known:
+                break
+            head, tail = rest, tail[1:]
+        else:
+            rules.append(Rule(head, tail))
+    return Cfg(cfg.terminals, cfg.nonterminals + len(rest_of), tuple(rules), cfg.start)
+
+
+def _without_empty(right: RightSide, empty: frozenset[int]) -> list[RightSide]:
+    """The right side with nullable symbols left out in all ways, without the empty one."""
+    sides = [right] if right else []
+    if len(right) == 2:
+        sides += [(right[1 - i],) for i in (0, 1) if right[i] in empty]
+    return sides
+
+
+def _reached(start: int, edges: list[list[int]]) -> list[int]:
+    """The nodes reached from ``start``, itself first."""
+    found = {start: None}
+    todo = [start]
+    while todo:
+        for node in edges[todo.pop()]:
+            if node not in found:
+                found[node] = None
+                todo.append(node)
+    return list(found)
+
+
+# --- L(SRG) intersected with L(accept) as a grammar (Bar-Hillel, Perles, Shamir 1961) -------------
+#
+# The product of a grammar in binary normal form with the automaton is built from the nonterminals
+# (p, A, q) that are really needed: called from the start in state p, returning in state q.
+
 
 Triple: TypeAlias = tuple[int, int, int]
 Call: TypeAlias = tuple[int, int]

@@ -14,21 +14,30 @@ from math import prod
 from typing import Any
 
 from compiler.words.acceptance import accept_dfa, at_most
-from compiler.words.binary_normal_form import BinaryGrammar, binary_form, binary_normal_form
 from compiler.words.budget import (
     LENGTH_LIMIT,
     MOVE_BUDGET,
     BudgetExceededError,
     WordsTooLongError,
 )
-from compiler.words.counting import DerivationCounts, count_by_length
-from compiler.words.enumeration import words_in_order, words_of_length
+from compiler.words.counting import (
+    DerivationCounts,
+    count_by_length,
+    words_in_order,
+    words_of_length,
+)
 from compiler.words.finite_automaton import Dfa, intersection
 from compiler.words.grammar import Srg, components, srg
-from compiler.words.intersection import intersect
+from compiler.words.intersection import BinaryGrammar, binary_form, binary_normal_form, intersect
 from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge, lr_automaton
-from compiler.words.membership import FiniteMembership, Membership, PushdownMembership
-from compiler.words.recogniser import ConditionedRecogniser, FiniteRecogniser, Recogniser
+from compiler.words.recogniser import (
+    ConditionedRecogniser,
+    FiniteMembership,
+    FiniteRecogniser,
+    Membership,
+    PushdownMembership,
+    Recogniser,
+)
 from compiler.words.regular_automaton import regular_automaton
 from compiler.words.residuals import Residuals
 from grammar_lang import ir

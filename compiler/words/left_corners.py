@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from compiler.words.binary_normal_form import BinaryGrammar
 from compiler.words.grammar import components
+from compiler.words.intersection import BinaryGrammar
 
 CACHE_LIMIT = 10_000
 

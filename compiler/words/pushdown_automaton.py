@@ -9,7 +9,8 @@ Ullman, section 6.3.1).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from compiler.words.finite_automaton import Dfa
 from compiler.words.grammar import Srg
@@ -146,3 +147,186 @@ def run_along(pda: Pda, labels: Sequence[str]) -> tuple[Transition, ...]:
     if state != pda.final or next(rest, None) is not None:
         raise ValueError("no run applies these productions")
     return tuple(run)
+
+
+# --- Runs of a pushdown automaton: membership, and an accepting run -------------------------------
+#
+# The automaton runs on all its stacks at once: calls and returns are tabulated on a
+# graph-structured stack (Tomita 1985; Scott and Johnstone 2010), position by position, so that left
+# recursion and empty cycles end and the time is polynomial.
+
+
+def accepts(pda: Pda, word: Sequence[str]) -> bool:
+    """Whether some run accepts the word; a token that is no symbol of Z means no."""
+    codes = _codes(pda, word)
+    return codes is not None and _Simulation(pda, codes).run() is not None
+
+
+def accepting_run(pda: Pda, word: Sequence[str]) -> tuple[Transition, ...] | None:
+    """The transitions of an accepting run, None where there is none."""
+    codes = _codes(pda, word)
+    last = None if codes is None else _Simulation(pda, codes).run()
+    if last is None:
+        return None
+    backwards: list[Transition] = []
+    todo: list[_Pop | _Edge] = [last[1], last[0]]
+    while todo:
+        step = todo.pop()
+        if isinstance(step, _Edge) and step.outer is not None:
+            todo.append(step.outer)
+        match step.cause:
+            case Transition() as transition:
+                backwards.append(transition)
+            case (pop, edge):
+                todo += [edge, pop]
+            case None:
+                pass
+    return tuple(reversed(backwards))
+
+
+def _codes(pda: Pda, word: Sequence[str]) -> tuple[int, ...] | None:
+    number = {name: i for i, name in enumerate(pda.alphabet)}
+    codes = tuple(number.get(token, -1) for token in word)
+    return None if -1 in codes else codes
+
+
+# --- simulation --------------------------------------------------------------------------------
+
+
+@dataclass(slots=True, eq=False)
+class _Node:
+    """A stack symbol on top in a state at a position, for all stacks that have it there.
+
+    ``edges`` say what lies below; they are complete once the position is past.  ``pops``: the
+    pops at this same position, for edges that come after them.
+    """
+
+    identity: int
+    symbol: int
+    state: int
+    position: int
+    edges: dict[tuple[tuple[int, ...], int], _Edge] = field(default_factory=dict)
+    pops: list[_Pop] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False)
+class _Edge:
+    """What lies below a node: the symbols ``rest``, then what lies below ``parent``.
+
+    ``cause``: what put the node there.  ``outer``: the parent's own edge where it is taken over.
+    """
+
+    rest: tuple[int, ...]
+    parent: _Node | None
+    cause: Cause
+    outer: _Edge | None = None
+
+
+@dataclass(slots=True, eq=False)
+class _Pop:
+    """The symbol of ``node``, with all that replaced it, is gone; the state is now ``state``."""
+
+    node: _Node
+    state: int
+    cause: Cause
+
+
+# A transition; or the pop of the symbol above, and the edge below that symbol.
+Cause: TypeAlias = "Transition | tuple[_Pop, _Edge] | None"
+
+
+class _Simulation:
+    """All runs on one word at once; only the first cause of everything is remembered."""
+
+    def __init__(self, pda: Pda, word: tuple[int, ...]) -> None:
+        self.pda = pda
+        self.word = word
+        self.position = 0
+        self.moves: dict[tuple[int, int], list[Transition]] = {}
+        for transition in pda.transitions:
+            self.moves.setdefault((transition.state, transition.pop), []).append(transition)
+        self.created = 0
+        self.nodes: dict[tuple[int, int], _Node] = {}
+        self.popped: set[tuple[int, int]] = set()
+        self.todo: list[_Node | tuple[_Pop, _Edge]] = []
+        self.reading: list[tuple[_Node, Transition]] = []
+        self.accepted: tuple[_Pop, _Edge] | None = None
+
+    def run(self) -> tuple[_Pop, _Edge] | None:
+        """The last pop of an accepting run with its edge; None where no run accepts."""
+        self._push(self.pda.initial, self.pda.initial_stack, None, None)
+        self._exhaust()
+        while self.position < len(self.word):
+            self.position += 1
+            arrived, self.reading = self.reading, []
+            self.nodes.clear()
+            self.popped.clear()
+            for node, transition in arrived:
+                self._replace(node, transition)
+            self._exhaust()
+        return self.accepted
+
+    def _exhaust(self) -> None:
+        while self.todo:
+            task = self.todo.pop()
+            if isinstance(task, _Node):
+                self._expand(task)
+            else:
+                self._return(*task)
+
+    def _push(
+        self, state: int, symbols: tuple[int, ...], parent: _Node | None, cause: Cause
+    ) -> None:
+        """Put ``symbols`` in the place of ``parent``, the first of them on top."""
+        node = self.nodes.get((symbols[0], state))
+        if node is None:
+            self.created += 1
+            node = _Node(self.created, symbols[0], state, self.position)
+            self.nodes[symbols[0], state] = node
+            self.todo.append(node)
+        edge = _Edge(symbols[1:], parent, cause)
+        # A last symbol takes over its parent's only edge: right recursion would otherwise leave a
+        # chain of parents to be popped one by one at every position.
+        if not edge.rest and parent is not None and parent.position < self.position:
+            outer = next(iter(parent.edges.values())) if len(parent.edges) == 1 else None
+            if outer is not None:
+                edge = _Edge(outer.rest, outer.parent, cause, outer)
+        key = (edge.rest, 0 if edge.parent is None else edge.parent.identity)
+        if key not in node.edges:
+            node.edges[key] = edge
+            self.todo += [(pop, edge) for pop in node.pops]
+
+    def _expand(self, node: _Node) -> None:
+        """Apply all transitions of the node."""
+        for transition in self.moves.get((node.state, node.symbol), ()):
+            if transition.read is not None:
+                if self.word[self.position : self.position + 1] == (transition.read,):
+                    self.reading.append((node, transition))
+            else:
+                self._replace(node, transition)
+
+    def _replace(self, node: _Node, transition: Transition) -> None:
+        """Take the node off and put what the transition pushes in its place."""
+        if transition.push:
+            self._push(transition.target, transition.push, node, transition)
+        else:
+            self._pop(node, transition.target, transition)
+
+    def _pop(self, node: _Node, state: int, cause: Cause) -> None:
+        """The node is gone at this position; once per state that this leads to."""
+        if (node.identity, state) in self.popped:
+            return
+        self.popped.add((node.identity, state))
+        pop = _Pop(node, state, cause)
+        if node.position == self.position:
+            node.pops.append(pop)
+        self.todo += [(pop, edge) for edge in node.edges.values()]
+
+    def _return(self, pop: _Pop, edge: _Edge) -> None:
+        """Go on with what lies below."""
+        if edge.rest:
+            self._push(pop.state, edge.rest, edge.parent, (pop, edge))
+        elif edge.parent is not None:
+            self._pop(edge.parent, pop.state, (pop, edge))
+        elif pop.state == self.pda.final and self.position == len(self.word):
+            self.accepted = self.accepted or (pop, edge)

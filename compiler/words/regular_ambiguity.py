@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from compiler.words.finite_automaton import Dfa
-from compiler.words.transition_network import Network
+from compiler.words.regular_automaton import Network
 
 # Two paths by their states, whether they have parted already, and the state of the automaton.
 Pair: TypeAlias = tuple[int, int, bool, int]

@@ -1,6 +1,16 @@
-"""The finite automaton of a grammar whose form shows that its language is regular."""
+"""A grammar without self-embedding as a finite network whose paths are its derivations.
+
+Source: Nederhof, *Practical experiments with regular approximation of context-free languages*
+(2000), section 3.  Where each set of mutually recursive nonterminals recurs at the left end of
+its right sides only, or at the right end only, the grammar unfolds into a finite network: every
+derivation is one path from its first state to its last, and every path one derivation.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 from compiler.words.finite_automaton import (
     STATE_LIMIT,
@@ -11,8 +21,138 @@ from compiler.words.finite_automaton import (
     intersection,
     minimal,
 )
-from compiler.words.grammar import Srg, cyclic, linearity, trimmed
-from compiler.words.transition_network import Network, transition_network
+from compiler.words.grammar import (
+    Cfg,
+    Srg,
+    components,
+    cyclic,
+    linearity,
+    on_cycle,
+    rules_by_left,
+    trimmed,
+)
+
+Recursion: TypeAlias = Literal["none", "left", "right"]
+Work: TypeAlias = tuple[int, tuple[int, ...], int]
+
+WORK_LIMIT = 4_000
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """States with moves under a terminal or, where it is None, under the empty word.
+
+    ``moves[p]`` are (terminal, state).  Several equal moves are different paths.  State 0 is the
+    first and has no move into it, state 1 the last and has none out of it.
+    """
+
+    moves: tuple[tuple[tuple[int | None, int], ...], ...]
+
+
+def transition_network(cfg: Cfg) -> Network | None:
+    """The network of a trimmed grammar without cycles.
+
+    None where a nonterminal embeds itself, or recurs at both ends, or where the network would have
+    more than ``WORK_LIMIT`` states or moves.
+    """
+    recursion = _recursions(cfg)
+    if recursion is None:
+        return None
+    builder = _Builder(cfg, *recursion)
+    return builder.build()
+
+
+def _recursions(cfg: Cfg) -> tuple[tuple[int, ...], tuple[Recursion, ...]] | None:
+    """The component of each nonterminal, and how each component recurs; None: not by one end."""
+    first = cfg.terminals
+    children: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
+    for left, right in cfg.rules:
+        children[left - first] += [s - first for s in right if s >= first]
+    component = components(cfg.nonterminals, children.__getitem__)
+    size = max(component, default=-1) + 1
+    ends: list[set[Recursion]] = [{"left", "right"} for _ in range(size)]
+    edges = ((k, child) for k, row in enumerate(children) for child in row)
+    recursive = {component[k] for k in on_cycle(cfg.nonterminals, edges)}
+    for left, right in cfg.rules:
+        own = component[left - first]
+        inner = [i for i, s in enumerate(right) if s >= first and component[s - first] == own]
+        if len(inner) > 1:
+            return None
+        if inner and inner[0] != 0:
+            ends[own].discard("left")
+        if inner and inner[0] != len(right) - 1:
+            ends[own].discard("right")
+    if not all(ends):
+        return None
+    kinds: tuple[Recursion, ...] = tuple(
+        "none" if c not in recursive else "right" if "right" in ends[c] else "left"
+        for c in range(size)
+    )
+    return component, kinds
+
+
+class _Builder:
+    """Unfolds occurrences one by one; a recursive component is laid out once per occurrence."""
+
+    def __init__(self, cfg: Cfg, component: tuple[int, ...], kinds: tuple[Recursion, ...]) -> None:
+        self.cfg = cfg
+        self.component = component
+        self.kinds = kinds
+        self.by_left = rules_by_left(cfg)
+        self.members: list[list[int]] = [[] for _ in kinds]
+        for k, c in enumerate(component):
+            self.members[c].append(k)
+        self.moves: list[list[tuple[int | None, int]]] = [[], []]
+
+    def build(self) -> Network | None:
+        todo: list[Work] = [(0, (self.cfg.start,), 1)]
+        work = 0
+        while todo:
+            work += 1
+            if work + len(todo) > WORK_LIMIT:
+                return None
+            source, symbols, target = todo.pop()
+            if len(symbols) > 1:
+                middle = self._state()
+                todo += [(middle, symbols[1:], target), (source, symbols[:1], middle)]
+            elif not symbols or symbols[0] < self.cfg.terminals:
+                self.moves[source].append((symbols[0] if symbols else None, target))
+            else:
+                todo += self._unfold(source, symbols[0] - self.cfg.terminals, target)
+        return Network(tuple(map(tuple, self.moves)))
+
+    def _state(self) -> int:
+        self.moves.append([])
+        return len(self.moves) - 1
+
+    def _unfold(self, source: int, nonterminal: int, target: int) -> Iterator[Work]:
+        """The right sides that may stand between two states for a nonterminal."""
+        own = self.component[nonterminal]
+        if self.kinds[own] == "none":
+            for r in self.by_left[nonterminal]:
+                yield source, self.cfg.rules[r].right, target
+            return
+        state = {k: self._state() for k in self.members[own]}
+        right = self.kinds[own] == "right"
+        if right:
+            self.moves[source].append((None, state[nonterminal]))
+        else:
+            self.moves[state[nonterminal]].append((None, target))
+        for k in self.members[own]:
+            for r in self.by_left[k]:
+                symbols = self.cfg.rules[r].right
+                end = symbols[-1 if right else 0] - self.cfg.terminals if symbols else -1
+                inner = state.get(end)
+                if right:
+                    rest = symbols if inner is None else symbols[:-1]
+                    yield state[k], rest, target if inner is None else inner
+                else:
+                    rest = symbols if inner is None else symbols[1:]
+                    yield source if inner is None else inner, rest, state[k]
+
+
+# --- The finite automaton of a grammar whose form shows that its language is regular --------------
+
 
 # --- The finite automaton of a left- or right-linear grammar (Hopcroft, Motwani, Ullman 2001) -----
 #

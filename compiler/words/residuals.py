@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from sys import intern
 from typing import TypeAlias
 
-from compiler.words.binary_normal_form import BinaryGrammar
 from compiler.words.continuations import (
     Continuation,
     Continuations,
@@ -23,6 +22,7 @@ from compiler.words.continuations import (
     maximal,
     without_included,
 )
+from compiler.words.intersection import BinaryGrammar
 from compiler.words.left_corners import LeftCorners, Move
 
 CACHE_LIMIT = 50_000

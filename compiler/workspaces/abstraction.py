@@ -21,10 +21,9 @@ from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
 from compiler.workspaces.adjacency import Pair, shared_facets, touching
 from compiler.workspaces.convex_pieces import coarsened
-from compiler.workspaces.double_description import Point
-from compiler.workspaces.partition import divide
+from compiler.workspaces.hull import Point
+from compiler.workspaces.partition import Cut, divide, split_cells
 from compiler.workspaces.polytope import Polytope, polytope_of
-from compiler.workspaces.refinement import Cut, split_cells
 from grammar_lang.ir import Region, Workspace
 
 CellKind: TypeAlias = Literal["obstacle", "target", "region", "free"]

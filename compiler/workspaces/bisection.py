@@ -13,9 +13,9 @@ from fractions import Fraction
 
 from compiler.time_limits.time_limit import check_time
 from compiler.workspaces.abstraction import Abstraction
-from compiler.workspaces.double_description import Point, primitive
+from compiler.workspaces.hull import Point, primitive
+from compiler.workspaces.partition import Cut
 from compiler.workspaces.polytope import Polytope
-from compiler.workspaces.refinement import Cut
 from grammar_lang.ir import HalfSpace
 
 STEPS = 16

@@ -14,11 +14,11 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from compiler.workspaces.decimals import decimal
-from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.pieces import Corner, Pieces, Polygon
 from compiler.workspaces.polygon_pieces import polygon_pieces
 from compiler.workspaces.rings import BadRing, TooTangled
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 
 Path: TypeAlias = tuple[str | int, ...]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from compiler.workspaces.map_fault import MapFault, check_size, image_fault
+from compiler.workspaces.map_header import MapFault, check_size, image_fault
 
 if TYPE_CHECKING:
     import numpy as np

@@ -18,10 +18,9 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.workspaces.grey_image import GreyImage, grey_image
-from compiler.workspaces.map_fault import MapFault
-from compiler.workspaces.map_header import MapHeader, map_header
+from compiler.workspaces.map_header import MapFault, MapHeader, map_header
 from compiler.workspaces.pieces import Corner, Pieces, Polygon
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.ir import MapImage
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.workspaces.double_description import IntRow, Vertex, primitive
+from compiler.workspaces.hull import IntRow, Vertex, primitive
 from compiler.workspaces.polytope import Description, Polytope
 from grammar_lang.ir import HalfSpace
 

@@ -13,16 +13,19 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
-from compiler.workspaces.double_description import (
+from compiler.workspaces.hull import (
     IntRow,
     Point,
     Vertex,
     clip,
+    counter_clockwise,
     describe,
+    hull_rows,
     integer_row,
+    polygon_area,
+    polyhedron_volume,
     value,
 )
-from compiler.workspaces.hull import counter_clockwise, hull_rows, polygon_area, polyhedron_volume
 from grammar_lang.ir import HalfSpace, Hull, Inequalities
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from srgc.cli.arguments import DocumentedCommand
 from srgc.cli.command_table import all_commands, cli
-from srgc.cli.documented_command import DocumentedCommand
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TypeAlias
 
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 
 FOLDER = Path(__file__).with_name("catalogue")
 MAIN = "spec.srg"

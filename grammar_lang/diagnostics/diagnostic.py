@@ -1,4 +1,8 @@
-"""Diagnostics are values: collected while compiling, rendered elsewhere."""
+"""Every diagnostic code, in one place.
+
+Ranges: 01xx files and syntax, 02xx names, 03xx sorts, units and numbers, 04xx grammars,
+05xx semantics, 06xx geometry, 07xx tasks.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,84 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 
-from grammar_lang.diagnostics.codes import Code
 from grammar_lang.source import Span
+
+
+class Code(Enum):
+    """A stable code; the value never changes its meaning."""
+
+    UNREADABLE_FILE = "SRG0101"
+    NOT_UTF8 = "SRG0102"
+    UNEXPECTED_CHARACTER = "SRG0103"
+    SYNTAX = "SRG0104"
+    EMPTY_FILE = "SRG0105"
+    TOO_DEEP = "SRG0106"
+    INCLUDE_CYCLE = "SRG0107"
+    OUTSIDE_TREE = "SRG0108"
+    UNREADABLE_REFERENCE = "SRG0109"
+    TOO_LARGE = "SRG0110"
+    NOT_SUPPORTED = "SRG0190"
+
+    UNKNOWN_NAME = "SRG0201"
+    DUPLICATE_NAME = "SRG0202"
+    WRONG_KIND = "SRG0203"
+    AMBIGUOUS_OCCURRENCE = "SRG0204"
+    MISSING_START = "SRG0205"
+    UNUSED_NAME = "SRG0206"
+
+    UNIT_MISMATCH = "SRG0301"
+    UNKNOWN_UNIT = "SRG0302"
+    EMPTY_INTERVAL = "SRG0303"
+    SORT_MISMATCH = "SRG0304"
+    NOT_CONSTANT = "SRG0305"
+    NOT_RATIONAL = "SRG0306"
+    BAD_NUMBER = "SRG0307"
+    ANGLE_ABOVE_TURN = "SRG0308"
+    STRICT_INEQUALITY = "SRG0309"
+    NOT_LINEAR = "SRG0310"
+    IMPLAUSIBLE_VALUE = "SRG0311"
+
+    UNPRODUCTIVE = "SRG0401"
+    UNREACHABLE = "SRG0402"
+    UNUSED_SYMBOL = "SRG0403"
+    EMPTY_LANGUAGE = "SRG0404"
+    CYCLIC_GRAMMAR = "SRG0405"
+    NO_EFFECTOR = "SRG0406"
+    AMBIGUOUS_GRAMMAR = "SRG0407"
+    FINITE_LANGUAGE = "SRG0408"
+
+    UNDEFINED_ATTRIBUTE = "SRG0501"
+    DOUBLE_ATTRIBUTE = "SRG0502"
+    MISSING_BLOCK = "SRG0503"
+    CIRCULAR_ATTRIBUTES = "SRG0504"
+    BAD_DOF_USE = "SRG0505"
+    BAD_EMISSION = "SRG0506"
+    OUT_OF_PLANE = "SRG0507"
+    DIFFERENT_ROBOTS = "SRG0508"
+    BAD_DYNAMICS = "SRG0509"
+
+    EMPTY_POLYTOPE = "SRG0601"
+    UNBOUNDED_POLYTOPE = "SRG0602"
+    START_IN_OBSTACLE = "SRG0603"
+    TARGET_IN_OBSTACLE = "SRG0604"
+    REGION_OUTSIDE_BOUNDS = "SRG0605"
+    REGION_PARTLY_OUTSIDE = "SRG0606"
+    REGION_PARTLY_BLOCKED = "SRG0607"
+    FLAT_POLYTOPE = "SRG0608"
+    UNUSED_OBSTACLE = "SRG0609"
+    OVERLAPPING_REGIONS = "SRG0610"
+    MAP_PIECES = "SRG0611"
+
+    MISSING_CLAUSE = "SRG0701"
+    REPEATED_CLAUSE = "SRG0702"
+    BAD_VALUE = "SRG0703"
+    CONTRADICTORY_TASK = "SRG0704"
+    VACUOUS_FORMULA = "SRG0705"
+    TOO_FEW_MODULES = "SRG0706"
+    START_OF_NO_ROBOT = "SRG0707"
+
+
+# --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------
 
 
 class Severity(Enum):

@@ -12,11 +12,10 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.productions import GrammarInfo, ProductionInfo
-from grammar_lang.names.entities import Entity
+from grammar_lang.names.declarations import Entity
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 

@@ -9,9 +9,7 @@ from typing import Literal
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.elaboration.plausibility import warn_implausible
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.sorts import (
     UNKNOWN,
     DimensionUse,
@@ -21,6 +19,7 @@ from grammar_lang.elaboration.sorts import (
     mismatch,
     require_scalar,
     scale,
+    warn_implausible,
     warn_turn,
     wrong_sort,
 )

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.closed import list_unit
 from grammar_lang.elaboration.frames import require_axis
 from grammar_lang.elaboration.modules import ModuleInfo
-from grammar_lang.elaboration.plausibility import warn_implausible, warn_implausible_vector
 from grammar_lang.elaboration.sorts import (
     ZERO,
     DimensionUse,
@@ -23,6 +21,8 @@ from grammar_lang.elaboration.sorts import (
     require_scalar,
     require_vector,
     scale,
+    warn_implausible,
+    warn_implausible_vector,
 )
 from grammar_lang.elaboration.typecheck import FUNCTIONS, Checker
 from grammar_lang.ir import constants

@@ -10,9 +10,7 @@ from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.elaboration.plausibility import warn_implausible, warn_implausible_vector
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.sorts import (
     UNKNOWN,
     DimensionUse,
@@ -21,6 +19,8 @@ from grammar_lang.elaboration.sorts import (
     Typed,
     require_scalar,
     require_vector,
+    warn_implausible,
+    warn_implausible_vector,
     warn_turn,
 )
 from grammar_lang.syntax.expressions import readings

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean, nearest
 from grammar_lang.elaboration.closed import Constants, ListUnit, list_unit
 from grammar_lang.elaboration.module_scope import ModuleScope, foreign_member

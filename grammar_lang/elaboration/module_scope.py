@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.sorts import UNKNOWN, DimensionUse, Typed
 from grammar_lang.elaboration.typecheck import plain_name
 

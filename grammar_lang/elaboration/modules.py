@@ -7,18 +7,22 @@ from dataclasses import dataclass, field, replace
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.closed import Constants
 from grammar_lang.elaboration.module_dynamics import Statements, lower_dynamics
 from grammar_lang.elaboration.module_scope import ModuleScope
-from grammar_lang.elaboration.plausibility import warn_implausible, warn_implausible_vector
-from grammar_lang.elaboration.sorts import UNKNOWN, Sort, Typed, wrong_sort
+from grammar_lang.elaboration.sorts import (
+    UNKNOWN,
+    Sort,
+    Typed,
+    warn_implausible,
+    warn_implausible_vector,
+    wrong_sort,
+)
 from grammar_lang.elaboration.typecheck import Checker
 from grammar_lang.ir.expressions import too_large
-from grammar_lang.names.declarations import duplicate
-from grammar_lang.names.entities import members
+from grammar_lang.names.declarations import duplicate, members
 from grammar_lang.source import Span
 from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, symbol
 

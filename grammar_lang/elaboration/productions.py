@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.closed import Constants
-from grammar_lang.names.declarations import duplicate
-from grammar_lang.names.entities import Entity, Kind, Occurrences, nonterminals
+from grammar_lang.names.declarations import Entity, Kind, Occurrences, duplicate, nonterminals
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 

@@ -14,8 +14,7 @@ from typing import TypeVar
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
 from grammar_lang.syntax.tasks import File

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean, nearest
 from grammar_lang.elaboration.attribute_types import Inference, ProductionScope, Types
 from grammar_lang.elaboration.attributes import (

@@ -9,16 +9,13 @@ from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.closed import Constants, not_rational
 from grammar_lang.elaboration.modules import ModuleInfo
-from grammar_lang.elaboration.plausibility import warn_implausible
-from grammar_lang.elaboration.sorts import Sort, Typed, mismatch
+from grammar_lang.elaboration.sorts import Sort, Typed, mismatch, warn_implausible
 from grammar_lang.ir import constants
-from grammar_lang.names.declarations import report_unknown
-from grammar_lang.names.entities import Entity, Occurrences
+from grammar_lang.names.declarations import Entity, Occurrences, report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t

@@ -9,8 +9,7 @@ from typing import TypeVar
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import Constants, coordinates, list_unit
 from grammar_lang.elaboration.modules import ModuleInfo
 from grammar_lang.elaboration.sorts import (

@@ -10,8 +10,7 @@ from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import (
     NO_UNIT,
     Constants,
@@ -20,11 +19,9 @@ from grammar_lang.elaboration.closed import (
     list_unit,
     not_rational,
 )
-from grammar_lang.elaboration.plausibility import warn_implausible
-from grammar_lang.elaboration.sorts import Sort, Typed, mismatch
+from grammar_lang.elaboration.sorts import Sort, Typed, mismatch, warn_implausible
 from grammar_lang.ir import constants
-from grammar_lang.names.declarations import duplicate
-from grammar_lang.names.entities import map_name
+from grammar_lang.names.declarations import duplicate, map_name
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import LENGTH, ONE, Dimension

@@ -12,15 +12,12 @@ from dataclasses import dataclass, field
 from typing import Literal, NoReturn, TypeAlias
 
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import nearest
-from grammar_lang.files.file_set import FileSet
-from grammar_lang.files.file_tree import visible
-from grammar_lang.names.entities import map_name
-from grammar_lang.node import node
+from grammar_lang.files.file_tree import FileSet, visible
+from grammar_lang.names.declarations import map_name
 from grammar_lang.parsing.parse import parse
-from grammar_lang.source import Source, Span
+from grammar_lang.source import Source, Span, node
 from grammar_lang.syntax import Ident
 from grammar_lang.syntax import tasks as t
 
@@ -115,8 +112,6 @@ class _Traversal:
     def _maps(self, workspace: t.Workspace, base: int) -> None:
         for item in workspace.items:
             if isinstance(item, t.ObstaclesFrom):
-                from grammar_lang.files.inclusion import read_map
-
                 found = read_map(item.path, base, self.files)
                 if found is not None:
                     self.maps[item.path.span] = found

@@ -10,8 +10,7 @@ import re
 import stat
 from pathlib import Path
 
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.source import Span
 
 _LONE_RETURN = re.compile(r"\r(?!\n)")

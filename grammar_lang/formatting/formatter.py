@@ -10,8 +10,7 @@ from __future__ import annotations
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.formatting.comments import Written, written
 from grammar_lang.formatting.layout import lay_out
-from grammar_lang.parsing.parse import parse_tokens
-from grammar_lang.paused_collection import without_collection
+from grammar_lang.parsing.parse import parse_tokens, without_collection
 from grammar_lang.syntax.tasks import File
 
 

@@ -75,30 +75,26 @@ from grammar_lang.ir.family import (
     SymbolKind,
     Torque,
 )
-from grammar_lang.ir.formulas import (
+from grammar_lang.ir.task import (
     Always,
     And,
     Atom,
-    Eventually,
-    Formula,
-    Implies,
-    Last,
-    Next,
-    Not,
-    Or,
-    Until,
-    Window,
-)
-from grammar_lang.ir.task import (
     Avoid,
     AvoidSelf,
     Effort,
+    Eventually,
     Fixed,
+    Formula,
     HalfSpace,
     Hull,
+    Implies,
     Inequalities,
+    Last,
     MapImage,
+    Next,
+    Not,
     ObstacleMap,
+    Or,
     Origin,
     Reach,
     Region,
@@ -108,6 +104,8 @@ from grammar_lang.ir.task import (
     StartAt,
     StartIn,
     Task,
+    Until,
+    Window,
     Workspace,
 )
 from grammar_lang.source import Source, Span

@@ -11,8 +11,7 @@ from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from grammar_lang.node import node
-from grammar_lang.source import Span
+from grammar_lang.source import Span, node
 
 THIS = -1
 """The occurrence of the left side; others are positions on the right side, from 0."""

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from grammar_lang.ir.expressions import NOWHERE, AttributeOf, Axis, EffortOf, Expr, leaves
-from grammar_lang.node import node
-from grammar_lang.source import Span
+from grammar_lang.source import Span, node
 
 Role: TypeAlias = Literal["base", "joint", "link", "effector"]
 DofKind: TypeAlias = Literal["revolute", "prismatic"]

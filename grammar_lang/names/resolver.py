@@ -12,20 +12,22 @@ from dataclasses import dataclass, field
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.names.declarations import Declarations, declarations, named
-from grammar_lang.names.entities import (
+from grammar_lang.names.declarations import (
+    Declarations,
     Entity,
     Occurrences,
+    declarations,
     entity,
     map_name,
     members,
+    named,
     nonterminals,
     occurrences,
     productions,
 )
 from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Span
-from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import tasks as f
 from grammar_lang.syntax import tasks as t
 from grammar_lang.syntax.expressions import bounds, readings
 

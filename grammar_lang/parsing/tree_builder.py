@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from grammar_lang import syntax as s
 from grammar_lang.parsing.lalr import Builder, Token
 from grammar_lang.source import Span
-from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import tasks as f
 from grammar_lang.syntax import tasks as t
 
 MAX_LITERAL = 300

@@ -10,8 +10,7 @@ from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from grammar_lang.node import node
-from grammar_lang.source import Span
+from grammar_lang.source import Span, node
 
 NOWHERE = Span(0, 0)
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import field
 from typing import Literal, TypeAlias
 
-from grammar_lang.node import node
-from grammar_lang.source import Span
+from grammar_lang.source import Span, node
 from grammar_lang.syntax.expressions import (
     NOWHERE,
     Argument,

@@ -1,15 +1,11 @@
-"""The abstract syntax of workspaces and tasks, and of a whole file.
-
-Continues :mod:`grammar_lang.syntax` with the rules of the last two parts of ``srg.lark``.
-"""
+"""Syntax nodes of tasks and their formulas."""
 
 from __future__ import annotations
 
 from dataclasses import field
 from typing import Literal, TypeAlias
 
-from grammar_lang.node import node
-from grammar_lang.source import Span
+from grammar_lang.source import Span, node
 from grammar_lang.syntax import (
     NOWHERE,
     Comparison,
@@ -21,7 +17,75 @@ from grammar_lang.syntax import (
     Module,
     Semantics,
 )
-from grammar_lang.syntax.formulas import Formula
+
+# --- The abstract syntax of ``satisfy``: linear temporal logic on finite traces -------------------
+#
+# Continues :mod:`grammar_lang.syntax` with the part of ``srg.lark`` called formulas.
+
+
+@node
+class Atom:
+    """``R by effector n``."""
+
+    region: Ident
+    effector: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Window:
+    """``[lower, upper]`` after an operator."""
+
+    lower: Expr
+    upper: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Unary:
+    """``not F``, ``next F``, and ``always F`` or ``eventually F`` with an optional window."""
+
+    operator: Literal["not", "next", "always", "eventually"]
+    operand: Formula
+    window: Window | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Last:
+    """``last[duration] F``."""
+
+    duration: Expr
+    operand: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Joined:
+    """Two or more formulas joined by ``and`` or by ``or``."""
+
+    operator: Literal["and", "or"]
+    operands: tuple[Formula, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Binary:
+    """``left until right`` or ``left implies right``."""
+
+    operator: Literal["until", "implies"]
+    left: Formula
+    right: Formula
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Formula: TypeAlias = Atom | Unary | Last | Joined | Binary
+
+
+# --- The abstract syntax of workspaces and tasks, and of a whole file -----------------------------
+#
+# Continues :mod:`grammar_lang.syntax` with the rules of the last two parts of ``srg.lark``.
+
 
 # --- workspaces --------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import Candidate, robot_in_task
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import abstract
 from solvers.explanation.posed_task import PosedTask

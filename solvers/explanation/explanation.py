@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from compiler.robots.candidate import robot_in_task
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.time_limits.time_limit import OutOfTimeError
 from compiler.words.derivation import Derivation, replay
 from solvers.explanation.change import Change

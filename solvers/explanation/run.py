@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from compiler.robots.input_bounds import input_bounds
+from compiler.robots.state_and_input import input_bounds
 from solvers.explanation.change import Change
 from solvers.run_context import Memory, Recorded, RunContext, Silent
 from solvers.search.synthesis import Synthesis, synthesise

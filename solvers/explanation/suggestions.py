@@ -13,12 +13,11 @@ from itertools import islice
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import body_scripts
-from compiler.encodings.pose_questions import pose_questions
+from compiler.encodings.pose_questions import body_conditions, pose_questions
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import robot_in_task
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.words.derivation import Derivation
 from compiler.words.structures import structures
@@ -35,8 +34,7 @@ from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.task_line import TaskLine
-from solvers.impossibility.clear_poses import clear_poses
-from solvers.impossibility.pose_search import find_poses
+from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
 """So near to an effort that was too small it is not looked any nearer."""

@@ -11,12 +11,11 @@ from dataclasses import replace
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.candidate import Candidate, candidates
-from compiler.robots.family import RobotFamily
+from compiler.robots.normal_form import RobotFamily
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord, module_bound
-from solvers.impossibility.box_refutation import BoxRefutation, box_refutation
-from solvers.impossibility.box_search import WITH_PROOF
+from solvers.impossibility.box_search import WITH_PROOF, BoxRefutation, box_refutation
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.run_context import RunContext
 

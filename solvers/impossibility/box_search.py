@@ -6,12 +6,17 @@ is found is a proof only once the verifier has read it again.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.encodings.pose_questions import PoseQuestion, pose_questions
+from compiler.expressions.evaluators.balls import closed_ball
+from compiler.robots.given_start import GivenStart, given_start
+from compiler.robots.robot import RobotModel
 from compiler.unreachability.box_tree import (
     LEAF,
     MOST_VARIABLES,
@@ -24,11 +29,15 @@ from compiler.unreachability.box_tree import (
     coordinate_sides,
     enclosures,
     parameter_sides,
+    text,
 )
-from compiler.unreachability.motion_conditions import MotionConditions, Passage
+from compiler.unreachability.motion_conditions import MotionConditions, Passage, motion_conditions
+from grammar_lang import ir
 from solvers.impossibility.box_conditions import NEAR, BoxConditions, Judged
 from solvers.impossibility.box_growth import BoxGrowth, Covered, Divide, Hopeless
 from solvers.impossibility.coordinate_cover import CoordinateCover, Flags, Side
+from solvers.impossibility.pose_search import PoseWitness
+from solvers.verifier.refutations.box_check import why_not
 
 MOST_HALVINGS = 24
 """Of a parameter."""
@@ -239,3 +248,120 @@ class EvenGrowth:
         )
         self.cover.keep(judged.open)
         self.judged = judged.at(judged.open)
+
+
+# --- The refutation of one robot by a covering: found in floats, claimed only once replayed -------
+
+
+@dataclass(frozen=True, slots=True)
+class BoxRefutation:
+    """The file of a covering that the verifier accepts, and what it shows, in words."""
+
+    boxes: str
+    reason: str
+
+
+def box_refutation(
+    model: RobotModel,
+    graph: RobotGraph,
+    workspace: ir.Workspace,
+    task: ir.Task,
+    budget: CoveringBudget,
+) -> BoxRefutation | None:
+    """A covering that refutes a robot; None: none was found.
+
+    Args:
+        model: the robot.
+        graph: its graph, in the joints' own coordinates.
+        workspace: the workspace, without maps.
+        task: the task, without maps.
+        budget: the limits of the search.
+    """
+    demands = motion_conditions(model, workspace, task)
+    found = find_covering(demands, graph, budget)
+    if found is None:
+        return None
+    boxes = text(found.tree)
+    if why_not(boxes, model, workspace, task) is not None:
+        return None
+    question = pose_questions(workspace, task)[found.question]
+    return BoxRefutation(boxes, _reason(demands, task, question))
+
+
+def way_is_seen(
+    model: RobotModel,
+    graph: RobotGraph,
+    workspace: ir.Workspace,
+    task: ir.Task,
+    witnesses: Sequence[PoseWitness | None],
+    designs: Sequence[Array],
+) -> bool:
+    """Whether there seems to be a way for every question, so that no covering will be found.
+
+    Args:
+        model: the robot.
+        graph: its graph.
+        workspace: the workspace, without maps.
+        task: the task, without maps.
+        witnesses: poses that answer each question, or None.
+        designs: parameters (p,) to look at, besides those of the poses.
+    """
+    demands = motion_conditions(model, workspace, task)
+    if coordinate_sides(model) is None:
+        return True
+    for passages, witness in zip(demands.passages, witnesses, strict=True):
+        if not passages:
+            return False
+        try:
+            search = Search(demands, passages, graph)
+        except ValueError:
+            return True
+        if not _seen(search, witness, designs):
+            return False
+    return True
+
+
+def _seen(search: Search, witness: PoseWitness | None, designs: Sequence[Array]) -> bool:
+    if witness is not None:
+        if search.straight(witness.start, witness.target, witness.theta):
+            return True
+        designs = [witness.theta, *designs]
+    return any(search.way_at(theta) for theta in designs)
+
+
+def start_is_excluded(
+    model: RobotModel, graph: RobotGraph, workspace: ir.Workspace, task: ir.Task
+) -> bool:
+    """Whether a pose that the task gives seems to be impossible, whatever the parameters."""
+    if not isinstance(task.start, ir.StartAt):
+        return False
+    demands = motion_conditions(model, workspace, task)
+    passages = next(iter(demands.passages), ())
+    if not passages:
+        return True
+    try:
+        return Search(demands, passages, graph).start_excluded()
+    except ValueError:
+        return False
+
+
+def _reason(demands: MotionConditions, task: ir.Task, question: PoseQuestion) -> str:
+    if isinstance(task.start, ir.StartAt):
+        start = given_start(demands.model, task.start)
+        if start.fault:
+            return start.fault
+        if _out_of_range(demands.model, start):
+            return "the given start is out of the range of a joint"
+        return f"no way from the given start to {question.goal} for any parameters"
+    return f"no way between the start region and {question.goal} for any parameters"
+
+
+def _out_of_range(model: RobotModel, start: GivenStart) -> bool:
+    values = np.array([float(closed_ball(value).mid()) for value in start.values])
+    for value, dof in zip(values, model.dofs, strict=True):
+        if dof.range is None:
+            continue
+        low, high = (float(closed_ball(end).mid()) for end in (dof.range.lower, dof.range.upper))
+        if not low - NEAR <= value <= high + NEAR:
+            return True
+    return False

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from compiler.tasks.necessary import task_avoidance
-from compiler.tasks.stops import Stop, stops
+from compiler.tasks.necessary import Stop, stops, task_avoidance
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.passable_cells import PassableCells, connected
 from grammar_lang import ir

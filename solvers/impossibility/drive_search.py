@@ -25,8 +25,7 @@ from compiler.unreachability.covered_poses import CoveredPoses
 from compiler.unreachability.motion_conditions import motion_conditions
 from grammar_lang import ir
 from solvers.impossibility.box_growth import Divide
-from solvers.impossibility.box_refutation import BoxRefutation
-from solvers.impossibility.box_search import Search
+from solvers.impossibility.box_search import BoxRefutation, Search
 from solvers.verifier.refutations.box_check import PRECISION, why_not
 
 

@@ -14,23 +14,27 @@ from itertools import islice
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
-from compiler.encodings.pose_questions import PoseQuestion, pose_questions, start_fault
+from compiler.encodings.pose_questions import (
+    PoseQuestion,
+    body_conditions,
+    pose_questions,
+    start_fault,
+)
 from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.backends.smt import RESOURCES, solve_script
-from solvers.impossibility.box_refutation import (
+from solvers.impossibility.box_search import (
+    FOR_A_POSE,
+    WITHOUT_PROOF,
     BoxRefutation,
     box_refutation,
     start_is_excluded,
     way_is_seen,
 )
-from solvers.impossibility.box_search import FOR_A_POSE, WITHOUT_PROOF
-from solvers.impossibility.clear_poses import clear_poses, designs
 from solvers.impossibility.drive_search import BEFORE_MOTIONS, drive_refutation
-from solvers.impossibility.pose_search import PoseWitness, find_poses
+from solvers.impossibility.pose_search import PoseWitness, clear_poses, designs, find_poses
 from solvers.run_context import RunContext
 from solvers.verdict import Fails
 

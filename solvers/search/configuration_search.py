@@ -19,8 +19,8 @@ from solvers.parameters.parameter_space import Cube, ParameterSpace, parameter_s
 from solvers.run_context import RunContext
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
+from solvers.trajectory.corridor import Entries
 from solvers.trajectory.path_following import PathProblem
-from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 
 SEARCHES = ("gp-acb", "nelder-mead")

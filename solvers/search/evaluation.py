@@ -21,8 +21,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from solvers.execution.shared_payload import SharedPayload, keep, made_of, packed
-from solvers.execution.workers import InProcess, Workers
+from solvers.execution.workers import InProcess, SharedPayload, Workers, keep, made_of, packed
 from solvers.run_context import Journal, Memory, Recorded
 from solvers.trajectory.control_problem import (
     FULL,
@@ -31,8 +30,8 @@ from solvers.trajectory.control_problem import (
     ControlProblem,
     IterationBudget,
 )
+from solvers.trajectory.corridor import Entries
 from solvers.trajectory.path_following import PathProblem
-from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 
 RADIUS = 0.5

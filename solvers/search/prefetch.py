@@ -18,8 +18,7 @@ from compiler.robots.candidate import Candidate
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from grammar_lang import ir
-from solvers.execution.shared_payload import SharedPayload, made_of, packed
-from solvers.execution.workers import InProcess
+from solvers.execution.workers import InProcess, SharedPayload, made_of, packed
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
 from solvers.parameters.parameter_space import parameter_space
 from solvers.run_context import Memory, Recorded, RunContext

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.tasks.formula_parts import atoms
-from compiler.tasks.monitor import AtomKey, key
-from compiler.tasks.trace_robustness import Monitored, Piece
+from compiler.tasks.monitor import AtomKey, Monitored, Piece, key
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir

@@ -29,19 +29,20 @@ from solvers.search.configuration_search import (
     search_configuration,
     within_limits,
 )
-from solvers.search.constraint_tightening import (
+from solvers.search.path_task import (
     ConstraintTightening,
+    Design,
+    PathTask,
     missing_margin,
+    motion_of,
     no_margin_text,
 )
-from solvers.search.design import Design, motion_of
-from solvers.search.path_task import PathTask
 from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
+from solvers.trajectory.corridor import gentle_entries, polyline, smooth_timing
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
 from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
 from solvers.trajectory.path_following import PathProblem
-from solvers.trajectory.path_timing import gentle_entries, polyline, smooth_timing
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
 from solvers.verifier.proofs.checked_condition import decisive

@@ -13,12 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from compiler.robots.candidate import Candidate, candidates
-from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.tasks.sampled_formula import sampled
-from compiler.tasks.task_formula import recorded_effector
+from compiler.tasks.specification import recorded_effector
 from compiler.tasks.word_formula import SampledFormula, every
 from compiler.time_limits.time_limit import OutOfTimeError, check_time
 from compiler.words.derivation import Derivation
@@ -39,7 +39,7 @@ from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.impossibility.structure_refutation import Refutation
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
-from solvers.search.design import Design
+from solvers.search.path_task import Design
 from solvers.search.prefetch import Prefetch
 from solvers.search.structure_search import BlockedPrefix, StructureSearch
 from solvers.verdict import Verdict

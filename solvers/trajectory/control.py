@@ -18,11 +18,12 @@ from solvers.trajectory.control_problem import (
     ControlOutcome,
     ControlProblem,
     IterationBudget,
+    MeasuredMotion,
     effort_peak,
+    measured,
     within_bounds,
 )
 from solvers.trajectory.convex_step import StepSolver
-from solvers.trajectory.measured_motion import MeasuredMotion, measured
 from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
 from solvers.trajectory.trajectory import Trajectory
 

@@ -15,8 +15,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from solvers.backends.conic import NotSolved
-from solvers.trajectory.control_problem import ControlOutcome
-from solvers.trajectory.measured_motion import measured
+from solvers.trajectory.control_problem import ControlOutcome, measured
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.subproblem import SubproblemSpec, TrustRegion, Weights
 

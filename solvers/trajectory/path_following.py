@@ -13,25 +13,26 @@ from compiler.robots.robot import RobotModel
 from compiler.tasks.word_formula import Obligation, SampledFormula, Word, holds, obligations
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
-from solvers.trajectory.body_clearance import body_clearance, convex_set
+from solvers.trajectory.body_clearance import PositionPlan, body_clearance, convex_set
 from solvers.trajectory.control import WORST, synthesise_control
 from solvers.trajectory.control_problem import FULL, ControlOutcome, ControlProblem, IterationBudget
 from solvers.trajectory.convex_step import step_maker
-from solvers.trajectory.corridor import Corridor, MotionConstraints
-from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
-from solvers.trajectory.inverse_kinematics import branches
-from solvers.trajectory.path_timing import (
+from solvers.trajectory.corridor import (
+    Corridor,
     Entries,
+    MotionConstraints,
     in_order,
     polyline,
     smooth_timing,
     timing_of,
     word_of,
 )
-from solvers.trajectory.position_rows import PositionPlan
+from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
+    DisturbanceSpread,
     MotionLimits,
+    disturbance_spread,
     input_groups,
     motion_limits,
     resting_inputs,

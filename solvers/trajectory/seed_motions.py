@@ -13,9 +13,8 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from compiler.arrays import Array
-from solvers.trajectory.corridor import Corridor, Flags, Layers
+from solvers.trajectory.corridor import Corridor, Entries, Flags, Layers
 from solvers.trajectory.inverse_kinematics import Pool, apart, poses_in
-from solvers.trajectory.path_timing import Entries
 
 TOUCHING = -0.02
 """Metres of clearance down to which a seed counts as clear: the convex programs mend the rest."""
@@ -53,8 +52,6 @@ def roadmap_motions(
     ``like`` is a motion of as many samples; its first pose is kept where the coordinates cannot
     start elsewhere.
     """
-    from solvers.trajectory.seed_motions import joint_paths
-
     first = like[0] if corridor.start_is_given else None
     paths = joint_paths(corridor, first, count, seed)
     return [timed(corridor, path, entries, len(like) - 1) for path in paths]

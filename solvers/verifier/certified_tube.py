@@ -16,7 +16,7 @@ from flint import arb
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
-from solvers.verifier.claims.claimed_task import claimed_task, read_claim
+from solvers.verifier.claims.spec_copy import claimed_task, read_claim
 from solvers.verifier.found_check import claimed_robot
 from solvers.verifier.proofs.disturbed_proof import disturbed_start
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import robot_in_task
-from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
-from compiler.tasks.task_formula import missing_effector, recorded_effector
+from compiler.tasks.specification import missing_effector, recorded_effector
 from compiler.words.derivation import BadDerivation, Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
+from solvers.verifier.claims.agreement import check_efforts
 from solvers.verifier.claims.certificate import FoundClaim, claimed_values, exact
-from solvers.verifier.claims.effort_check import check_efforts
 from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.watch import Watch

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from grammar_lang import ir
 from solvers.verdict import Claimed
+from solvers.verifier.claims.agreement import disagreement, misstated_formula
 from solvers.verifier.claims.certificate import (
     CertificateError,
     Claim,
@@ -17,9 +18,7 @@ from solvers.verifier.claims.certificate import (
     ImpossibleClaim,
     verdict_of,
 )
-from solvers.verifier.claims.claimed_task import ClaimedTask, claimed_task, read_claim
-from solvers.verifier.claims.design_agreement import disagreement
-from solvers.verifier.claims.formula_agreement import misstated_formula
+from solvers.verifier.claims.spec_copy import ClaimedTask, claimed_task, read_claim
 from solvers.verifier.found_check import check_found
 from solvers.verifier.proofs.watch import UNWATCHED, Watch
 from solvers.verifier.report import Outcome, Refused, Report

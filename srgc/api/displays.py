@@ -15,12 +15,23 @@ from typing import TYPE_CHECKING, Any
 
 from grammar_lang.diagnostics.wording import counted
 from srgc.faults import MOST_FINDINGS, Checked, UsageFault
-from srgc.render.html_block import block, code, coloured, details, head, image, lines, table
-from srgc.render.html_text import number, text, with_unit
+from srgc.render.html_text import (
+    block,
+    code,
+    coloured,
+    details,
+    head,
+    image,
+    lines,
+    number,
+    table,
+    text,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from compiler.arrays import Array
-    from compiler.views.picture import Picture
+    from compiler.views.workspace_view import Picture
     from grammar_lang import ir
     from solvers.explanation.explanation import Explanation
     from solvers.verifier.proofs.checked_condition import CheckedCondition
@@ -253,7 +264,7 @@ def _cell(content: str, *, marked: bool) -> str:
 def _drawn(picture: Picture) -> str | None:
     """The picture as SVG; None where nothing draws it."""
     from compiler.views.dot import to_dot
-    from srgc.graphs.graph_file import drawn_by_graphviz
+    from srgc.graphs.graph_request import drawn_by_graphviz
 
     if shutil.which("dot") is None or len(picture.nodes) > MOST_DRAWN:
         return None
@@ -303,7 +314,7 @@ def robot_html(chosen: ChosenRobot, theta: Array) -> str:
 def _robot_rows(chosen: ChosenRobot, theta: Array) -> Iterator[list[str]]:
     """Coordinates, parameters with their values, inputs."""
     from compiler.descriptions.document import Entry
-    from compiler.descriptions.robot_sections import robot_sections
+    from compiler.descriptions.model_formulas import robot_sections
 
     for section in robot_sections(chosen.model, chosen.word, chosen.task):
         if section.title not in ("Coordinates", "Parameters", "Inputs"):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from compiler.views.picture import Picture
+from compiler.views.workspace_view import Picture
 from srgc.api.program import Program, symbols
 from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
@@ -83,8 +83,6 @@ class Graph:
         Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data`` (what they
         stand for), edges ``label``, ``highlighted`` and ``data``.
         """
-        from srgc.api.graph import to_networkx
-
         return to_networkx(self.picture)
 
     def __repr__(self) -> str:

@@ -75,7 +75,7 @@ class Landscape:
         return landscape_text(self.found, self.content)
 
     def _repr_html_(self) -> str:
-        from srgc.render.html_block import figure_html
+        from srgc.render.html_text import figure_html
 
         return figure_html(self.svg, f"robustness over {' and '.join(self.axes)}")
 

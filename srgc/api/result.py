@@ -22,7 +22,7 @@ from srgc.faults import UsageFault
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from srgc.report.trajectory import Trajectory
+    from srgc.report.tables import Trajectory
     from srgc.results.found_design import FoundDesign
     from srgc.text_reports.synthesis_report import UsedInputs
 
@@ -128,7 +128,7 @@ class Result:
 
     @spoken
     def _trajectory(self) -> Trajectory:
-        from srgc.report.trajectory import planned_trajectory
+        from srgc.report.tables import planned_trajectory
 
         return planned_trajectory(self._found)
 

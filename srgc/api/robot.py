@@ -231,7 +231,7 @@ def _theta(known: Sequence[RobotParameter], given: Values | None) -> tuple[Fract
 
 
 def _value(parameter: RobotParameter, value: float) -> Fraction:
-    from compiler.descriptions.domain_text import domain_text
+    from compiler.descriptions.model_symbols import domain_text
     from compiler.expressions.exact_numbers import shortest_decimal
     from compiler.robots.parameter_values import stated_value
 

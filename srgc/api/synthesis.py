@@ -1,9 +1,11 @@
-"""The search for a robot and its proof."""
+"""Questions to a program: synthesise, plan, why."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 from srgc.api.program import Program
 from srgc.api.result import Result, TemporaryFolder, opened
@@ -11,6 +13,13 @@ from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 from srgc.session import chosen, refuse_cycles, refuse_unsupported
 from srgc.time_limit import TimeLimit
+
+if TYPE_CHECKING:
+    from solvers.explanation.explanation import Explanation as Found
+    from srgc.text_reports.plan_report import PlanReport
+
+
+# --- The search for a robot and its proof ---------------------------------------------------------
 
 
 @spoken
@@ -77,3 +86,150 @@ def _refuse_numbers(seed: int, jobs: int, cells: int | None, time_limit: float |
         raise UsageFault("`jobs` and `cells` count from 1")
     if time_limit is not None and not time_limit > 0:
         raise UsageFault("`time_limit` is a positive number of seconds")
+
+
+# --- The way of a task through the cells of its workspace -----------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The cells that effectors go through, or why there is no such way; it draws itself.
+
+    Attributes:
+        report: the answer with its cells; not a stable interface.
+        title: what stands above the picture.
+    """
+
+    report: PlanReport
+    title: str
+
+    @property
+    def verdict(self) -> Literal["found", "impossible", "unknown"]:
+        """Whether there is a plan."""
+        return self.report.verdict
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The names of all cells of the workspace."""
+        return tuple(cell.name for cell in self.report.cells.cells)
+
+    @property
+    def paths(self) -> dict[int, tuple[str, ...]]:
+        """By the number of the effector, from 1, the cells that it goes through, in order."""
+        plan, cells = self.report.plan, self.report.cells.cells
+        paths = () if plan is None else plan.paths
+        return {p.effector + 1: tuple(cells[cell].name for cell in p.cells) for p in paths}
+
+    @property
+    def svg(self) -> str:
+        """The cells, their labels and adjacency, and the path if there is one."""
+        return self.report.picture(self.title)
+
+    def __repr__(self) -> str:
+        ways = "; ".join(" > ".join(path) for path in self.paths.values())
+        return f"<Plan: {ways or self.report.text}>"
+
+    def __str__(self) -> str:
+        return self.report.text
+
+    def _repr_html_(self) -> str:
+        from srgc.api.displays import plan_html
+
+        return plan_html(self.report, self.title)
+
+
+@spoken
+def plan(program: Program, task: str | None = None, *, cells: int | None = None) -> Plan:
+    """Plan the cells that a task's effectors go through, with the fewest changes.
+
+    A plan is not about robots: ``synthesize`` finds one that follows it.
+
+    Args:
+        program: the specification.
+        task: which one; may be left out where there is one.
+        cells: begin with at least so many cells.
+
+    Raises:
+        SrgcError: there is no such task, or it has a clause that is not supported.
+    """
+    from srgc.text_reports.plan_report import plan_report
+
+    if cells is not None and cells < 1:
+        raise UsageFault("`cells` counts from 1")
+    chosen_task = chosen(program.ir.tasks, task, "task")
+    refuse_unsupported(program.ir, chosen_task)
+    report = plan_report(program.ir, chosen_task, cells)
+    return Plan(report, f"{program.name}, task {chosen_task.name}")
+
+
+# --- Why a task was not met -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Which lines of a specification conflict, and what would make its task possible.
+
+    Attributes:
+        found: all that is known; not a stable interface.
+    """
+
+    found: Found
+
+    @property
+    def conflicts(self) -> list[list[str]]:
+        """The lines that together rule robots out, by conflict, in words."""
+        return [[line.says for line in one.lines] for one in self.found.conflicts.found]
+
+    @property
+    def suggestions(self) -> list[str]:
+        """Changes of one line with which a run has found and proved a robot, in words."""
+        return [one.change.says for one in self.found.suggestions]
+
+    def __repr__(self) -> str:
+        conflicts, changes = len(self.conflicts), len(self.suggestions)
+        return f"<Explanation: {conflicts} conflicts, {changes} suggestions>"
+
+    def __str__(self) -> str:
+        from srgc.text_reports.why_report import why_text
+
+        return why_text(self.found).rstrip()
+
+    def _repr_html_(self) -> str:
+        from srgc.api.displays import explanation_html
+
+        return explanation_html(self.found)
+
+
+@spoken
+def why(
+    result: str | PathLike[str], *, runs: bool = True, time_limit: float | None = None
+) -> Explanation:
+    """Say which lines of a specification conflict, and what would make its task possible.
+
+    Args:
+        result: one with the verdict impossible or unknown, or its folder.
+        runs: whether to look for changes that help, each confirmed by a run of its own.
+        time_limit: seconds; what is known by then is given.
+
+    Raises:
+        SrgcError: there are no results, or a robot was found.
+    """
+    from solvers.explanation.explanation import Asked, explain
+    from solvers.explanation.run import MOST_RUNS
+    from solvers.run_context import RunContext
+    from srgc.results.why_folder import tried_folder
+
+    limit = TimeLimit(time_limit)
+    tried = tried_folder(Path(result))
+    if tried.tried is None:
+        raise UsageFault("a robot was found: there is nothing to explain, `verify` checks it")
+    context = RunContext(
+        seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
+    )
+    # Places are told as in the specification itself, not in the copy, which may be anywhere.
+    program = tried.posed.program
+    sources = tuple(replace(source, name=source.path) for source in program.sources)
+    posed = replace(tried.posed, program=replace(program, sources=sources))
+    with limit.holds():
+        found = explain(posed, tried.tried, Asked(context, MOST_RUNS if runs else 0))
+    return Explanation(found)

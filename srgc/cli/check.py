@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILES
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FILES, DocumentedCommand
 
 
 @click.command(

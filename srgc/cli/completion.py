@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import DocumentedCommand
 
 
 @click.command(

@@ -63,7 +63,7 @@ def complete_code(
     from click.shell_completion import CompletionItem
 
     from grammar_lang.diagnostics.code_pages import title
-    from grammar_lang.diagnostics.codes import Code
+    from grammar_lang.diagnostics.diagnostic import Code
 
     given = {str(code).upper() for code in context.params.get("codes") or ()}
     typed = incomplete.upper()

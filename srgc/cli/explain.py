@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
+from srgc.cli.arguments import DocumentedCommand
 from srgc.cli.completions import complete_code
-from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(

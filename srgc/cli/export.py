@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FOLDER, PathOf
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FOLDER, DocumentedCommand, PathOf
 from srgc.faults import UsageFault
 
 FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILES_OR_STDIN
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FILES_OR_STDIN, DocumentedCommand
 from srgc.faults import FOUND, INTERNAL, INTERRUPTED, REFUSED, SPEC_ERRORS, USAGE, UsageFault
 
 PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)

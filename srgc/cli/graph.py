@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE
+from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE, DocumentedCommand
 from srgc.cli.completions import complete_word
-from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(
@@ -72,8 +71,7 @@ def graph(
     A file that ends in .svg, .png or .pdf is drawn by Graphviz, where that is installed.
     """
     from compiler.views.dot import to_dot
-    from srgc.graphs.graph_file import write_graph
-    from srgc.graphs.graph_request import GraphRequest, drawing_of
+    from srgc.graphs.graph_request import GraphRequest, drawing_of, write_graph
     from srgc.session import chosen, program_of
 
     program = program_of(file)

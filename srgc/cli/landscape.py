@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from srgc.cli.arguments import FOLDER, QUIET, PathOf
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FOLDER, QUIET, DocumentedCommand, PathOf
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
@@ -84,7 +83,7 @@ def landscape(
     they are entered and all other parameters are those of the design.
     """
     from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
-    from srgc.results.folder_output import folder_output
+    from srgc.results.folder_writer import folder_output
     from srgc.results.found_design import found_design, found_record
 
     picture, grid = output or folder / PICTURE, table or folder / GRID

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILE, GRAMMAR, QUIET
+from srgc.cli.arguments import FILE, GRAMMAR, QUIET, DocumentedCommand
 from srgc.cli.completions import complete_name, complete_symbol
-from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import UsageFault
 
 

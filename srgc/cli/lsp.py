@@ -6,7 +6,7 @@ import sys
 
 import click
 
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import DocumentedCommand
 from srgc.faults import UsageFault
 
 

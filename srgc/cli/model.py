@@ -7,9 +7,8 @@ from typing import Literal
 
 import click
 
-from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT
+from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, DocumentedCommand
 from srgc.cli.completions import complete_name, complete_word
-from srgc.cli.documented_command import DocumentedCommand
 
 
 @click.command(

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import PathOf
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import DocumentedCommand, PathOf
 from srgc.faults import UsageFault
 
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILE, QUIET, TASK, PathOf
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FILE, QUIET, TASK, DocumentedCommand, PathOf
 from srgc.faults import FOUND, VERDICT_STATUS, UsageFault
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FOLDER
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FOLDER, DocumentedCommand
 from srgc.faults import UNKNOWN, UsageFault
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FOLDER, QUIET, PathOf
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FOLDER, QUIET, DocumentedCommand, PathOf
 from srgc.faults import UsageFault
 
 NAME = "report.html"
@@ -43,7 +42,7 @@ def report(folder: Path, quiet: bool, output: Path | None, no_verify: bool) -> i
     target = folder / NAME if output is None else output
     if target.suffix.lower() not in (".html", ".htm"):
         raise UsageFault(f"{target}: a report is a page; let the name end in .html")
-    from srgc.results.folder_output import folder_output
+    from srgc.results.folder_writer import folder_output
 
     page_file = folder_output(folder, target, {NAME})
     from solvers.verifier.proofs.watch import Watch

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILE, QUIET, TASK, PathOf, limit_of_time
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FILE, QUIET, TASK, DocumentedCommand, PathOf, limit_of_time
 from srgc.faults import VERDICT_STATUS, UsageFault
 from srgc.time_limit import TimeLimit
 

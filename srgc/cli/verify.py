@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from srgc.cli.arguments import FOLDER, QUIET, PathOf
+from srgc.cli.arguments import FOLDER, QUIET, DocumentedCommand, PathOf
 from srgc.cli.completions import complete_file
-from srgc.cli.documented_command import DocumentedCommand
 from srgc.faults import REFUSED, UNEXPECTED, UNKNOWN, UsageFault
 
 if TYPE_CHECKING:

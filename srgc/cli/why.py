@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FOLDER, QUIET, limit_of_time
-from srgc.cli.documented_command import DocumentedCommand
+from srgc.cli.arguments import FOLDER, QUIET, DocumentedCommand, limit_of_time
 from srgc.time_limit import TimeLimit
 
 

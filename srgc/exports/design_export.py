@@ -19,7 +19,7 @@ from srgc.exports.motion_formats import (
 )
 from srgc.exports.urdf import urdf_text
 from srgc.faults import UsageFault
-from srgc.results.folder_output import folder_output
+from srgc.results.folder_writer import folder_output
 from srgc.results.found_design import FoundDesign, found_design
 
 ROBOTS: Mapping[str, Callable[[ExportedRobot], str]] = {"urdf": urdf_text, "mjcf": mjcf_text}

@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from compiler.rigid_links.rigid_tree import LinkJoint, RigidTree, RigidTreeError, rigid_tree
 from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
-from compiler.robots.own_dynamics import OwnDynamics
-from compiler.robots.robot import RobotModel
+from compiler.robots.robot import OwnDynamics, RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir

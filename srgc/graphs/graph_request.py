@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
+from pathlib import Path
 
 from compiler.robots.attributes import SemanticsError
 from compiler.views.family_views import family_dfa_view, grammar_view, sra_view
-from compiler.views.picture import (
+from compiler.views.words_view import all_words, longest_drawn, near_run, words_view
+from compiler.views.workspace_view import (
     HighlightError,
     Picture,
     not_accepted,
     refuse_unknown,
     run_of,
 )
-from compiler.views.words_view import all_words, longest_drawn, near_run, words_view
 from compiler.words.derivation import Derivation, replay
 from compiler.words.deterministic_pushdown import deterministic_pushdown
 from compiler.words.grammar import cyclic, trimmed
@@ -25,6 +28,7 @@ from compiler.words.pushdown_automaton import sra
 from compiler.words.structures import derivations_of
 from grammar_lang import ir
 from srgc.faults import Argument, UsageFault, argument
+from srgc.paths import write_output
 from srgc.session import chosen
 
 VIEWS = ("sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace")
@@ -259,3 +263,54 @@ def _derivations(
         return derivations_of(words, word)
     run = run_of(sra(words.srg, words.accept), word)
     return iter([replay(grammar, [step.label for step in run if step.label is not None])])
+
+
+# --- ``srgc graph``: DOT texts in files, drawn as pictures where Graphviz is installed ------------
+
+
+DRAWN = (".svg", ".png", ".pdf")
+TEXT = (".dot", ".gv", ".txt", "")
+DRAWING_SECONDS = 120
+
+
+def write_graph(text: str, output: Path) -> str:
+    """Write DOT text, or the picture its file name asks for; what Graphviz has to say of it.
+
+    Raises:
+        UsageFault: a file name of another kind, Graphviz is needed and missing, or the file cannot
+            be written.
+    """
+    suffix = output.suffix.lower()
+    if suffix not in (*TEXT, *DRAWN):
+        raise UsageFault(f"{output}: give a name that ends in {', '.join((*TEXT[:-1], *DRAWN))}")
+    if suffix in TEXT:
+        write_output(output, text)
+        return ""
+    picture, said = drawn_by_graphviz(text, suffix[1:])
+    write_output(output, picture)
+    return said
+
+
+def drawn_by_graphviz(text: str, form: str) -> tuple[bytes, str]:
+    """The picture of a DOT text as svg, png or pdf, and what Graphviz has to say of it.
+
+    Raises:
+        UsageFault: Graphviz is missing, or fails.
+    """
+    program = shutil.which("dot")
+    if program is None:
+        raise UsageFault("Graphviz (`dot`) is not installed: write a .dot file instead")
+    try:
+        finished = subprocess.run(  # noqa: S603  (the program found above, fixed arguments)
+            [program, f"-T{form}"],
+            input=text.encode(),
+            capture_output=True,
+            timeout=DRAWING_SECONDS,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise UsageFault(f"Graphviz did not finish within {DRAWING_SECONDS} s") from None
+    said = finished.stderr.decode(errors="replace").strip()
+    if finished.returncode:
+        raise UsageFault(f"Graphviz failed: {said}")
+    return finished.stdout, said

@@ -31,7 +31,7 @@ from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import exact
 from srgc.landscapes.landscape_request import Axis, Mark
-from srgc.results.evaluations_file import last_samples
+from srgc.results.design_file import last_samples
 from srgc.results.found_design import FoundDesign, FoundRecord
 from srgc.session import UsageFault
 

@@ -10,9 +10,9 @@ from pygls.capabilities import ServerCapabilitiesBuilder
 from pygls.exceptions import JsonRpcException, JsonRpcInternalError
 from pygls.lsp.server import LanguageServer
 
-from srgc.language_server.documents.disk import is_folder
 from srgc.language_server.documents.programs import Programs
-from srgc.language_server.documents.publishing import Publishing
+from srgc.language_server.documents.projects import is_folder
+from srgc.language_server.documents.published import Publishing
 from srgc.language_server.documents.uris import path_of
 from srgc.language_server.features import Features
 from srgc.language_server.outlines.semantic_tokens import LEGEND

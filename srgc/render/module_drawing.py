@@ -20,7 +20,7 @@ from compiler.robots.robot import RobotDof, RodBody
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
 from srgc.render.module_marks import MarkedRobot
-from srgc.render.view import NAMED, sight
+from srgc.render.svg import NAMED, sight
 
 BENDS = tuple(radians(angle) for angle in (20, 35, 50, 70, -35, -50))
 SLIDES = (0.35, 0.7, 1.0)

@@ -10,8 +10,7 @@ from compiler.arrays import Array
 from srgc.render.html_text import name_in_picture, text
 from srgc.render.module_drawing import DrawnModule, ModuleDrawing
 from srgc.render.robot_drawing import axis_ends
-from srgc.render.svg import line_path, place
-from srgc.render.view import View, fitted
+from srgc.render.svg import View, fitted, line_path, place
 
 HALF_LINE = 8.0
 LETTER = 8.0

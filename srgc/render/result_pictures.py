@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.robots.input_bounds import input_bounds
-from compiler.robots.state_and_input import robot_inputs
+from compiler.robots.state_and_input import input_bounds, robot_inputs
 from grammar_lang import ir
-from solvers.search.design import Design
+from solvers.search.path_task import Design
 from solvers.search.synthesis import Synthesis
 from srgc.render.charts import Curve, colour_class, curve_marks, plot_of, thinned
 from srgc.render.html_text import number, with_unit
@@ -21,8 +20,7 @@ from srgc.render.robot_drawing import (
     motion_samples,
     pose_marks,
 )
-from srgc.render.svg import SAMPLE, document, label, line_path, moved, symbol
-from srgc.render.view import View, from_above
+from srgc.render.svg import SAMPLE, View, document, from_above, label, line_path, moved, symbol
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
     KIND_SAMPLES,

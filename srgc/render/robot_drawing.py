@@ -33,8 +33,7 @@ from compiler.robots.robot import (
 )
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
-from srgc.render.svg import document, label, place
-from srgc.render.view import View, fitted
+from srgc.render.svg import View, document, fitted, label, place
 
 PICTURE = 320.0
 """Width of the picture of a robot alone."""

@@ -17,8 +17,7 @@ from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang.ir import Workspace
 from srgc.render.axes import Plot, Scale, axes, labelled, titles
 from srgc.render.html_text import name_in_picture, number, text
-from srgc.render.svg import closed_path, line_path, place
-from srgc.render.view import View
+from srgc.render.svg import View, closed_path, line_path, place
 
 LETTER = 7.2
 """Width of a letter of names, all in all."""

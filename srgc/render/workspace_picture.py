@@ -14,8 +14,7 @@ from compiler.views.workspace_view import cell_label
 from compiler.workspaces.abstraction import Abstraction, Cell
 from grammar_lang.ir import Workspace
 from srgc.render.html_text import name_in_picture, text
-from srgc.render.svg import SAMPLE, SHAPES, document, line_path, moved, place
-from srgc.render.view import View, fitted
+from srgc.render.svg import SAMPLE, SHAPES, View, document, fitted, line_path, moved, place
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
     KIND_SAMPLES,

@@ -1,4 +1,4 @@
-"""The planned torques held in MuJoCo (Todorov, Erez & Tassa, IROS 2012)."""
+"""A motion as another simulator has it."""
 
 from __future__ import annotations
 
@@ -20,8 +20,40 @@ from srgc.exports.design_export import mujoco_text
 from srgc.exports.exported_motion import free_inputs, planned_inputs
 from srgc.exports.exported_robot import design_names, design_tree
 from srgc.faults import UsageFault
-from srgc.replays.replayed_motion import ReplayedMotion
 from srgc.results.found_design import FoundDesign
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReplayedMotion:
+    """States and effectors at k instants of a motion, in SI units.
+
+    Attributes:
+        simulator: its name.
+        version: that of the simulator.
+        method: of integration.
+        timestep: of the simulation in seconds; None where it chooses its own.
+        times: (k,) in seconds.
+        states: (k, 2 n) coordinates, then rates, in the order of the degrees of freedom.
+        effectors: (k, e, d) positions.
+        parts: how many instants each step of the task has; its ends are among them.
+    """
+
+    simulator: str
+    version: str
+    method: str
+    timestep: Fraction | None
+    times: Array
+    states: Array
+    effectors: Array
+    parts: int
+
+    def at_steps(self) -> Array:
+        """The states at the ends of the steps of the task."""
+        return self.states[:: self.parts]
+
+
+# --- The planned torques held in MuJoCo (Todorov, Erez & Tassa, IROS 2012) ------------------------
+
 
 INTEGRATORS = {
     "rk4": "mjINT_RK4",

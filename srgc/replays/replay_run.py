@@ -24,8 +24,7 @@ from srgc.exports.exported_motion import POSITION_UNITS, planned_inputs
 from srgc.exports.exported_robot import design_names, design_tree
 from srgc.exports.mjcf import substeps
 from srgc.faults import NoAnswer, UsageFault
-from srgc.replays.mujoco_replay import refuse_unsimulable, replay_in_mujoco
-from srgc.replays.replayed_motion import ReplayedMotion
+from srgc.replays.mujoco_replay import ReplayedMotion, refuse_unsimulable, replay_in_mujoco
 from srgc.results.found_design import FoundDesign, found_design
 
 # --- The planned inputs held in a Runge-Kutta method of order eight, in doubles -------------------
@@ -210,8 +209,6 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
 
 def _motions(design: FoundDesign, request: ReplayRequest) -> Iterator[ReplayedMotion]:
     if request.simulator == "python":
-        from srgc.replays.replay_run import replay_in_python
-
         yield replay_in_python(design)
         return
     count = _count(design, request)

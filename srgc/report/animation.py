@@ -10,8 +10,7 @@ import numpy as np
 from compiler.arrays import Array
 from srgc.render.html_text import json_script, number, text, with_unit
 from srgc.render.robot_drawing import THINNEST_CAPSULE, DrawnRobot, pose_marks
-from srgc.render.svg import line_path
-from srgc.render.view import NAMED, View, sight
+from srgc.render.svg import NAMED, View, line_path, sight
 from srgc.render.workspace_drawing import (
     boxes_path,
     scale_bar,

@@ -9,15 +9,20 @@ from typing import Any
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.robots.input_bounds import InputBound, input_bounds
-from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
+from compiler.robots.state_and_input import (
+    InputBound,
+    RobotInput,
+    input_bounds,
+    robot_inputs,
+    robot_states,
+)
 from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
 from srgc.render.charts import Curve, line_chart, sampled, thinned
 from srgc.render.html_text import json_script, number, text
 from srgc.report.evidence import Evidence
-from srgc.report.trajectory import Trajectory
+from srgc.report.tables import Trajectory
 from srgc.results.found_design import FoundDesign
 
 POINTS = 160

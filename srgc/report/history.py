@@ -9,9 +9,8 @@ from typing import Any
 from srgc.render.charts import Point, scatter_chart
 from srgc.render.heat_map import plane_chart
 from srgc.render.html_text import many, number, text
-from srgc.report.evaluation_table import Evaluation, varied
-from srgc.report.evidence import Evidence
-from srgc.report.structure_groups import GROUPS, TriedRobot, tried_robots
+from srgc.report.evidence import GROUPS, Evidence, TriedRobot, tried_robots
+from srgc.report.tables import Evaluation, varied
 
 MOST_STRUCTURES = 4
 MOST_PARAMETERS = 4

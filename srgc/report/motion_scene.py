@@ -11,10 +11,10 @@ import numpy as np
 
 from compiler.arrays import Array
 from srgc.render.robot_drawing import DrawnRobot, drawn_robot, motion_samples
-from srgc.render.view import View, fitted
+from srgc.render.svg import View, fitted
 from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
 from srgc.report.evidence import Evidence
-from srgc.report.trajectory import Trajectory
+from srgc.report.tables import Trajectory
 from srgc.results.found_design import FoundDesign
 
 if TYPE_CHECKING:

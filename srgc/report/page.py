@@ -12,8 +12,7 @@ from srgc.render.html_text import text
 from srgc.render.svg import marks_style
 from srgc.report.animation import motion_section
 from srgc.report.charts import charts_section
-from srgc.report.evidence import Evidence
-from srgc.report.evidence_reader import read_evidence
+from srgc.report.evidence import Evidence, read_evidence
 from srgc.report.history import history_section
 from srgc.report.proof import check_section, margins_section
 from srgc.report.robot_and_word import change_section, robot_section

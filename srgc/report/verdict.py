@@ -7,16 +7,15 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import degrees
 
-from compiler.descriptions.domain_text import closed_text
-from compiler.robots.input_bounds import EFFORT_UNITS
-from compiler.tasks.formula_text import formula_text
+from compiler.descriptions.model_symbols import closed_text
+from compiler.robots.state_and_input import EFFORT_UNITS
+from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import ImpossibleClaim
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, number, text, with_unit
-from srgc.report.evidence import Evidence
-from srgc.report.structure_groups import tried_robots
+from srgc.report.evidence import Evidence, tried_robots
 from srgc.results.found_design import FoundDesign
 from srgc.text_reports.synthesis_report import used_inputs
 from srgc.text_reports.verification_report import by_map

@@ -9,9 +9,8 @@ from solvers.explanation.conflict import Conflict
 from solvers.verifier.claims.certificate import ImpossibleClaim
 from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, text
-from srgc.report.evidence import Evidence
+from srgc.report.evidence import Evidence, TriedRobot, tried_robots
 from srgc.report.spec_source import line_anchor
-from srgc.report.structure_groups import TriedRobot, tried_robots
 
 UNCONFIRMED = (Outcome.REFUTED, Outcome.UNDECIDED, Outcome.UNCHECKED)
 MOST_REASONS = 30

@@ -15,16 +15,17 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import robot_in_task
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.derivation import BadDerivation, Derivation
 from compiler.workspaces.abstraction import Abstraction, abstract
-from compiler.workspaces.map_fault import MapFault
-from compiler.workspaces.refinement import Cut
+from compiler.workspaces.map_header import MapFault
+from compiler.workspaces.partition import Cut
 from grammar_lang import ir
+from solvers.verifier.claims.agreement import disagreement
 from solvers.verifier.claims.certificate import (
     CertificateError,
     FoundClaim,
@@ -33,7 +34,6 @@ from solvers.verifier.claims.certificate import (
     exact_cuts,
     from_text,
 )
-from solvers.verifier.claims.design_agreement import disagreement
 from solvers.verifier.claims.spec_copy import bounded_text, read_copy
 from srgc.paths import no_folder
 from srgc.results.folder_layout import refuse_links

@@ -19,10 +19,10 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.floats import scalar_floats
-from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import WORLD, Joint, Offset, RobotModel
 from grammar_lang import ir
-from solvers.search.design import Design
+from solvers.search.path_task import Design
 from solvers.search.synthesis import Proved, Synthesis
 from srgc.results.design_file import efforts
 

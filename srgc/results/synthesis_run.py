@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
 from solvers.run_context import RunContext
-from solvers.search.design import Design
+from solvers.search.path_task import Design
 from solvers.search.synthesis import Proved, Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.claims.spec_copy import files_of
@@ -24,10 +24,10 @@ from srgc.results.design_file import (
     boxes_name,
     certificate_text,
     design_text,
+    evaluations_csv,
     proof_name,
     trajectory_csv,
 )
-from srgc.results.evaluations_file import evaluations_csv
 from srgc.results.folder_writer import FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.words.derivation import BadDerivation
 from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried

@@ -7,8 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from grammar_lang.diagnostics.code_pages import find_code, has_page, nearest_codes, page_text, title
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.diagnostics.diagnostic import Code, Severity
 from grammar_lang.diagnostics.wording import counted
 from srgc.faults import UsageFault
 from srgc.session import Checked

@@ -13,13 +13,11 @@ from compiler.words.equivalence import compare
 from compiler.words.grammar import cyclic, linearity, trimmed, useful_rules
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton, LrConflict, LrTooLarge
-from compiler.words.membership import PushdownMembership
-from compiler.words.pushdown_automaton import Pda, Transition, run_along, sra
-from compiler.words.pushdown_runs import accepting_run
-from compiler.words.recogniser import viable_prefix
+from compiler.words.pushdown_automaton import Pda, Transition, accepting_run, run_along, sra
+from compiler.words.recogniser import PushdownMembership, viable_prefix
+from compiler.words.regular_automaton import transition_network
 from compiler.words.sampling import WordSampler
 from compiler.words.structures import derivations_of
-from compiler.words.transition_network import transition_network
 from grammar_lang import ir
 from srgc.session import UsageFault
 

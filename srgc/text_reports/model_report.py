@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from compiler.descriptions.document import Fact, Section, section_of_lines, to_latex, to_text
-from compiler.descriptions.model_formulas import model_formulas, motion_sections
-from compiler.descriptions.robot_sections import robot_sections
+from compiler.descriptions.model_formulas import model_formulas, motion_sections, robot_sections
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.model_script import model_script
+from compiler.encodings.body_smt import model_script
 from compiler.expressions.tape import UndefinedValueError
 from compiler.mass_matrix.mass_matrix_check import mass_matrix_check
 from compiler.neutral_modules.neutral_parameters import neutral_parameters

@@ -8,14 +8,13 @@ from typing import TypeAlias
 
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.tasks.plan_script import dimacs, smt2
-from compiler.tasks.specification import PlanningProblem, planning_problem
-from compiler.tasks.task_formula import recorded_effector
+from compiler.tasks.specification import PlanningProblem, planning_problem, recorded_effector
 from compiler.tasks.word_formula import holds
 from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
-from solvers.trajectory.path_timing import Entries, gentle_entries, polyline, word_of
+from solvers.trajectory.corridor import Entries, gentle_entries, polyline, word_of
 from solvers.verdict import Holds, Unknown, Verdict
 
 Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compiler.robots.family import family_of
-from compiler.robots.input_bounds import input_bounds
+from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import input_bounds
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
-from solvers.search.design import Design
+from solvers.search.path_task import Design
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from solvers.verifier.claims.certificate import exact
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.dynamics.absolute_angles import absolute_angles, own_coordinates
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.kinematics import absolute_angles, own_coordinates
 from compiler.robots.robot import WORLD, RobotModel
 from tests.oracles.robots import Builder, evaluate, rod_chain
 

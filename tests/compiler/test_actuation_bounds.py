@@ -11,7 +11,7 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
 from compiler.expressions.evaluators.intervals import Ends, around
-from compiler.unreachability.actuation_budget import Ramp, RateBounds, budget
+from compiler.unreachability.actuation_levels import Ramp, RateBounds, budget
 from compiler.unreachability.actuation_metric import (
     EffortGroup,
     EnclosedMass,

@@ -10,8 +10,7 @@ from compiler.words.ambiguity import ambiguity
 from compiler.words.language import language, longest_word
 from compiler.words.structures import derivations_of
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
 from grammar_lang.load import load
 from tests.oracles.grammars import grammar
 

@@ -12,11 +12,12 @@ from compiler.words.pushdown_automaton import (
     Configuration,
     Pda,
     Transition,
+    accepting_run,
+    accepts,
     configurations,
     run_along,
     sra,
 )
-from compiler.words.pushdown_runs import accepting_run, accepts
 from compiler.words.regular_automaton import linear_automaton
 from compiler.words.structures import derivations_of
 from grammar_lang import ir

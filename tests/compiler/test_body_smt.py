@@ -9,9 +9,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.encodings.body_conditions import MOST, BodyConditions, body_conditions
 from compiler.encodings.body_smt import Poses, body_script, body_scripts
-from compiler.encodings.pose_questions import PoseQuestion
+from compiler.encodings.pose_questions import MOST, BodyConditions, PoseQuestion, body_conditions
 from compiler.encodings.region_terms import PolygonTerms, polygon_terms
 from compiler.robots.normal_form import normalise
 from compiler.robots.robot import PointBody, RobotModel, RodBody, SolidBody

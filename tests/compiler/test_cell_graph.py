@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.cell_graph import UNREACHABLE, distances, edges
+from compiler.tasks.places import UNREACHABLE, distances, edges
 from tests.oracles.plans import Cells, graphs
 from tests.oracles.some_cases import examples
 

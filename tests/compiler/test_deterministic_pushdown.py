@@ -13,9 +13,15 @@ from compiler.words.lr_automaton import (
     lr_automaton,
     right_parse,
 )
-from compiler.words.pushdown_automaton import Configuration, Pda, Transition, configurations, sra
-from compiler.words.pushdown_runs import accepting_run
-from compiler.words.pushdown_runs import accepts as some_run_accepts
+from compiler.words.pushdown_automaton import (
+    Configuration,
+    Pda,
+    Transition,
+    accepting_run,
+    configurations,
+    sra,
+)
+from compiler.words.pushdown_automaton import accepts as some_run_accepts
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import (

@@ -17,8 +17,8 @@ import pytest
 
 from compiler.views.dot import to_dot
 from compiler.views.family_views import family_dfa_view, grammar_view, sra_view
-from compiler.views.picture import Arrow, Edge, Node, Picture
 from compiler.views.words_view import words_view
+from compiler.views.workspace_view import Arrow, Edge, Node, Picture
 from compiler.words.language import Language, language
 from compiler.words.pushdown_automaton import sra
 from grammar_lang import ir

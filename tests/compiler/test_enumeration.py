@@ -7,7 +7,7 @@ from itertools import islice, pairwise
 import pytest
 from hypothesis import given, settings
 
-from compiler.words.enumeration import FIRST_HORIZON, words_in_order, words_of_length
+from compiler.words.counting import FIRST_HORIZON, words_in_order, words_of_length
 from compiler.words.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import satisfies, words_of

@@ -10,7 +10,7 @@ import pytest
 from compiler.expressions.scalars import Constant
 from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.evaluation_order import EvaluationOrder, Visit
-from compiler.robots.family import RobotFamily
+from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import PointBody, RobotModel
 from compiler.words.derivation import Derivation, replay
 from grammar_lang import ir

@@ -17,17 +17,21 @@ from flint import arb
 from compiler.discretisation.batched_function import BatchedFunction
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.encodings.graph_terms import TermEvaluator
-from compiler.encodings.real_terms import RealScript
+from compiler.encodings.region_terms import RealScript
 from compiler.expressions.evaluator import METHODS, Evaluator, evaluate_expression
 from compiler.expressions.evaluators.balls import BallEvaluator, working_precision
 from compiler.expressions.evaluators.batched_intervals import BatchedIntervalEvaluator
 from compiler.expressions.evaluators.exact import ExactEvaluator, NotExact, PiLinear
 from compiler.expressions.evaluators.floats import FloatEvaluator
 from compiler.expressions.evaluators.intervals import IntervalEvaluator
-from compiler.expressions.evaluators.monomials import MonomialEvaluator
 from compiler.expressions.evaluators.series import SeriesEvaluator
 from compiler.expressions.evaluators.trigonometric import CanonicalEvaluator, NamingEvaluator
-from compiler.expressions.scalars import ScalarTable, evaluate_constant, evaluate_scalars
+from compiler.expressions.scalars import (
+    MonomialEvaluator,
+    ScalarTable,
+    evaluate_constant,
+    evaluate_scalars,
+)
 from compiler.expressions.tape import tape
 from compiler.expressions.trigonometric_polynomial import Abbreviation, PolynomialRing
 from grammar_lang import ir

@@ -8,8 +8,8 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from compiler.tasks.cell_graph import UNREACHABLE
 from compiler.tasks.effector_distances import formula_distances
+from compiler.tasks.places import UNREACHABLE
 from compiler.tasks.sampled_formula import Literal, sampled
 from grammar_lang import ir
 

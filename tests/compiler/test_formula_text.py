@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.formula_text import formula_text
+from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
 from tests.oracles.formulas import SHAPES, formulas, program, spec
 from tests.oracles.some_cases import examples

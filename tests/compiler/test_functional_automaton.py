@@ -13,7 +13,7 @@ from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
 from compiler.views.dot import to_dot
 from compiler.views.family_views import functional_view, sra_view
-from compiler.views.picture import HighlightError
+from compiler.views.workspace_view import HighlightError
 from compiler.words.derivation import Derivation, replay
 from compiler.words.functional_automaton import Fra, fra, functional_run, production_labels
 from compiler.words.language import Language, language

@@ -12,9 +12,9 @@ import shapely
 import shapely.geometry
 
 from compiler.workspaces.geojson import CORNER_LIMIT, geojson_pieces, place_of
-from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.pieces import area
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
 POLYGON = {"type": "Polygon", "coordinates": [SQUARE]}

@@ -11,9 +11,8 @@ import pytest
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.pose_questions import effector_choices, pose_questions
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.robots.family import family_of
 from compiler.robots.given_start import GivenStart, given_start
-from compiler.robots.normal_form import normalise
+from compiler.robots.normal_form import family_of, normalise
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key, robot_key_in_task
 from compiler.words.structures import structures

@@ -7,8 +7,7 @@ import pytest
 
 from compiler.checks.grammar_checks import cycle_diagnostics, grammar_diagnostics
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
 from grammar_lang.source import Span
 from tests.oracles.grammars import ARM_TERMINALS, EVERY, arm, grammar
 

@@ -14,7 +14,7 @@ from pysmt.smtlib.parser import SmtLibParser
 
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.model_script import model_script
+from compiler.encodings.body_smt import model_script
 from compiler.expressions.scalars import Constant
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir

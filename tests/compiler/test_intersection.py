@@ -3,9 +3,8 @@ from __future__ import annotations
 import pytest
 
 from compiler.words.acceptance import accept_dfa
-from compiler.words.binary_normal_form import binary_normal_form
 from compiler.words.grammar import srg
-from compiler.words.intersection import IntersectionTooLargeError, intersect
+from compiler.words.intersection import IntersectionTooLargeError, binary_normal_form, intersect
 from grammar_lang import ir
 from tests.oracles.grammars import grammar
 

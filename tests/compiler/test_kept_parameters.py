@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from compiler.robots.candidate import candidates, robot_in_task
-from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
 from compiler.words.derivation import Derivation

@@ -7,8 +7,7 @@ from hypothesis import given, settings
 
 from compiler.words import residuals
 from compiler.words.language import Language, language
-from compiler.words.pushdown_automaton import sra
-from compiler.words.pushdown_runs import accepts
+from compiler.words.pushdown_automaton import accepts, sra
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, sentential_words, words_of
 from tests.oracles.grammars import (

@@ -10,15 +10,16 @@ import pytest
 from hypothesis import given, settings
 
 from compiler.words import lr_automaton as lr
-from compiler.words import membership as pushdown_reader
-from compiler.words import pushdown_runs, residuals
-from compiler.words.binary_normal_form import BinaryGrammar
+from compiler.words import pushdown_automaton as pushdown_runs
+from compiler.words import recogniser as pushdown_reader
+from compiler.words import residuals
 from compiler.words.deterministic_pushdown import deterministic_pushdown, is_deterministic
 from compiler.words.grammar import cyclic, trimmed
+from compiler.words.intersection import BinaryGrammar
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton
-from compiler.words.membership import FiniteMembership, PushdownMembership
 from compiler.words.pushdown_automaton import Pda, sra
+from compiler.words.recogniser import FiniteMembership, PushdownMembership
 from compiler.words.residuals import Residuals
 from compiler.words.structures import derivations_of
 from grammar_lang import ir

@@ -9,13 +9,12 @@ from itertools import islice
 
 import pytest
 
+from compiler.words.counting import words_of_length
 from compiler.words.derivation import replay
-from compiler.words.enumeration import words_of_length
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrAutomaton, right_parse
-from compiler.words.pushdown_automaton import sra
-from compiler.words.pushdown_runs import accepting_run
-from compiler.words.pushdown_runs import accepts as some_run_accepts
+from compiler.words.pushdown_automaton import accepting_run, sra
+from compiler.words.pushdown_automaton import accepts as some_run_accepts
 from compiler.words.structures import derivations_of
 from tests.oracles.grammars import ALPHABET, ARM_TERMINALS, grammar
 from tests.oracles.some_cases import examples

@@ -6,7 +6,7 @@ import lark
 import pytest
 from hypothesis import assume, given, settings
 
-from compiler.words import pushdown_runs
+from compiler.words import pushdown_automaton as pushdown_runs
 from compiler.words.acceptance import accept_dfa
 from compiler.words.grammar import Cfg, Rule, Srg, srg, useful_rules
 from compiler.words.lr_automaton import (

@@ -7,9 +7,8 @@ from fractions import Fraction
 import pytest
 
 from compiler.workspaces.decimals import decimal
-from compiler.workspaces.map_fault import MapFault
-from compiler.workspaces.map_header import TEXT_LIMIT, MapHeader, map_header
-from grammar_lang.diagnostics.codes import Code
+from compiler.workspaces.map_header import TEXT_LIMIT, MapFault, MapHeader, map_header
+from grammar_lang.diagnostics.diagnostic import Code
 
 TEXT = """\
 image: hall.pgm

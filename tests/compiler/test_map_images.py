@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from compiler.workspaces.grey_image import grey_image
-from compiler.workspaces.map_fault import PIXEL_LIMIT, MapFault
-from compiler.workspaces.map_header import MapHeader, Mode
+from compiler.workspaces.map_header import PIXEL_LIMIT, MapFault, MapHeader, Mode
 from compiler.workspaces.map_server import obstacles
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 
 OCCUPIED, FREE = Fraction("0.65"), Fraction("0.196")
 

@@ -14,11 +14,10 @@ import shapely
 from numpy.typing import NDArray
 from PIL import Image
 
-from compiler.workspaces.map_fault import MapFault
-from compiler.workspaces.map_header import MapHeader
+from compiler.workspaces.map_header import MapFault, MapHeader
 from compiler.workspaces.map_server import map_server_pieces, placed, rational_rotation, rectangles
 from compiler.workspaces.pieces import Polygon, area, cross
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.ir import MapImage
 
 MOST = 10**6

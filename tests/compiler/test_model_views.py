@@ -18,16 +18,14 @@ from compiler.descriptions.document import (
     to_latex,
     to_text,
 )
-from compiler.descriptions.domain_text import domain_text
 from compiler.descriptions.expression_printer import (
     ExpressionPrinter,
     LatexNotation,
     Notation,
     TextNotation,
 )
-from compiler.descriptions.model_formulas import model_formulas, motion_sections
-from compiler.descriptions.model_symbols import model_symbols
-from compiler.descriptions.robot_sections import robot_sections
+from compiler.descriptions.model_formulas import model_formulas, motion_sections, robot_sections
+from compiler.descriptions.model_symbols import domain_text, model_symbols
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.trigonometric_polynomial import (
     Abbreviation,

@@ -22,10 +22,10 @@ from compiler.tasks.obstacle_pieces import (
 )
 from compiler.workspaces import map_server
 from compiler.workspaces.abstraction import abstract
-from compiler.workspaces.map_fault import MapFault
+from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.source import Span
 from tests.oracles.planes import box
 from tests.oracles.tasks import avoid, program, task

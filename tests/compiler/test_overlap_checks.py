@@ -4,8 +4,7 @@ from fractions import Fraction
 
 from compiler.checks.workspace_checks import CANDIDATE_LIMIT, REPORTED, overlap_diagnostics
 from compiler.workspaces.polytope import polytope_of
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Severity, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Severity, Sink
 from grammar_lang.ir import Workspace
 from grammar_lang.source import Span
 from tests.oracles.planes import box, hull

@@ -8,13 +8,17 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.family import RobotFamily
-from compiler.robots.input_bounds import input_bounds, unbounded_kinds
+from compiler.dynamics.kinematics import absolute_angles
+from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key
-from compiler.robots.state_and_input import robot_inputs, robot_states
+from compiler.robots.state_and_input import (
+    input_bounds,
+    robot_inputs,
+    robot_states,
+    unbounded_kinds,
+)
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.load import load_text

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from compiler.rigid_links.rigid_tree import rigid_tree
-from compiler.robots.family import RobotFamily
 from compiler.robots.labelled_graph import labelled_graph
+from compiler.robots.normal_form import RobotFamily
 from compiler.words.derivation import replay
 from grammar_lang import ir
 from grammar_lang.load import load

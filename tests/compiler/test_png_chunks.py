@@ -12,8 +12,8 @@ import pytest
 from PIL import Image, PngImagePlugin
 
 from compiler.workspaces.grey_image import CHUNK_LIMIT, PngHeader, grey_image, png_chunks
-from compiler.workspaces.map_fault import MapFault
-from grammar_lang.diagnostics.codes import Code
+from compiler.workspaces.map_header import MapFault
+from grammar_lang.diagnostics.diagnostic import Code
 from tests.oracles.png_files import KINDS, SIGNATURE, Chunk, ihdr, png_of, rows
 
 GREY = ihdr(2, 2)

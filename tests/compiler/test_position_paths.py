@@ -7,8 +7,8 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from compiler.tasks.cell_graph import distances, edges
-from compiler.tasks.clauses import Clauses
+from compiler.tasks.formula_clauses import Clauses
+from compiler.tasks.places import distances, edges
 from compiler.tasks.plan_encoding import EntrySamples, TotalChanges
 from compiler.tasks.position_paths import Ladders, PositionPaths
 

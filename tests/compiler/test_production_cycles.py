@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from hypothesis import given, settings
 
+from compiler.words.ambiguity import ProductionCycle, production_cycles
 from compiler.words.grammar import cyclic, srg, trimmed
-from compiler.words.production_cycles import ProductionCycle, production_cycles
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import word_sets
 from tests.oracles.grammars import ALPHABET, grammar, random_grammars

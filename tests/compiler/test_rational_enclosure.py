@@ -5,7 +5,7 @@ import pytest
 from flint import arb
 
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.expressions.rational_enclosure import GRID, exact_rational, outward, rational_bounds
+from compiler.expressions.exact_numbers import GRID, exact_rational, outward, rational_bounds
 from grammar_lang import ir
 from tests.oracles.arms import degrees, number
 

@@ -3,7 +3,7 @@ from fractions import Fraction
 import pytest
 from flint import arb
 
-from compiler.encodings.real_terms import (
+from compiler.encodings.region_terms import (
     RealScript,
     add,
     all_of,

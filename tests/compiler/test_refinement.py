@@ -10,7 +10,7 @@ import pytest
 from compiler.workspaces.abstraction import abstract
 from compiler.workspaces.adjacency import shared_facets
 from compiler.workspaces.bisection import bisections, halving, short_between
-from compiler.workspaces.refinement import Cut
+from compiler.workspaces.partition import Cut
 from grammar_lang.ir import Workspace
 from tests.oracles.planes import bench, box, row
 from tests.oracles.random_worlds import plane_world, space_world

@@ -8,11 +8,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from compiler.encodings.real_terms import Formula, constant
 from compiler.encodings.region_terms import (
     FAR,
+    Formula,
     PolygonTerms,
     beyond,
+    constant,
     inside,
     point_clear,
     polygon_terms,

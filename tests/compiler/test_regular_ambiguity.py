@@ -5,7 +5,7 @@ import pytest
 from compiler.words.acceptance import accept_dfa
 from compiler.words.grammar import srg, trimmed
 from compiler.words.regular_ambiguity import STEP_LIMIT, Decision, decide_ambiguity
-from compiler.words.transition_network import transition_network
+from compiler.words.regular_automaton import transition_network
 from grammar_lang import ir
 from tests.oracles.grammars import ALPHABET, EVERY, grammar
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from flint import arb
 
-from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.kinematics import absolute_angles
 from compiler.dynamics.rigid_bodies import has_turned_columns
 from compiler.expressions.evaluators.balls import (
     BallEvaluator,

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.encodings.real_terms import RealScript, between
+from compiler.encodings.region_terms import RealScript, between
 from compiler.encodings.scalar_terms import ScalarTerms
 from compiler.expressions.evaluators.balls import working_precision
 from grammar_lang import ir

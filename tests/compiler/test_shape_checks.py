@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from compiler.checks.region_checks import sound_polytope
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
 from grammar_lang.ir import Inequalities, Region
 from grammar_lang.source import Span
 from tests.oracles.planes import box, hull, row

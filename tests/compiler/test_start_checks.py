@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from compiler.checks.task_checks import start_diagnostics
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
 from tests.oracles.brute_force_grammar import satisfies, words_of
 from tests.oracles.formulas import program
 from tests.oracles.grammars import grammar, random_grammars

@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.controlled_system import controlled_system
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.kinematics import absolute_angles
 from compiler.robots.robot import RobotModel
 from tests.oracles.driven_robots import driven
 from tests.oracles.mass_points import energy, mass_points

@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from compiler.checks.supported import unsupported
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.diagnostics.diagnostic import Code, Severity
 from tests.oracles.formulas import SHAPES, program, spec
 
 CLAUSES = "start at (0); reach A; avoid C with body;"

@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from compiler.checks.task_checks import task_diagnostics
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from tests.oracles.formulas import ONE_ARM, SHAPES, TWO_ARMS, program, spec
 
 START = "start at (0);"

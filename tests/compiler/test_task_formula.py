@@ -9,7 +9,7 @@ import pytest
 
 from compiler.tasks.formula_parts import attained
 from compiler.tasks.monitor import TimeSet, satisfied
-from compiler.tasks.task_formula import (
+from compiler.tasks.specification import (
     missing_effector,
     recorded_effector,
     task_formula,

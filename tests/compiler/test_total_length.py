@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compiler.robots.family import RobotFamily
+from compiler.robots.normal_form import RobotFamily
 from compiler.words.structures import derivations_of
 from grammar_lang.load import load_text
 from srgc.results.pareto_table import total_length

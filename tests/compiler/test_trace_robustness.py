@@ -13,7 +13,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from compiler.tasks.formula_parts import operands
-from compiler.tasks.trace_robustness import Monitored, Piece
+from compiler.tasks.monitor import Monitored, Piece
 from grammar_lang import ir
 from tests.compiler.test_monitor import by_sign
 from tests.oracles.formula_semantics import Meaning

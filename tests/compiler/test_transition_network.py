@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 
 from compiler.words.grammar import cyclic, srg, trimmed
-from compiler.words.transition_network import WORK_LIMIT, Network, transition_network
+from compiler.words.regular_automaton import WORK_LIMIT, Network, transition_network
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, words_of
 from tests.oracles.grammars import ALPHABET, TRAPS, grammar, random_grammars

@@ -13,17 +13,16 @@ from itertools import islice
 import lark
 import pytest
 
-from compiler.words import membership as pushdown_reader
+from compiler.words import recogniser as pushdown_reader
 from compiler.words import residuals
 from compiler.words.budget import BudgetExceededError
 from compiler.words.counting import DerivationCounts
 from compiler.words.derivation import replay
 from compiler.words.language import Language, language
 from compiler.words.lr_automaton import LrConflict
-from compiler.words.membership import Membership, PushdownMembership
-from compiler.words.pushdown_automaton import configurations, sra
-from compiler.words.pushdown_runs import accepting_run
-from compiler.words.pushdown_runs import accepts as some_run_accepts
+from compiler.words.pushdown_automaton import accepting_run, configurations, sra
+from compiler.words.pushdown_automaton import accepts as some_run_accepts
+from compiler.words.recogniser import Membership, PushdownMembership
 from compiler.words.structures import InfiniteAmbiguityError, derivations_of
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, derivations, satisfies, words_of

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compiler.views.family_views import dfa_view, family_dfa_view, grammar_view, sra_view
-from compiler.views.picture import HighlightError, Picture
 from compiler.views.words_view import added, near_run, words_view
+from compiler.views.workspace_view import HighlightError, Picture
 from compiler.words.language import Language, language
 from compiler.words.pushdown_automaton import configurations, sra
 from tests.oracles.grammars import (

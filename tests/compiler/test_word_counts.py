@@ -5,9 +5,9 @@ from math import comb
 import pytest
 from hypothesis import given, settings
 
-from compiler.words.binary_normal_form import binary_normal_form
 from compiler.words.budget import BudgetExceededError
 from compiler.words.counting import DerivationCounts, WordsOfLength, count_by_length
+from compiler.words.intersection import binary_normal_form
 from compiler.words.language import Language, language
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import derivations, satisfies, words_of

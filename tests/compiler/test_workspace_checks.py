@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from compiler.checks.workspace_checks import workspace_diagnostics
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Severity, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Severity, Sink
 from grammar_lang.ir import (
     Always,
     And,

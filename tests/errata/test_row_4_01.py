@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from compiler.words.acceptance import accept_dfa
 from compiler.words.grammar import srg
-from compiler.words.pushdown_automaton import sra
-from compiler.words.pushdown_runs import accepts
+from compiler.words.pushdown_automaton import accepts, sra
 from compiler.words.regular_automaton import linear_automaton
 from tests.oracles.brute_force_grammar import all_words, words_of
 from tests.oracles.grammars import ARM_ACCEPT, ARM_MODULES, ARM_TERMINALS, EVERY, arm, grammar

@@ -7,9 +7,9 @@ import pytest
 
 from compiler.arrays import Array
 from compiler.discretisation.linearisation import SecondOrderForm, second_order_form
-from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.controlled_system import controlled_system
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.kinematics import absolute_angles
 from tests.oracles.e_matrices import EMatrices
 from tests.oracles.robots import evaluate, point_chain, rod_chain
 from tests.oracles.two_rods import rates as rod_rates

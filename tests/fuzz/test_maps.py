@@ -14,8 +14,7 @@ import pytest
 from compiler.workspaces.decimals import MAX_DIGITS
 from compiler.workspaces.geojson import geojson_pieces
 from compiler.workspaces.grey_image import GreyImage, grey_image
-from compiler.workspaces.map_fault import PIXEL_LIMIT, MapFault
-from compiler.workspaces.map_header import map_header
+from compiler.workspaces.map_header import PIXEL_LIMIT, MapFault, map_header
 from compiler.workspaces.map_server import map_server_pieces
 from grammar_lang.ir import MapImage
 from tests.oracles.png_files import png_of, sound_chunks, spoilt, spoilt_png

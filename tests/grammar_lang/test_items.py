@@ -1,7 +1,6 @@
 from __future__ import annotations
 
-from grammar_lang.parsing.items import cut
-from grammar_lang.parsing.tokens import tokenise, unclosed_comment
+from grammar_lang.parsing.tokens import cut, tokenise, unclosed_comment
 
 
 def pieces(text: str) -> list[str]:

@@ -12,11 +12,10 @@ from lark.tree import Meta
 
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.parsing import lalr
-from grammar_lang.parsing.items import cut
+from grammar_lang.parsing.lalr import tables as read
 from grammar_lang.parsing.parse import parse
 from grammar_lang.parsing.table_generator import parser, tables
-from grammar_lang.parsing.tables import tables as read
-from grammar_lang.parsing.tokens import tokenise
+from grammar_lang.parsing.tokens import cut, tokenise
 from grammar_lang.parsing.tree_builder import BUILDERS
 from grammar_lang.source import Source, Span
 from tests.grammar_lang.conftest import PARTS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grammar_lang.load import load_text
-from grammar_lang.names.entities import Entity, occurrences
+from grammar_lang.names.declarations import Entity, occurrences
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 from grammar_lang.syntax import Ident, Occurrence

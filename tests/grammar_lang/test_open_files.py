@@ -7,10 +7,8 @@ from pathlib import Path
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.source_file import LIMIT
 from grammar_lang.load import load, load_text
-from grammar_lang.parsing.items import cut
-from grammar_lang.parsing.lalr import Parser
-from grammar_lang.parsing.tables import tables
-from grammar_lang.parsing.tokens import tokenise
+from grammar_lang.parsing.lalr import Parser, tables
+from grammar_lang.parsing.tokens import cut, tokenise
 from grammar_lang.parsing.tree_builder import BUILDERS
 
 MAIN = 'include "parts.srg";\nmodule A { role link; }\n'

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from grammar_lang.paused_collection import without_collection
+from grammar_lang.parsing.parse import without_collection
 
 
 @without_collection

@@ -3,8 +3,7 @@ from __future__ import annotations
 import json
 import re
 
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.render import to_json, to_text
 from grammar_lang.load import load_text
 from grammar_lang.source import Source, Span

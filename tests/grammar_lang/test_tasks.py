@@ -6,8 +6,7 @@ from fractions import Fraction
 import pytest
 
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.diagnostics.diagnostic import Code, Severity
 from grammar_lang.load import load_text
 
 Check = Callable[[str], list[tuple[str, str]]]

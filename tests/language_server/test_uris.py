@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from srgc.language_server.documents.disk import bytes_of, is_folder
-from srgc.language_server.documents.projects import included
+from srgc.language_server.documents.projects import bytes_of, included, is_folder
 from srgc.language_server.documents.uris import path_of
 from tests.language_server.client import Client
 from tests.oracles.small_specs import SLIDER

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.robots.robot import RobotModel
 from compiler.unreachability.actuation_reach import DriveBound, drive_reach, out_of_reach
 from compiler.unreachability.box_tree import LEAF, CoordinateTree, Part

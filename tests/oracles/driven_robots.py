@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from compiler.robots.own_dynamics import OwnDynamics
-from compiler.robots.robot import RobotModel
+from compiler.robots.robot import OwnDynamics, RobotModel
 from grammar_lang import ir
 from tests.oracles.robots import interval
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.robots.state_and_input import robot_inputs
 from compiler.words.structures import derivations_of
 from grammar_lang.load import load

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from compiler.robots.candidate import candidates
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.robots.robot_key import robot_key
 from grammar_lang.load import load
 from tests.oracles import result_files

@@ -9,16 +9,15 @@ import pytest
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import body_script
-from compiler.encodings.pose_questions import pose_questions
+from compiler.encodings.pose_questions import body_conditions, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.robots.robot import RobotModel
 from compiler.words.structures import structures
 from grammar_lang import ir
 from solvers.impossibility import structure_refutation
-from solvers.impossibility.clear_poses import clear_poses
+from solvers.impossibility.pose_search import clear_poses
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
 from solvers.run_context import RunContext
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.robots.robot import RobotModel
 from compiler.unreachability.box_tree import text
 from compiler.unreachability.motion_conditions import motion_conditions

@@ -11,7 +11,7 @@ import pytest
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.search.evaluation import evaluate

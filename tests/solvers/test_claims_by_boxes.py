@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from grammar_lang.load import load
 from solvers.verifier.refutations.impossibility_check import refutation_scripts
 from solvers.verifier.verification import Outcome, verify_directory

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import pytest
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.words.structures import derivations_of, structures
 from grammar_lang.load import load_text
 from solvers.explanation import explanation

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers.search.constraint_tightening import (
+from solvers.search.path_task import (
     MARGINS,
     WIDEST,
     ConstraintTightening,
     missing_margin,
 )
-from solvers.trajectory.disturbance_spread import DisturbanceSpread
+from solvers.trajectory.task_limits import DisturbanceSpread
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 

@@ -10,10 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Sink
-from solvers.conflicts.contradiction import contradictions
-from solvers.conflicts.vacuity import formula_diagnostics
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from solvers.conflicts.vacuity import contradictions, formula_diagnostics
 from tests.oracles.formula_semantics import Meaning, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
 from tests.oracles.some_cases import examples

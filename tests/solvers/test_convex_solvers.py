@@ -17,7 +17,7 @@ from solvers.backends.clarabel import Clarabel
 from solvers.backends.conic import Cones, ConvexProgram, NotSolved, Optimum, Status
 from solvers.backends.cvxpy_solvers import SolverNameError, solved, solver_called
 from solvers.backends.piqp import ProximalInteriorPoint
-from solvers.backends.solver_portfolio import FINAL, WIDER, SolverPortfolio
+from solvers.trajectory.convex_step import FINAL, WIDER, SolverPortfolio
 
 ALL = (ProximalInteriorPoint(), Clarabel(), Clarabel(scaled=False), SolverPortfolio())
 

@@ -11,7 +11,7 @@ import pytest
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.trajectory.disturbance_spread import disturbance_spread
+from solvers.trajectory.task_limits import disturbance_spread
 from solvers.trajectory.trajectory import Trajectory
 from tests.solvers.test_disturbed_proof import SLIDE, TWO, scene, spec
 

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import working_precision
-from compiler.robots.family import family_of
-from compiler.tasks.stops import REST_RATE
+from compiler.robots.normal_form import family_of
+from compiler.tasks.necessary import REST_RATE
 from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from grammar_lang.load import load

@@ -13,8 +13,8 @@ from flint import arb, arb_mat
 from scipy.integrate import solve_ivp
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.dynamics.kinematics import absolute_angles
 from compiler.expressions.evaluators.balls import (
     BALLS,
     ball,

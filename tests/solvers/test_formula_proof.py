@@ -17,7 +17,7 @@ from hypothesis import given, settings
 
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.tasks.monitor import AtomKey
-from compiler.tasks.task_formula import task_formula
+from compiler.tasks.specification import task_formula
 from grammar_lang import ir
 from solvers.verifier.proofs.formula_proof import FormulaProof, FormulaVerdict
 from solvers.verifier.proofs.tube_checks import Status

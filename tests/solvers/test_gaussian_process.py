@@ -10,7 +10,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
-from solvers.parameters.gaussian_process import (
+from solvers.parameters.bayesian_search import (
     LENGTHS,
     NOISES,
     conditioned,

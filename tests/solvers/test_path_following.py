@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 import solvers.trajectory.path_following
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.trajectory.control_problem import ControlOutcome

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Points
-from solvers.trajectory.position_rows import (
+from solvers.trajectory.body_clearance import (
     ConvexSet,
     Dwell,
     PositionPlan,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.parameters.gaussian_process import compressed, standardised
+from solvers.parameters.bayesian_search import compressed, standardised
 
 numbers = st.lists(st.integers(-(10**6), 10**6), min_size=1, max_size=12)
 

@@ -8,7 +8,7 @@ import pytest
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.words.structures import structures
 from grammar_lang import ir
 from solvers.impossibility import structure_refutation

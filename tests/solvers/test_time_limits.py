@@ -13,7 +13,7 @@ import z3
 import solvers.search.synthesis
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.tasks.specification import planning_problem
 from compiler.time_limits.time_limit import OutOfTimeError, check_time, is_late, time_limit
 from compiler.words.structures import structures
@@ -22,8 +22,7 @@ from compiler.workspaces.bisection import bisections
 from solvers.backends.smt import solve_script
 from solvers.execution.in_order import in_order
 from solvers.impossibility import structure_refutation
-from solvers.impossibility.box_refutation import box_refutation
-from solvers.impossibility.box_search import WITH_PROOF
+from solvers.impossibility.box_search import WITH_PROOF, box_refutation
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.impossibility.structure_refutation import refute_structure
 from solvers.planner import Planner

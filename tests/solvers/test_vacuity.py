@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from compiler.tasks.formula_parts import occurrences, strengthened
 from compiler.tasks.necessary_conditions import conjuncts, necessary_conditions
 from grammar_lang import ir
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Severity, Sink
-from solvers.conflicts.contradiction import ConditionConflicts, contradictions_among
+from grammar_lang.diagnostics.diagnostic import Code, Severity, Sink
 from solvers.conflicts.vacuity import (
+    ConditionConflicts,
     Entailment,
     always_holds,
+    contradictions_among,
     formula_diagnostics,
     without_influence,
 )

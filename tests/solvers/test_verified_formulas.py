@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from compiler.workspaces.abstraction import Abstraction, abstract
-from compiler.workspaces.refinement import Cut
+from compiler.workspaces.partition import Cut
 from grammar_lang import ir
 from grammar_lang.load import load
 from solvers.verifier.proofs.tube_checks import Status

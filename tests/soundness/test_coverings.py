@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from grammar_lang.load import load_text
 from solvers.verifier.refutations.box_check import why_not
 from tests.oracles.random_sweeps import counterexample, flooded

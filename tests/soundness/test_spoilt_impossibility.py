@@ -201,7 +201,7 @@ def test_scripts_made_for_a_possible_task_are_refused_by_z3(forged):
 
 def right_scripts(folder: Path) -> list[tuple[Path, str]]:
     """The first script of every structure, for the spec in the folder."""
-    from compiler.robots.family import family_of
+    from compiler.robots.normal_form import family_of
     from grammar_lang.load import load
     from solvers.verifier.refutations.impossibility_check import refutation_scripts
 

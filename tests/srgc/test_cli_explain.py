@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from grammar_lang.diagnostics.code_pages import page_text
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {

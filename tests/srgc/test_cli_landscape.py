@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from compiler.robots.family import RobotFamily
+from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
 from compiler.words.structures import derivations_of
 from grammar_lang.load import load_text

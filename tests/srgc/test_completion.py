@@ -10,7 +10,7 @@ import sys
 import pexpect
 import pytest
 
-from grammar_lang.diagnostics.codes import Code
+from grammar_lang.diagnostics.diagnostic import Code
 from srgc.cli import run
 from srgc.cli.command_table import TABLE
 from srgc.cli.completion import SCRIPTS

@@ -10,8 +10,8 @@ import click
 import pytest
 
 from srgc.cli import run
+from srgc.cli.arguments import DocumentedCommand
 from srgc.cli.command_table import GROUPS, TABLE, all_commands, command_named
-from srgc.cli.documented_command import DocumentedCommand
 from tests.conftest import ROOT
 from tests.oracles.some_cases import some
 

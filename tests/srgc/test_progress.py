@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import pytest
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import structures
 from srgc.results import progress_display

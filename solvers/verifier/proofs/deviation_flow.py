@@ -23,7 +23,7 @@ from math import comb
 
 from flint import arb, arb_mat
 
-from compiler.expressions.ball_matrices import (
+from compiler.expressions.evaluators.balls import (
     SIGNS,
     absolute,
     both_signs,

@@ -15,7 +15,7 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.tasks.disturbance_radii import disturbance_radii
+from compiler.tasks.specification import disturbance_radii
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.enclosure import Accuracy

@@ -22,28 +22,31 @@ from fractions import Fraction
 
 from flint import arb, arb_poly
 
-from compiler.expressions.ball_matrices import SIGNS
-from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import SIGNS, ball, working_precision
 from compiler.expressions.evaluators.series import UncertainSignError
 from solvers.verifier.proofs.a_priori import (
+    LEAST_PARTS,
+    LEAST_ROUGH_PARTS,
+    WIDE,
     Deviation,
     Drive,
     NearPath,
+    OrderChoice,
+    StepControl,
     deviation,
+    good_length,
     narrowed,
 )
 from solvers.verifier.proofs.deviation_flow import Flow, Zonotope, flow, zonotope
 from solvers.verifier.proofs.initial_set import InitialSet, box
-from solvers.verifier.proofs.lohner_path import Path, defect, path_on, taylor_polynomials
-from solvers.verifier.proofs.step_control import (
-    LEAST_PARTS,
-    LEAST_ROUGH_PARTS,
-    WIDE,
-    OrderChoice,
-    StepControl,
-    good_length,
+from solvers.verifier.proofs.vector_field import (
+    Coefficients,
+    Path,
+    VectorField,
+    defect,
+    path_on,
+    taylor_polynomials,
 )
-from solvers.verifier.proofs.vector_field import Coefficients, VectorField
 
 KINK_REMAINDER = 3e-7
 """Where an absolute value has a kink, shorter segments of order two may be less accurate."""

@@ -16,8 +16,17 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
 from compiler.tasks.formula_parts import atoms, attained
-from compiler.tasks.monitor import AtomKey, TimeSet, Verdicts, boolean_parts, boolean_value, key
-from compiler.tasks.trace_robustness import Monitored, Piece, Trace
+from compiler.tasks.monitor import (
+    AtomKey,
+    Monitored,
+    Piece,
+    TimeSet,
+    Trace,
+    Verdicts,
+    boolean_parts,
+    boolean_value,
+    key,
+)
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from compiler.dynamics.absolute_angles import absolute_angles
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.dynamics.kinematics import absolute_angles
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
 from compiler.words.derivation import Derivation, body_symbols

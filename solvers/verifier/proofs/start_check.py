@@ -12,7 +12,7 @@ from compiler.expressions.evaluators.balls import BALLS, ball, closed_ball, scal
 from compiler.expressions.tape import tape
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
-from compiler.tasks.stops import REST_RATE
+from compiler.tasks.necessary import REST_RATE
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside, least
 from solvers.verifier.proofs.scene import Motion, Scene

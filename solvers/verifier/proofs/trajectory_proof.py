@@ -14,7 +14,7 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.expressions.tape import UndefinedValueError
-from compiler.tasks.task_formula import missing_effector
+from compiler.tasks.specification import missing_effector
 from compiler.workspaces.abstraction import Abstraction
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample

@@ -19,8 +19,7 @@ from compiler.expressions.evaluators.balls import (
 from compiler.expressions.tape import Tape, tape
 from compiler.robots.robot import RobotModel, RodBody
 from compiler.robots.state_and_input import robot_states
-from compiler.tasks.formula_parts import atoms
-from compiler.tasks.formula_text import formula_text
+from compiler.tasks.formula_parts import atoms, formula_text
 from compiler.tasks.monitor import key
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart

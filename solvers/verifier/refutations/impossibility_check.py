@@ -15,16 +15,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from compiler.encodings.body_conditions import body_conditions
 from compiler.encodings.body_smt import body_script, body_scripts
-from compiler.encodings.pose_questions import pose_questions
+from compiler.encodings.pose_questions import body_conditions, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.candidate import candidates
-from compiler.robots.family import RobotFamily, family_of
+from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
-from compiler.tasks.necessary import task_avoidance
-from compiler.tasks.stops import stops
+from compiler.tasks.necessary import stops, task_avoidance
 from compiler.words.structures import InfiniteAmbiguityError
 from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.passable_cells import PassableCells

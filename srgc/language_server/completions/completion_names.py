@@ -9,7 +9,7 @@ from itertools import pairwise
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang.names.entities import (
+from grammar_lang.names.declarations import (
     REGIONS,
     Kind,
     members,
@@ -19,7 +19,6 @@ from grammar_lang.names.entities import (
 )
 from grammar_lang.syntax import tasks as t
 from srgc.language_server.completions.cursor import Cursor, open_call
-from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.documents.analysis import Analysis
 
 _KINDS = lsp.CompletionItemKind
@@ -221,3 +220,75 @@ class NamesDue:
             for name, place in sorted(places.items(), key=lambda at: at[1]):
                 if word[place] in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place]}")
+
+
+# --- The arguments of emissions and functions, for signatures and completion ----------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """How something is called: parameters with what each is, and what comes of it.
+
+    ``named`` says whether arguments are written ``name: value``.
+    """
+
+    parameters: tuple[tuple[str, str], ...]
+    means: str
+    named: bool = True
+
+    def label(self, name: str) -> str:
+        """The call as one line."""
+        return f"{name}({', '.join(parameter for parameter, _ in self.parameters)})"
+
+
+EMISSIONS: dict[str, Form] = {
+    "rod": Form(
+        (
+            ("frame", "where it begins"),
+            ("axis", "the axis of the frame along which it lies: x, y, z, -x, -y or -z"),
+            ("length", "its length, m"),
+            ("density", "its mass per length, kg/m"),
+            ("radius", "may be left out: makes it a capsule for `avoid … with body`, m"),
+        ),
+        "a uniform rod from the origin of a frame",
+    ),
+    "point": Form(
+        (("frame", "where it is"), ("mass", "its mass, kg")),
+        "a point mass at the origin of a frame",
+    ),
+    "solid": Form(
+        (
+            ("frame", "the frame in which the others are given"),
+            ("mass", "its mass, kg"),
+            ("com", "its centre of mass in the frame, m"),
+            (
+                "inertia",
+                "about `com`, kg*m^2: one number, in space (xx, yy, zz, xy, xz, yz)",
+            ),
+        ),
+        "a rigid body",
+    ),
+    "effector": Form((("frame", "where it is"),), "an effector at the origin of a frame"),
+}
+FUNCTIONS: dict[str, Form] = {
+    "rot": Form(
+        (("axis", "x, y, z, -x, -y or -z"), ("angle", "a revolute degree of freedom, or rad")),
+        "the frame turned about an axis",
+        named=False,
+    ),
+    "move": Form(
+        (("axis", "x, y, z, -x, -y or -z"), ("distance", "a prismatic one, or m")),
+        "the frame moved along an axis; also `move((x, y, z))`",
+        named=False,
+    ),
+    "sin": Form((("angle", "rad"),), "the sine", named=False),
+    "cos": Form((("angle", "rad"),), "the cosine", named=False),
+    "tan": Form((("angle", "rad"),), "the tangent", named=False),
+    "sqrt": Form((("value", "not negative"),), "the square root", named=False),
+    "abs": Form((("value", "any number"),), "the absolute value", named=False),
+    "rate": Form(
+        (("dof", "a degree of freedom of this module"),),
+        "the rate of a degree of freedom, in rad/s or m/s",
+        named=False,
+    ),
+}

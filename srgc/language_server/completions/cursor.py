@@ -10,10 +10,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grammar_lang.parsing.items import KEYWORDS, RawItem, cut
-from grammar_lang.parsing.lalr import Parser
-from grammar_lang.parsing.tables import tables
-from grammar_lang.parsing.tokens import BAD, WORD, Tokens, tokenise
+from grammar_lang.parsing.lalr import Parser, tables
+from grammar_lang.parsing.tokens import BAD, KEYWORDS, WORD, RawItem, Tokens, cut, tokenise
 from grammar_lang.parsing.tree_builder import BUILDERS
 
 _IN_WORD = re.compile(r"[A-Za-z0-9_]")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from lsprotocol import types as lsp
 
-from grammar_lang.names.entities import MEMBERS, Entity
+from grammar_lang.names.declarations import MEMBERS, Entity
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.published import UriOf

@@ -1,7 +1,4 @@
-"""Which file a document belongs to: the one that includes it, directly or through others.
-
-A file that is included declares only a part of a program, so that it is judged as that part.
-"""
+"""What is on the disk, whatever it is: a folder that nobody may look into, a pipe, a device."""
 
 from __future__ import annotations
 
@@ -12,7 +9,34 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from srgc.language_server.documents.disk import bytes_of, is_folder
+from grammar_lang.files.file_tree import IMAGE_LIMIT
+from grammar_lang.files.source_file import TooLarge, read_file
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder; not where nobody may look, which is an exception of ``Path``."""
+    return os.path.isdir(path)  # noqa: PTH112
+
+
+def bytes_of(path: Path, limit: int = IMAGE_LIMIT) -> bytes | None:
+    """The bytes of a file; None if it is none, or cannot be read.
+
+    A pipe is none: nobody knows when it ends, and the server would wait for it.
+
+    Args:
+        path: the file.
+        limit: one that has more bytes is not read.
+    """
+    try:
+        return read_file(path, limit)
+    except (OSError, ValueError, TooLarge):
+        return None
+
+
+# --- Which file a document belongs to: the one that includes it, directly or through others -------
+#
+# A file that is included declares only a part of a program, so that it is judged as that part.
+
 
 _INCLUDE = re.compile(r"""\binclude\s*(?:"([^"\n]*)"|'([^'\n]*)')\s*;""")
 # A comment without an end goes to the end of the text: its beginnings are not tried one by one.

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 from collections.abc import Callable, Iterable, Sequence, Set
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeAlias
 
 from lsprotocol import types as lsp
+from pygls.lsp.server import LanguageServer
 
 from grammar_lang.diagnostics.code_pages import FOLDER, has_page
-from grammar_lang.diagnostics.codes import Code
-from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
+from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis
+from srgc.language_server.documents.open_documents import Document
+from srgc.language_server.documents.programs import Programs
 
 _SEVERITIES = {
     Severity.ERROR: lsp.DiagnosticSeverity.Error,
@@ -114,3 +120,130 @@ def errors_beside(
             shown = [as_diagnostic(analysis, found, uri_of) for found in told]
             known += [each for each in shown if each not in known]
     return errors
+
+
+# --- Findings as one types: soon, but not at every key, and never about a text that has gone ------
+#
+# Of files that are not open, but belong to the program of one that is, the errors are published,
+# too: ``srgc check`` names them.
+
+
+DEBOUNCE = 0.12
+"""Seconds without a change before a text is looked at."""
+_PATIENCE = 0.4
+"""After so many seconds the findings are shown that are known by then."""
+
+
+_Shown: TypeAlias = tuple[int, list[lsp.Diagnostic]]
+"""The version of a document and what was said about it."""
+_Errors: TypeAlias = dict[str, list[lsp.Diagnostic]]
+"""Errors by the URI of the file that they are about."""
+
+
+@dataclass(slots=True)
+class Publishing:
+    """Publishes the findings of open documents; each has one task that waits or works.
+
+    ``_beside`` has for every open document the errors of the files of its programs that are not
+    open, by their URIs; ``_told`` is what was said about such files.
+    """
+
+    server: LanguageServer
+    programs: Programs
+    _tasks: dict[str, asyncio.Task[None]] = field(default_factory=dict[str, asyncio.Task[None]])
+    _shown: dict[str, _Shown] = field(default_factory=dict[str, _Shown])
+    _beside: dict[str, _Errors] = field(default_factory=dict[str, _Errors])
+    _told: _Errors = field(default_factory=dict[str, list[lsp.Diagnostic]])
+
+    def soon(self, uri: str, wait: float = DEBOUNCE) -> None:
+        """The document, or what it belongs to, has changed."""
+        old = self._tasks.get(uri)
+        if old is not None:
+            old.cancel()
+        self._tasks[uri] = asyncio.get_running_loop().create_task(self._later(uri, wait))
+
+    def all_soon(self) -> None:
+        """Anything may have changed."""
+        for document in [*self.programs.documents]:
+            self.soon(document.uri)
+
+    def closed(self, uri: str) -> None:
+        """A document is closed: nothing is said about it any more."""
+        old = self._tasks.pop(uri, None)
+        if old is not None:
+            old.cancel()
+        if self._shown.pop(uri, (0, []))[1]:
+            self._publish(uri, None, [])
+        self._beside.pop(uri, None)
+        self._tell_beside()
+
+    def stop(self) -> None:
+        """Nothing more is published."""
+        for task in self._tasks.values():
+            task.cancel()
+
+    async def _later(self, uri: str, wait: float) -> None:
+        await asyncio.sleep(wait)
+        try:
+            await self._now(uri)
+        except Exception:
+            logging.getLogger(__name__).exception("the findings of %s", uri)
+
+    async def _now(self, uri: str) -> None:
+        analyses = await self.programs.of(uri)
+        work = asyncio.ensure_future(self.programs.work(_find_all, analyses))
+        done, _ = await asyncio.wait([work], timeout=_PATIENCE)
+        if not done:
+            self._show(analyses, uri)
+            await work
+        else:
+            work.result()
+        self._show(analyses, uri)
+
+    def _show(self, analyses: list[Analysis], uri: str) -> None:
+        """Publish what is known about a document and the others of its programs."""
+        documents = self.programs.documents
+        places = {place for analysis in analyses for place in analysis.places}
+        for document in [*documents]:
+            if document.uri == uri or document.real in places:
+                self._show_one(analyses, document, own=document.uri == uri)
+        if documents.get(uri) is not None:
+            opened = {document.real for document in documents}
+            self._beside[uri] = errors_beside(analyses, opened, documents.uri)
+        self._tell_beside()
+
+    def _tell_beside(self) -> None:
+        """Publish what is new about files that are not open, and take back what is out of date."""
+        found: _Errors = {uri: [] for uri in self._told}
+        for errors in self._beside.values():
+            for uri, each in errors.items():
+                known = found.get(uri, [])
+                found[uri] = known + [error for error in each if error not in known]
+        for uri, each in found.items():
+            if self.programs.documents.get(uri) is None and self._told.get(uri, []) != each:
+                self._publish(uri, None, each)
+        closed = {uri for uri in found if self.programs.documents.get(uri) is None}
+        self._told = {uri: each for uri, each in found.items() if each and uri in closed}
+
+    def _show_one(self, analyses: list[Analysis], document: Document, *, own: bool) -> None:
+        numbers = [analysis.number(document.real) for analysis in analyses]
+        pairs = zip(analyses, numbers, strict=True)
+        if any(n is not None and a.sources[n].text != document.text for a, n in pairs):
+            return  # it has changed; its own task is on the way
+        if not own and any(number is None for number in numbers):
+            self.soon(document.uri)  # it is part of other programs, too
+            return
+        found = diagnostics_of(analyses, document.real, self.programs.documents.uri)
+        if self._shown.get(document.uri) != (document.version, found):
+            self._shown[document.uri] = (document.version, found)
+            self._publish(document.uri, document.version, found)
+
+    def _publish(self, uri: str, version: int | None, found: Iterable[lsp.Diagnostic]) -> None:
+        self.server.text_document_publish_diagnostics(
+            lsp.PublishDiagnosticsParams(uri, [*found], version)
+        )
+
+
+def _find_all(analyses: list[Analysis]) -> None:
+    for analysis in analyses:
+        _ = analysis.findings

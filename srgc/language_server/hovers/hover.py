@@ -15,7 +15,7 @@ from grammar_lang.syntax import tasks as t
 from grammar_lang.units import UNIT_NAMES, describe, unit
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.hovers.hover_names import hover_name
-from srgc.language_server.hovers.quantity_text import in_si
+from srgc.language_server.hovers.production_physics import in_si
 from srgc.language_server.keywords import explained
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

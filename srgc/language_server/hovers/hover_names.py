@@ -7,12 +7,17 @@ from collections.abc import Callable
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.ir.expression_text import number_text
-from grammar_lang.names.entities import REGIONS, Entity, Kind
+from grammar_lang.names.declarations import REGIONS, Entity, Kind
 from grammar_lang.source import written
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.places import described
-from srgc.language_server.hovers.production_physics import added_physics, physics_text
-from srgc.language_server.hovers.quantity_text import closed_text, domain_text, rounded
+from srgc.language_server.hovers.production_physics import (
+    added_physics,
+    closed_text,
+    domain_text,
+    physics_text,
+    rounded,
+)
 
 
 def _code(text: str) -> str:
@@ -214,8 +219,6 @@ def _workspace(analysis: Analysis, entity: Entity) -> str:
 
 
 def _region(analysis: Analysis, entity: Entity) -> str:
-    from srgc.language_server.hovers.hover_names import region_text
-
     program, workspace = analysis.program, entity.scope[0]
     lowered = None if program is None else program.workspaces.get(workspace)
     regions = () if lowered is None else lowered.regions

@@ -11,7 +11,7 @@ from pathlib import Path
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
-from grammar_lang.names.entities import Kind
+from grammar_lang.names.declarations import Kind
 from grammar_lang.source import Span, written
 from grammar_lang.syntax import Ident
 from grammar_lang.syntax import tasks as t

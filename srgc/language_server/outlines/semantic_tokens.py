@@ -5,10 +5,10 @@ from __future__ import annotations
 from lsprotocol import types as lsp
 
 from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.names.entities import Kind
+from grammar_lang.names.declarations import Kind
 from grammar_lang.parsing.parse import parse_tokens
 from grammar_lang.parsing.tokens import SKIPPED, Tokens
-from srgc.language_server.completions.emission_forms import EMISSIONS, FUNCTIONS
+from srgc.language_server.completions.completion_names import EMISSIONS, FUNCTIONS
 from srgc.language_server.documents.analysis import Analysis
 
 _KEYWORD, _NUMBER, _STRING, _UNIT = "keyword", "number", "string", "type"

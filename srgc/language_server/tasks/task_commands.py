@@ -21,8 +21,8 @@ from grammar_lang.diagnostics.wording import counted
 from grammar_lang.syntax import tasks as t
 from srgc.faults import SPEC_ERRORS, USAGE
 from srgc.language_server.documents.analysis import Analysis
-from srgc.language_server.documents.disk import bytes_of, is_folder
 from srgc.language_server.documents.programs import Programs
+from srgc.language_server.documents.projects import bytes_of, is_folder
 from srgc.language_server.protocol import RequestRefused
 from srgc.language_server.tasks.verdicts import Verdicts, current_files, folder_of
 

@@ -13,7 +13,7 @@ from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.source_file import decoded
 from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
-from srgc.language_server.documents.disk import bytes_of
+from srgc.language_server.documents.projects import bytes_of
 from srgc.results.folder_layout import refuse_other
 
 _LONGEST = 60

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.robots.own_dynamics import OwnDynamics
+from compiler.robots.robot import OwnDynamics
 from grammar_lang import ir
 from srgc.exports.exported_robot import viscous_friction
 

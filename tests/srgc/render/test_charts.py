@@ -16,7 +16,7 @@ from srgc.render.axes import padded, tick_labels, ticks
 from srgc.render.charts import LEFT, MOST_POINTS, Curve, Point, line_chart, scatter_chart, thinned
 from srgc.render.heat_map import plane_chart
 from srgc.render.html_text import json_script, number, text, with_unit
-from srgc.report.evidence_reader import covering_size
+from srgc.report.evidence import covering_size
 from tests.oracles.html_page import Page
 
 WIDTHS = {"-": 3.8, ".": 3.4, "e": 6.5}

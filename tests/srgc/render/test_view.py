@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from srgc.render.view import NAMED, fitted, sight
+from srgc.render.svg import NAMED, fitted, sight
 
 ANGLES = st.floats(-7, 7)
 

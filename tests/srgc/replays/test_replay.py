@@ -18,8 +18,8 @@ from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from srgc.replays import mujoco_replay, replay_run
 from srgc.replays import replay_run as python_replay
+from srgc.replays.mujoco_replay import ReplayedMotion
 from srgc.replays.replay_report import replay_json, replay_text
-from srgc.replays.replayed_motion import ReplayedMotion
 from tests.oracles import result_files
 from tests.oracles.driven_claims import CASES, FRICTION, Driven
 from tests.oracles.found_folders import claim_found

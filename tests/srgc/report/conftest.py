@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from srgc.cli import run
-from srgc.report.evidence import Evidence
-from srgc.report.evidence_reader import read_evidence
+from srgc.report.evidence import Evidence, read_evidence
 from tests.oracles import result_files
 from tests.oracles.html_page import Page
 from tests.oracles.small_specs import TURNER, replaced

@@ -20,7 +20,7 @@ from srgc.report.motion_scene import (
     robot_motion,
     seen_corners,
 )
-from srgc.report.trajectory import Trajectory
+from srgc.report.tables import Trajectory
 
 On = Callable[[str], Evidence]
 

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from compiler.robots.family import family_of
+from compiler.robots.normal_form import family_of
 from compiler.words.derivation import Derivation
 from compiler.words.structures import derivations_of
 from grammar_lang.ir import Program, Task

@@ -1,0 +1,301 @@
+"""Claims of a certificate that need no integration."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf, isqrt
+from pathlib import Path
+from typing import Any
+
+from compiler.expressions.exact_numbers import exact_decimal
+from compiler.robots.normal_form import family_of
+from compiler.robots.reconfiguration import reconfiguration
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import InputBound, input_bounds, unbounded_kinds
+from compiler.tasks.formula_parts import formula_text
+from compiler.workspaces.abstraction import Abstraction
+from grammar_lang import ir
+from solvers.verifier.claims.certificate import (
+    Claim,
+    FoundClaim,
+    ImpossibleClaim,
+    claimed_values,
+    exact,
+)
+from solvers.verifier.claims.spec_copy import bounded_bytes
+from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.trajectory_proof import Motion
+from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.report import Refused
+
+# --------------------------------------------------------------------------------------------------
+# Whether ``design.json``, which people read, says what the certificate, which is proved, says.
+
+
+def disagreement(
+    folder: Path,
+    claim: Claim,
+    program: ir.Program,
+    task: ir.Task,
+    cells: Abstraction,
+    model: RobotModel | None,
+) -> str | None:
+    """Why the folder's ``design.json`` contradicts a claim, or None; its absence does not.
+
+    Args:
+        folder: the result folder.
+        claim: the claim of its certificate.
+        program: the spec.
+        task: the task of the claim, one of it.
+        cells: the cells of the task's workspace.
+        model: the robot of a found claim.
+
+    Raises:
+        CertificateError: a number of the claim is none.
+    """
+    path = folder / "design.json"
+    if not path.is_file():
+        return None
+    try:
+        design = json.loads(bounded_bytes(path))
+    except (ValueError, RecursionError):
+        return "design.json is not JSON"
+    if not isinstance(design, dict):
+        return "design.json is no JSON object"
+    expected = _expected(claim, model) | {"cells": cells.describe()}
+    expected["reconfiguration"] = _reconfiguration(claim, program, task)
+    for key, value in expected.items():
+        if not _says(design.get(key), value):
+            return f"design.json and certificate.json differ in `{key}`"
+    if isinstance(claim, ImpossibleClaim) and not _says(_tried(design), _claimed(claim)):
+        return "design.json and certificate.json differ in `structures_tried`"
+    return None
+
+
+def _says(stated: object, meant: object) -> bool:
+    """Whether a JSON value is the one meant: 2 may stand for 2.0, neither 2.0 nor true for 2 or 1.
+
+    Readers of other languages take 2.0 for no index.
+    """
+    if isinstance(meant, dict):
+        return (
+            isinstance(stated, dict)
+            and stated.keys() == meant.keys()
+            and all(_says(stated[key], value) for key, value in meant.items())
+        )
+    if isinstance(meant, list):
+        return (
+            isinstance(stated, list)
+            and len(stated) == len(meant)
+            and all(map(_says, stated, meant))
+        )
+    if isinstance(meant, float):
+        return not isinstance(stated, bool) and stated == meant
+    return type(stated) is type(meant) and stated == meant
+
+
+def _expected(claim: Claim, model: RobotModel | None) -> dict[str, Any]:
+    """The fields of ``design.json`` that a claim determines."""
+    found = isinstance(claim, FoundClaim)
+    fields: dict[str, Any] = {
+        "verdict": "found" if found else "impossible",
+        "task": claim.task,
+        "spec": claim.spec,
+        "spec_sha256": claim.spec_sha256,
+    }
+    if not isinstance(claim, FoundClaim) or model is None:
+        return fields | {"word": None, "derivation": None, "parameters": [], "path": []}
+    return fields | {
+        "word": list(claim.word),
+        "derivation": list(claim.derivation),
+        "dofs": [
+            {"symbols": list(dof.symbols), "kind": dof.kind, "axis": dof.axis} for dof in model.dofs
+        ],
+        "parameters": [value.describe() for value in claimed_values(claim, model)],
+        "path": [list(names) for names in claim.path],
+        "robustness": _float(claim.robustness),
+        "effort_peak": _float(claim.effort_peak),
+        "step": _float(claim.step),
+        "horizon": claim.steps,
+    }
+
+
+def _reconfiguration(claim: Claim, program: ir.Program, task: ir.Task) -> dict[str, Any] | None:
+    if not isinstance(claim, FoundClaim) or task.origin is None:
+        return None
+    rules = family_of(program, task).language.srg
+    return reconfiguration(rules, task.origin.word, claim.word).describe()
+
+
+def _float(text: str) -> float:
+    return float(exact(text))
+
+
+def _claimed(claim: ImpossibleClaim) -> list[list[Any]]:
+    return [
+        [
+            list(s.word),
+            list(s.derivation),
+            "refuted",
+            s.evidence or s.boxes,
+            s.same_robot_as,
+            s.boxes,
+        ]
+        for s in claim.structures
+    ]
+
+
+def _tried(design: Mapping[str, Any]) -> list[list[Any]]:
+    tried = design.get("structures_tried")
+    if not isinstance(tried, list):
+        return []
+    keys = ("word", "derivation", "verdict", "evidence", "same_robot_as", "boxes")
+    return [[s.get(key) for key in keys] if isinstance(s, dict) else [] for s in tried]
+
+
+# --- What ``design.json`` says of the formulas of a found robot's task ----------------------------
+
+
+CLOSELY = 1e-9
+"""How far a stated robustness may be from the proved one, in metres: balls depend on libraries."""
+
+
+def satisfied_formulas(task: ir.Task, findings: Sequence[CheckedCondition]) -> list[dict[str, Any]]:
+    """Per ``satisfy`` its text and a lower bound of its robustness in metres.
+
+    The bound is None where the formula holds wherever the effectors are.
+    """
+    bounds = {finding.clause: finding.margin for finding in findings}
+    return [
+        {
+            "formula": formula_text(clause.formula),
+            "robustness": bounds[number] if bounds[number] < inf else None,
+        }
+        for number, clause in enumerate(task.satisfy)
+    ]
+
+
+def misstated_formula(
+    folder: Path, task: ir.Task, findings: Sequence[CheckedCondition]
+) -> str | None:
+    """Why the folder's ``design.json`` misstates a proved formula, or None.
+
+    Args:
+        folder: the result folder, whose ``design.json``, if there is one, is a JSON object.
+        task: the task.
+        findings: the proof of the claim, which holds.
+    """
+    path = folder / "design.json"
+    if not path.is_file():
+        return None
+    stated = json.loads(bounded_bytes(path)).get("satisfy", [])
+    proved = satisfied_formulas(task, findings)
+    if not isinstance(stated, list) or len(stated) != len(proved):
+        return "design.json states other formulas than the task in `satisfy`"
+    for number, (said, true) in enumerate(zip(stated, proved, strict=True), 1):
+        if not isinstance(said, dict) or said.get("formula") != true["formula"]:
+            return f"design.json states another formula than the task's `satisfy` {number}"
+        if not _near(said.get("robustness"), true["robustness"]):
+            return (
+                f"the robustness of `satisfy` {number} is {true['robustness']}, "
+                f"not {said.get('robustness')} as in design.json"
+            )
+    return None
+
+
+def _near(stated: object, proved: float | None) -> bool:
+    if stated is None or proved is None:
+        return stated is proved
+    number = isinstance(stated, float | int) and not isinstance(stated, bool)
+    return number and abs(float(str(stated)) - proved) <= CLOSELY
+
+
+# --- Whether the inputs of a claim keep their bounds, and whether what it says of them is true ----
+#
+# Exact arithmetic on the decimals of the claim; nothing is integrated.
+
+
+NOT_A_DECIMAL = Fraction(1, 10**9)
+"""How closely a claim must state a value that no finite decimal states."""
+
+
+def check_efforts(
+    claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
+) -> list[CheckedCondition]:
+    """Every input is within its bound, exactly; the claimed peak and robustness are true."""
+    peak, margins, findings = Fraction(0), list[Fraction](), list[CheckedCondition]()
+    all_exact = True
+    free = unbounded_kinds(model, task)
+    if free:
+        raise Refused(f"the task bounds no effort of {' and '.join(free)} joints")
+    for bound in input_bounds(model, task):
+        held = _held(bound, motion)
+        time = float(held.step * task.step)
+        all_exact = all_exact and held.exact
+        status = Status.HOLDS if held.holds else Status.FAILS
+        name = f"effort ({bound.unit})" if bound.effort else bound.name
+        findings.append(
+            CheckedCondition(name, status, float(held.margin), bound.unit, time, exact=True)
+        )
+        peak = max(peak, held.largest) if bound.effort else peak
+        margins.append(held.margin)
+    true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}
+    if all(finding.status is Status.HOLDS for finding in findings):
+        for name, true in true_values.items():
+            stated = exact(getattr(claim, name))
+            if not _states(stated, true, exactly=all_exact):
+                raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
+    return findings
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """How inputs keep a bound: the least margin, at which step, and the largest size.
+
+    ``exact`` says that both are exact, not roots rounded up.
+    """
+
+    holds: bool
+    margin: Fraction
+    step: int
+    largest: Fraction
+    exact: bool = True
+
+
+def _held(bound: InputBound, motion: Motion) -> _Held:
+    """The inputs of a motion against one bound."""
+    if bound.norm2:
+        squares = [sum((row[i] ** 2 for i in bound.inputs), Fraction(0)) for row in motion.inputs]
+        square = max(squares)
+        root = square_root(square)
+        holds, margin = square <= bound.upper**2, bound.upper - root
+        return _Held(holds, margin, squares.index(square), root, root**2 == square)
+    margins = [bound.margin(row) for row in motion.inputs]
+    least = min(margins)
+    largest = max(abs(row[i]) for row in motion.inputs for i in bound.inputs)
+    return _Held(least >= 0, least, margins.index(least), largest)
+
+
+def _states(stated: Fraction, true: Fraction, *, exactly: bool) -> bool:
+    """Whether a decimal states a value: exactly if the value is a decimal, else closely."""
+    try:
+        exact_decimal(true)
+    except ValueError:
+        exactly = False
+    return stated == true if exactly else abs(stated - true) <= NOT_A_DECIMAL
+
+
+def square_root(value: Fraction) -> Fraction:
+    """The square root, exact where rational, else rounded up far below any margin."""
+    scale = 10**60
+    return Fraction(
+        _isqrt_up(value.numerator * value.denominator * scale**2), value.denominator * scale
+    )
+
+
+def _isqrt_up(value: int) -> int:
+    root = isqrt(value)
+    return root if root * root == value else root + 1
