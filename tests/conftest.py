@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -42,6 +43,11 @@ SPECS = {
 settings.register_profile(USUAL, derandomize=True, max_examples=40)
 settings.register_profile(OTHERS)
 settings.load_profile(USUAL)
+
+# A suite in the background ignores interrupts; the commands that it starts, some of which are
+# interrupted, would do the same.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Until all tests are collected, hardly anything is given back.
 gc.disable()

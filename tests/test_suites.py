@@ -49,6 +49,13 @@ def test_every_file_is_in_one_part(tmp_path: Path) -> None:
     assert parts == [{"test_0", "test_2", "test_4"}, {"test_1", "test_3"}]
 
 
+def test_a_second_slow_run_knows_its_options() -> None:
+    """A word of its own that names a folder is taken for the tests to run: no plugin is loaded."""
+    [recipe] = re.findall("^test-slow:.*\n\t(.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert "--ledger=out/slow" in recipe.split()
+    assert "--shard=$(SHARD)" in recipe
+
+
 @pytest.mark.parametrize("shard", ["0/3", "4/3", "3", "a/b", "-1/3", "1/0"])
 def test_a_shard_that_is_none(shard: str) -> None:
     with pytest.raises(pytest.UsageError, match="expected K/N with 1 <= K <= N"):

@@ -13,7 +13,6 @@ from srgc.cli import run
 from srgc.results.found_design import found_design
 from srgc.text_reports.synthesis_report import amount, used_inputs
 from tests.oracles import result_files
-from tests.oracles.html_page import Page
 from tests.oracles.small_specs import MOTOR, TURNER
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
@@ -31,19 +30,6 @@ def test_peaks_and_margins(made: Callable[[str], Path], spec: str, bounds: list[
     assert [each.low for each in found] == rows.min(axis=0).tolist()
     assert [each.high for each in found] == rows.max(axis=0).tolist()
     assert [each.margin for each in found] == pytest.approx(bounds - np.abs(rows).max(axis=0))
-
-
-@pytest.mark.slow
-def test_every_kind_of_joint_has_its_peak(pages: Callable[[str], tuple[Path, Page]]) -> None:
-    """A turning joint and two sliding ones: a peak each, and the robustness in the unit it has."""
-    folder, page = pages("prismatic")
-    claim = result_files.read(folder)
-    rows = np.array([[float(Fraction(x)) for x in row] for row in claim["inputs"]])
-    torque, force = np.abs(rows[:, 0]).max(), np.abs(rows[:, 1:]).max()
-    head = page.section("verdict")
-    assert f"{torque:.4g} N·m and {force:.4g} N" in head
-    unit = "N·m" if 20 - torque < 40 - force else "N"
-    assert f"{min(20 - torque, 40 - force):.4g} {unit}" in head
 
 
 def test_four_digits_and_a_unit_however_small() -> None:
