@@ -29,7 +29,7 @@ from control_ipopt import ipopt_problem
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import Configuration, search_configuration
 from solvers.trajectory.control import synthesise_control

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.trajectory.convex_step import Trajectory
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.path_following import PathProblem

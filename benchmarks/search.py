@@ -29,7 +29,7 @@ from search_tables import table
 from timing import ROOT, machine
 
 from compiler.arrays import Array
-from solvers.parameters.parameter_space import Cube
+from solvers.parameters.parameter_search import Cube
 
 SMALL = (13, 5)
 """Lengths per link of the tables that are made unless others are asked for."""

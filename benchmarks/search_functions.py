@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.parameters.parameter_space import Halton
+from solvers.parameters.parameter_search import Halton
 
 SHARE = 0.95
 """A search is to reach so much of the best known value."""

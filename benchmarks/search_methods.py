@@ -32,8 +32,7 @@ import numpy as np
 from compiler.arrays import Array
 from solvers.parameters.bayesian_search import DESIGN, BayesianSearch, exploration
 from solvers.parameters.nelder_mead import NelderMead
-from solvers.parameters.parameter_search import Method, ParameterSearch, Record
-from solvers.parameters.parameter_space import Cube
+from solvers.parameters.parameter_search import Cube, Method, ParameterSearch, Record
 
 PULL = 2.05
 CONSTRICTION = 2 / (2 * PULL - 2 + np.sqrt((2 * PULL) ** 2 - 8 * PULL))

@@ -18,7 +18,7 @@ from compiler.robots.normal_form import family_of
 from compiler.tasks.specification import planning_problem
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.parameters.parameter_space import ParameterSpace, parameter_space
+from solvers.parameters.parameter_search import ParameterSpace, parameter_space
 from solvers.planner import Planner
 from solvers.search.evaluation import evaluate
 from solvers.search.path_task import PathTask

@@ -17,9 +17,19 @@ from grammar_lang.elaboration.recovery import sound_part, without_followers
 from grammar_lang.elaboration.semantics import SemanticsInfo, lower_semantics
 from grammar_lang.elaboration.tasks import Family, Surroundings, lower_task
 from grammar_lang.elaboration.workspaces import lower_workspace
-from grammar_lang.files.file_tree import FileSet, FileTree, name_of, too_large
+from grammar_lang.files.file_tree import (
+    LIMIT,
+    FileSet,
+    FileTree,
+    TooLarge,
+    decoded,
+    is_text,
+    name_of,
+    read_file,
+    reason,
+    too_large,
+)
 from grammar_lang.files.inclusion import include_all
-from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, is_text, read_file, reason
 from grammar_lang.names.resolver import resolve_names
 from grammar_lang.names.table import NameTable, report_unused
 from grammar_lang.parsing.parse import without_collection

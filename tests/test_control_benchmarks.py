@@ -15,7 +15,7 @@ from benchmarks.control_curves import Curve, draw, exponent
 from benchmarks.control_cvxpy import CvxpyLoop, Form
 from benchmarks.control_ipopt import ipopt_problem
 from benchmarks.solver_time import counted
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlProblem
 from solvers.trajectory.convex_step import PositionRows

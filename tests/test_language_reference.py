@@ -24,8 +24,7 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.render import to_text
 from grammar_lang.elaboration import emissions, typecheck
 from grammar_lang.elaboration.sorts import PLAUSIBLE
-from grammar_lang.files.file_tree import IMAGE_LIMIT
-from grammar_lang.files.source_file import LIMIT
+from grammar_lang.files.file_tree import IMAGE_LIMIT, LIMIT
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir import expressions
 from grammar_lang.parsing import lalr, parse, tree_builder

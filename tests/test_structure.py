@@ -137,7 +137,7 @@ def test_light_commands_load_nothing_heavy(arguments):
 
 
 def test_the_space_of_parameters_needs_no_equations_of_motion():
-    loaded = loaded_after("from solvers.parameters.parameter_space import Halton, ParameterSpace")
+    loaded = loaded_after("from solvers.parameters.parameter_search import Halton, ParameterSpace")
     assert not {name.partition(".")[0] for name in loaded} & HEAVY
     assert not {name for name in loaded if name.startswith(("compiler.disc", "solvers.trajectory"))}
 

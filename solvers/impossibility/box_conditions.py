@@ -14,7 +14,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import closed_ball, constant_ball
-from compiler.expressions.evaluators.batched_intervals import (
+from compiler.expressions.evaluators.intervals import (
     TURN,
     BatchedIntervalEvaluator,
     IntervalBatch,

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from itertools import combinations
 
 from compiler.tasks.necessary import Stop, stops, task_avoidance
-from compiler.workspaces.abstraction import Abstraction
-from compiler.workspaces.passable_cells import PassableCells, connected
+from compiler.workspaces.abstraction import Abstraction, PassableCells, connected
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import SeparationClaim
 

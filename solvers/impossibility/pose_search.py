@@ -21,7 +21,7 @@ from compiler.encodings.reachability_smt import Pose
 from compiler.expressions.evaluators.balls import closed_ball
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.trajectory.body_clearance import (
     Avoidances,
     BodyClearance,

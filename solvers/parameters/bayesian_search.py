@@ -31,8 +31,7 @@ from typing import TypeAlias
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.parameters.parameter_search import Record
-from solvers.parameters.parameter_space import Cube, Halton
+from solvers.parameters.parameter_search import Cube, Halton, Record
 
 LENGTHS = (0.05, 3.0)
 """Bounds of the length scales, in units of the cube."""

@@ -14,8 +14,12 @@ import numpy as np
 from compiler.arrays import Array
 from solvers.parameters.bayesian_search import DESIGN, BayesianSearch
 from solvers.parameters.nelder_mead import NelderMead
-from solvers.parameters.parameter_search import ParameterSearch
-from solvers.parameters.parameter_space import Cube, ParameterSpace, parameter_space
+from solvers.parameters.parameter_search import (
+    Cube,
+    ParameterSearch,
+    ParameterSpace,
+    parameter_space,
+)
 from solvers.run_context import RunContext
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget

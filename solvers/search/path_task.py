@@ -15,7 +15,7 @@ from compiler.tasks.word_formula import SampledFormula
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.planner import EffectorPath
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.path_following import BEYOND, LEAST_MARGIN, SUBSTEPS, PathProblem

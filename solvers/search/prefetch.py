@@ -20,7 +20,7 @@ from compiler.robots.robot_key import robot_key_in_task
 from grammar_lang import ir
 from solvers.execution.workers import InProcess, SharedPayload, made_of, packed
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.run_context import Memory, Recorded, RunContext
 
 MOST_DRAWN = 64

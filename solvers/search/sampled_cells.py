@@ -21,7 +21,7 @@ from compiler.tasks.monitor import AtomKey, Monitored, Piece, key
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.control_problem import ControlOutcome, input_margin
 from solvers.trajectory.inverse_kinematics import sampled_box, solve_positions

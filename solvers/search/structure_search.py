@@ -46,8 +46,8 @@ from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
 from solvers.verifier.proofs.checked_condition import decisive
+from solvers.verifier.proofs.scene import Watch
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
-from solvers.verifier.proofs.watch import Watch
 
 PLANS = (6, 3)
 """How many plans are tried, and how many after each cut of a cell."""

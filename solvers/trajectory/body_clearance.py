@@ -17,7 +17,7 @@ from compiler.robots.robot import Body, RodBody
 from compiler.time_limits.time_limit import check_time
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.trajectory.linear_model import PositionRows
 from solvers.trajectory.subproblem import Indices
 

@@ -17,15 +17,15 @@ from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.spec_copy import claimed_task, read_claim
-from solvers.verifier.found_check import claimed_robot
+from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.disturbed_proof import disturbed_start
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
-from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
 from solvers.verifier.proofs.tube_checks import PointMap
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
 from solvers.verifier.report import Outcome, Refused
+from solvers.verifier.verification import claimed_robot
 
 FLOAT_BITS = 53
 """Bounds at an instant are floats: more bits do not make them narrower than that."""

@@ -45,7 +45,7 @@ def report(folder: Path, quiet: bool, output: Path | None, no_verify: bool) -> i
     from srgc.results.folder_writer import folder_output
 
     page_file = folder_output(folder, target, {NAME})
-    from solvers.verifier.proofs.watch import Watch
+    from solvers.verifier.proofs.scene import Watch
     from srgc.report.page import report_page
     from srgc.results.progress_display import progress
 

@@ -60,7 +60,7 @@ def verify(
     in FOLDER.  No solver and no searcher is loaded for that.  With --task and --expect a
     certificate about anything else is not judged, and the status is 6.
     """
-    from solvers.verifier.proofs.watch import Watch
+    from solvers.verifier.proofs.scene import Watch
     from solvers.verifier.verification import Expected, Outcome, verify_directory
     from srgc.paths import no_folder
     from srgc.results.progress_display import progress

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import click
 
 from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.files.source_file import LIMIT, TooLarge, decoded, read_file
+from grammar_lang.files.file_tree import LIMIT, TooLarge, decoded, read_file
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.source import Source
 from srgc.faults import Checked, SpecErrors, UsageFault

@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 
 from lsprotocol import types as lsp
 
-from grammar_lang.files.source_file import LIMIT
+from grammar_lang.files.file_tree import LIMIT
 from srgc.language_server.completions.completion import completions, signature
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.open_documents import Document

@@ -18,7 +18,7 @@ from solvers.run_context import RunContext
 from solvers.verifier.claims.certificate import CertificateError, Claim, from_text
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, evidence_bytes, files_of
 from solvers.verifier.proofs.enclosure import EnclosureFailure
-from solvers.verifier.proofs.watch import UNWATCHED, Watch
+from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.report import Outcome, Report
 from solvers.verifier.verification import verify_directory
 from srgc.faults import UsageFault

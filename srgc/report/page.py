@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
-from solvers.verifier.proofs.watch import UNWATCHED, Watch
+from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from srgc.render.html_text import text
 from srgc.render.svg import marks_style
 from srgc.report.animation import motion_section

@@ -36,7 +36,7 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.spec_copy import bounded_text, read_copy
 from srgc.paths import no_folder
-from srgc.results.folder_layout import refuse_links
+from srgc.results.folder_writer import refuse_links
 from srgc.results.result_folder import json_object
 from srgc.session import UsageFault
 from srgc.version import VERSION

@@ -14,8 +14,15 @@ from solvers.run_context import Recorded
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text
 from srgc.faults import WITH_O, UsageFault, argument
 from srgc.paths import unwritable
-from srgc.results.folder_layout import JOURNAL, OWN_FILES, OWN_FOLDERS, UNFINISHED, refuse_links
-from srgc.results.folder_writer import FolderWriter, only_writer
+from srgc.results.folder_writer import (
+    JOURNAL,
+    OWN_FILES,
+    OWN_FOLDERS,
+    UNFINISHED,
+    FolderWriter,
+    only_writer,
+    refuse_links,
+)
 
 
 @dataclass(frozen=True, slots=True)

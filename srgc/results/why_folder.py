@@ -22,7 +22,7 @@ from solvers.verdict import NotFound
 from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_copy
 from srgc.paths import no_folder
-from srgc.results.folder_layout import refuse_links
+from srgc.results.folder_writer import refuse_links
 from srgc.search_options import named_search, named_solver
 from srgc.session import UsageFault
 

@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compiler.expressions.evaluators.balls import (
+    SERIES,
     ball,
     closed_ball,
     constant_ball,
     working_precision,
 )
-from compiler.expressions.evaluators.series import SERIES
 from compiler.expressions.scalars import Constant, PiConstant
 from grammar_lang import ir
 from tests.oracles.exact_chain import DIGITS, contains

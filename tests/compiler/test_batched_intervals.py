@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from compiler.arrays import Array
-from compiler.expressions.evaluators.batched_intervals import (
+from compiler.expressions.evaluators.intervals import (
     BatchedIntervalEvaluator,
     IntervalBatch,
 )

@@ -19,12 +19,10 @@ from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.encodings.graph_terms import TermEvaluator
 from compiler.encodings.region_terms import RealScript
 from compiler.expressions.evaluator import METHODS, Evaluator, evaluate_expression
-from compiler.expressions.evaluators.balls import BallEvaluator, working_precision
-from compiler.expressions.evaluators.batched_intervals import BatchedIntervalEvaluator
+from compiler.expressions.evaluators.balls import BallEvaluator, SeriesEvaluator, working_precision
 from compiler.expressions.evaluators.exact import ExactEvaluator, NotExact, PiLinear
 from compiler.expressions.evaluators.floats import FloatEvaluator
-from compiler.expressions.evaluators.intervals import IntervalEvaluator
-from compiler.expressions.evaluators.series import SeriesEvaluator
+from compiler.expressions.evaluators.intervals import BatchedIntervalEvaluator, IntervalEvaluator
 from compiler.expressions.evaluators.trigonometric import CanonicalEvaluator, NamingEvaluator
 from compiler.expressions.scalars import (
     MonomialEvaluator,

@@ -8,7 +8,7 @@ import pytest
 
 from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.diagnostics.render import to_text
-from grammar_lang.files.source_file import LIMIT
+from grammar_lang.files.file_tree import LIMIT
 from grammar_lang.load import load_text
 from grammar_lang.parsing.parse import MAX_ERRORS
 from srgc.session import Checked, check_file, check_loaded

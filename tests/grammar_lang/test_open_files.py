@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.files.source_file import LIMIT
+from grammar_lang.files.file_tree import LIMIT
 from grammar_lang.load import load, load_text
 from grammar_lang.parsing.lalr import Parser, tables
 from grammar_lang.parsing.tokens import cut, tokenise

@@ -24,9 +24,8 @@ from compiler.expressions.evaluators.balls import (
 from compiler.expressions.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
-from solvers.verifier.proofs.deviation_flow import MOST_COLUMNS, zonotope
+from solvers.verifier.proofs.deviation_flow import MOST_COLUMNS, InitialSet, box, zonotope
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
-from solvers.verifier.proofs.initial_set import InitialSet, box
 from solvers.verifier.proofs.vector_field import VectorField
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow

@@ -10,7 +10,7 @@ import pytest
 
 from solvers.execution.process_pool import ProcessPool
 from solvers.execution.workers import InProcess
-from solvers.parameters.parameter_space import parameter_space
+from solvers.parameters.parameter_search import parameter_space
 from solvers.run_context import Memory
 from solvers.search import evaluation
 from solvers.search.evaluation import Evaluator, SolveRequest, outcome_of, record_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from solvers.parameters.parameter_space import Halton
+from solvers.parameters.parameter_search import Halton
 from tests.oracles.loaded_modules import loaded_after
 
 

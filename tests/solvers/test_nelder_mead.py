@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from solvers.parameters.nelder_mead import EDGE, NelderMead
-from solvers.parameters.parameter_search import ParameterSearch
-from solvers.parameters.parameter_space import Cube
+from solvers.parameters.parameter_search import Cube, ParameterSearch
 
 
 def run(f, start, evaluations, small=1e-3):

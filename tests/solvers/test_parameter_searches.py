@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.search_methods import COMPARED
-from solvers.parameters.parameter_space import Cube
+from solvers.parameters.parameter_search import Cube
 from solvers.search.configuration_search import SEARCHES, parameter_search
 
 NAMES = sorted(COMPARED)

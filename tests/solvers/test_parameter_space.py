@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.parameters.parameter_space import ParameterSpace, parameter_space
+from solvers.parameters.parameter_search import ParameterSpace, parameter_space
 from tests.oracles.robots import rod_chain
 
 LENGTHS = np.array([0.2, 0.5, 0.9])

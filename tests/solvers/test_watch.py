@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from solvers.verifier.proofs.watch import Watch
+from solvers.verifier.proofs.scene import Watch
 from solvers.verifier.verification import Outcome, verify_directory
 
 Made = Callable[[str], Path]

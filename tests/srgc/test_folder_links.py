@@ -9,8 +9,7 @@ import pytest
 
 import srgc as public
 from srgc.faults import UsageFault
-from srgc.results.folder_layout import refuse_links
-from srgc.results.folder_writer import FolderWriter
+from srgc.results.folder_writer import FolderWriter, refuse_links
 
 FOLDERS = ("spec", "proofs", "figures", "designs")
 FILES = (

@@ -10,8 +10,7 @@ import pytest
 
 import srgc as public
 from srgc.faults import UsageFault
-from srgc.results.folder_layout import LOCK
-from srgc.results.folder_writer import only_writer
+from srgc.results.folder_writer import LOCK, only_writer
 from tests.conftest import ROOT, srgc_process
 from tests.oracles.small_specs import TURNER
 

@@ -15,7 +15,7 @@ from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.render import result_pictures
 from srgc.results import folder_writer, synthesis_run
-from srgc.results.folder_layout import JOURNAL
+from srgc.results.folder_writer import JOURNAL
 from srgc.results.result_folder import Identity, open_folder
 from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
 from tests.conftest import srgc_process

@@ -16,7 +16,7 @@ import pytest
 from grammar_lang.load import load
 from solvers.execution.process_pool import ProcessPool
 from srgc.results import synthesis_run
-from srgc.results.folder_layout import JOURNAL
+from srgc.results.folder_writer import JOURNAL
 from srgc.results.result_folder import Identity, ResultFolder
 from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
 from tests.conftest import ROOT

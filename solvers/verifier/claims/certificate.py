@@ -20,8 +20,7 @@ from compiler.expressions.exact_numbers import exact_number
 from compiler.robots.parameter_values import ParameterValue, stated_value
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
-from grammar_lang.files.file_tree import IMAGE_LIMIT
-from grammar_lang.files.source_file import LIMIT, TooLarge, read_file
+from grammar_lang.files.file_tree import IMAGE_LIMIT, LIMIT, TooLarge, read_file
 from solvers.verdict import Claimed
 
 FORMAT = 3

@@ -13,7 +13,7 @@ from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.partition import Cut
 from grammar_lang import ir
-from grammar_lang.files.source_file import LIMIT, NoRegularFile, TooLarge, read_file
+from grammar_lang.files.file_tree import LIMIT, NoRegularFile, TooLarge, read_file
 from grammar_lang.load import load
 from grammar_lang.source import Source
 from solvers.verifier.claims.certificate import (

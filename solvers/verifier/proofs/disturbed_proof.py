@@ -18,9 +18,9 @@ from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.tasks.specification import disturbance_radii
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
+from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.enclosure import Accuracy
-from solvers.verifier.proofs.initial_set import InitialSet
-from solvers.verifier.proofs.scene import Motion, Scene
+from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import Slice, Status
 from solvers.verifier.proofs.tube_proof import (
@@ -30,7 +30,6 @@ from solvers.verifier.proofs.tube_proof import (
     position_conditions,
     state_limits,
 )
-from solvers.verifier.proofs.watch import Watch
 
 
 def disturbed_findings(

@@ -22,8 +22,7 @@ from fractions import Fraction
 
 from flint import arb, arb_poly
 
-from compiler.expressions.evaluators.balls import SIGNS, ball, working_precision
-from compiler.expressions.evaluators.series import UncertainSignError
+from compiler.expressions.evaluators.balls import SIGNS, UncertainSignError, ball, working_precision
 from solvers.verifier.proofs.a_priori import (
     LEAST_PARTS,
     LEAST_ROUGH_PARTS,
@@ -37,8 +36,7 @@ from solvers.verifier.proofs.a_priori import (
     good_length,
     narrowed,
 )
-from solvers.verifier.proofs.deviation_flow import Flow, Zonotope, flow, zonotope
-from solvers.verifier.proofs.initial_set import InitialSet, box
+from solvers.verifier.proofs.deviation_flow import Flow, InitialSet, Zonotope, box, flow, zonotope
 from solvers.verifier.proofs.vector_field import (
     Coefficients,
     Path,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -14,6 +14,25 @@ from compiler.words.derivation import Derivation, body_symbols
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
+
+# --- Who watches a long proof: told how far it has come, and able to end it -----------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """What a proof calls as it goes on.
+
+    Attributes:
+        tick: called again and again; what it raises ends the proof.
+        part: told how many of all parts of the work are done: of the steps of a motion, or of the
+            structures of a family.  Work that is done again begins at none.
+    """
+
+    tick: Callable[[], None] = lambda: None
+    part: Callable[[int, int], None] = lambda _done, _count: None
+
+
+UNWATCHED = Watch()
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,14 +17,13 @@ from compiler.expressions.tape import UndefinedValueError
 from compiler.tasks.specification import missing_effector
 from compiler.workspaces.abstraction import Abstraction
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
+from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
 from solvers.verifier.proofs.enclosure import Accuracy
-from solvers.verifier.proofs.initial_set import InitialSet
-from solvers.verifier.proofs.scene import Motion, Scene, scene_of
+from solvers.verifier.proofs.scene import UNWATCHED, Motion, Scene, Watch, scene_of
 from solvers.verifier.proofs.start_check import positive_mass, start_findings, unphysical
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import driven_robot, follow
-from solvers.verifier.proofs.watch import UNWATCHED, Watch
 
 __all__ = ["ACCURACIES", "Motion", "Scene", "prove_motion", "scene_of"]
 

@@ -19,8 +19,7 @@ from heapq import heappop, heappush
 
 from flint import arb, arb_series, ctx
 
-from compiler.expressions.evaluators.balls import BALLS, ball
-from compiler.expressions.evaluators.series import SERIES
+from compiler.expressions.evaluators.balls import BALLS, SERIES, ball
 from compiler.expressions.tape import Tape
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment

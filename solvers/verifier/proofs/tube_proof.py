@@ -24,11 +24,11 @@ from compiler.tasks.monitor import key
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside
+from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
-from solvers.verifier.proofs.initial_set import InitialSet
 from solvers.verifier.proofs.region_distance import region_distance
-from solvers.verifier.proofs.scene import Motion, Scene
+from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
@@ -42,7 +42,6 @@ from solvers.verifier.proofs.tube_checks import (
     rows_of,
 )
 from solvers.verifier.proofs.vector_field import VectorField
-from solvers.verifier.proofs.watch import Watch
 
 LONGEST_TEXT = 72
 """Characters of a formula in a report."""

@@ -14,8 +14,7 @@ from functools import cached_property
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
-from compiler.expressions.evaluators.balls import BALLS, SIGNS
-from compiler.expressions.evaluators.series import SERIES
+from compiler.expressions.evaluators.balls import BALLS, SERIES, SIGNS
 from compiler.expressions.tape import Tape
 
 Coefficients = list[arb]

@@ -24,14 +24,13 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.necessary import stops, task_avoidance
 from compiler.words.structures import InfiniteAmbiguityError
-from compiler.workspaces.abstraction import Abstraction, abstract
-from compiler.workspaces.passable_cells import PassableCells
+from compiler.workspaces.abstraction import Abstraction, PassableCells, abstract
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
 from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
 from solvers.verifier.claims.spec_copy import evidence_bytes
-from solvers.verifier.proofs.watch import UNWATCHED, Watch
+from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.report import Outcome, Refused
 

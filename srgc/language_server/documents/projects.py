@@ -9,8 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grammar_lang.files.file_tree import IMAGE_LIMIT
-from grammar_lang.files.source_file import TooLarge, read_file
+from grammar_lang.files.file_tree import IMAGE_LIMIT, TooLarge, read_file
 
 
 def is_folder(path: Path) -> bool:

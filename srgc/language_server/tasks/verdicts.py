@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.files.source_file import decoded
+from grammar_lang.files.file_tree import decoded
 from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.projects import bytes_of
-from srgc.results.folder_layout import refuse_other
+from srgc.results.folder_writer import refuse_other
 
 _LONGEST = 60
 
