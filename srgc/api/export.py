@@ -10,13 +10,14 @@ from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 
 Text: TypeAlias = Literal["urdf", "mjcf", "csv", "json", "ros2"]
+Binary: TypeAlias = Literal["npz"]
 Form: TypeAlias = Literal["urdf", "mjcf", "csv", "json", "ros2", "npz", "mujoco", "all"]
 
 
 @overload
 def export(result: str | PathLike[str], to: Text, *, efforts: bool = True) -> str: ...
 @overload
-def export(result: str | PathLike[str], to: Literal["npz"]) -> bytes: ...
+def export(result: str | PathLike[str], to: Binary) -> bytes: ...
 @overload
 def export(
     result: str | PathLike[str], to: Form, path: str | PathLike[str], *, efforts: bool = True

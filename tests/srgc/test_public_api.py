@@ -15,11 +15,14 @@ import sys
 import traceback
 from importlib import import_module
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
 import srgc
+from srgc.api.export import Binary, Form, Text
+from srgc.exports import design_export
 from srgc.faults import WITH_O, UsageFault, argument
 from tests.oracles.small_specs import TURNER, replaced
 
@@ -424,6 +427,12 @@ def test_a_landscape(turned):
             turned.landscape("4.length", **wrong)
     assert found != turned.landscape(points=3, ranges={"4.length": (1.21, 1.6)})
     assert turned.trajectory != srgc.open_result(turned).trajectory
+
+
+def test_the_types_of_an_export_name_every_format():
+    assert set(get_args(Form)) == {*design_export.FORMS, *design_export.FOLDERS}
+    assert set(get_args(Binary)) == set(design_export.BINARY)
+    assert set(get_args(Text)) == set(design_export.FORMS) - set(design_export.BINARY)
 
 
 def test_exports(turned, tmp_path):
