@@ -8,8 +8,8 @@ from fractions import Fraction
 from itertools import islice
 from typing import Literal
 
-from compiler.workspaces.adjacency import interiors_meet
 from compiler.workspaces.hull import Point
+from compiler.workspaces.overlaps import interiors_meet
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import AXES, Polytope, polytope_of
 from grammar_lang.diagnostics.diagnostic import Code, Sink

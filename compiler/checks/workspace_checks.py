@@ -9,8 +9,8 @@ from typing import assert_never
 
 from compiler.checks.region_checks import Shapes, end_diagnostics, ends, sound_polytope
 from compiler.tasks.obstacle_pieces import pieces_of, polytopes_within
-from compiler.workspaces.adjacency import candidates, interiors_meet
 from compiler.workspaces.map_header import MapFault
+from compiler.workspaces.overlaps import candidates, interiors_meet
 from compiler.workspaces.pieces import Pieces, cross, sides
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir

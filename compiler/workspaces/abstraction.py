@@ -19,9 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
-from compiler.workspaces.adjacency import Pair, shared_facets, touching
+from compiler.workspaces.adjacency import shared_facets, touching
 from compiler.workspaces.convex_pieces import coarsened
 from compiler.workspaces.hull import Point
+from compiler.workspaces.overlaps import Pair
 from compiler.workspaces.partition import Cut, divide, split_cells
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir

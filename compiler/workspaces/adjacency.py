@@ -1,13 +1,12 @@
-"""Pairs of convex polytopes whose interiors meet: a sweep over bounding boxes, then exact tests.
+"""Which cells of a partition share a facet, and which touch at all; exact.
 
-Sources: Edelsbrunner & Maurer, *On the intersection of orthogonal objects* (1981), for the sweep;
-Ericson, *Real-Time Collision Detection* (2005), section 5.2, for separation by facets.
+Source: Section 3, the adjacency matrix N.  Two cells are neighbours iff their intersection has
+dimension d - 1; a common corner (or, in space, a common edge) is contact, not adjacency.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -15,98 +14,9 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
 from compiler.workspaces.hull import IntRow, Point, Vertex, clip, value
+from compiler.workspaces.overlaps import Pair
 from compiler.workspaces.polytope import Polytope
 
-
-@dataclass(frozen=True, slots=True)
-class _Box:
-    """The bounding box of polytope ``number``: per axis the ranks of its ends."""
-
-    number: int
-    lower: tuple[int, ...]
-    upper: tuple[int, ...]
-
-
-def candidates(shapes: Sequence[Polytope]) -> Iterator[tuple[int, int]]:
-    """The pairs (i, j), i < j, of bounded polytopes whose bounding boxes have interiors that meet.
-
-    The sweep goes along the axis along which the fewest boxes overlap.
-    """
-    boxes = _boxes(shapes)
-    if not boxes:
-        return
-    dimension = shapes[0].dimension
-    axis = min(range(dimension), key=lambda a: (_crowding(boxes, a), a))
-    others = [a for a in range(dimension) if a != axis]
-    active: list[_Box] = []
-    for box in sorted(boxes, key=lambda b: b.lower[axis]):
-        start = box.lower[axis]
-        active = [other for other in active if other.upper[axis] > start]
-        for other in active:
-            if all(other.lower[a] < box.upper[a] and box.lower[a] < other.upper[a] for a in others):
-                yield min(box.number, other.number), max(box.number, other.number)
-        active.append(box)
-
-
-def interiors_meet(first: Polytope, second: Polytope) -> bool:
-    """Whether two bounded polytopes with interior, by facets only, have an inner point in common.
-
-    Exact.  Two convex polygons with disjoint interiors are separated along an edge of one of them,
-    two boxes along a face; for other polyhedra the intersection decides where no facet separates.
-    """
-    if _facet_separates(first, second) or _facet_separates(second, first):
-        return False
-    if first.dimension == 2 or (_is_box(first) and _is_box(second)):
-        return True
-    return not first.separated_interiors(second)
-
-
-def _facet_separates(first: Polytope, second: Polytope) -> bool:
-    rays = [vertex.ray for vertex in second.description.vertices]
-    return any(all(value(row, ray) >= 0 for ray in rays) for row in first.integer_rows)
-
-
-def _is_box(shape: Polytope) -> bool:
-    return all(sum(map(bool, row.normal)) == 1 for row in shape.rows)
-
-
-def _boxes(shapes: Sequence[Polytope]) -> list[_Box]:
-    """The bounding boxes, coordinates replaced by their ranks: exact, and quick to compare."""
-    points = [[vertex.point() for vertex in shape.description.vertices] for shape in shapes]
-    ends = [[(min(axis), max(axis)) for axis in zip(*corners, strict=True)] for corners in points]
-    ranks = [
-        {x: rank for rank, x in enumerate(sorted({x for pair in axis for x in pair}))}
-        for axis in zip(*ends, strict=True)
-    ]
-    return [
-        _Box(
-            number,
-            tuple(rank[low] for rank, (low, _) in zip(ranks, axes, strict=True)),
-            tuple(rank[high] for rank, (_, high) in zip(ranks, axes, strict=True)),
-        )
-        for number, axes in enumerate(ends)
-    ]
-
-
-def _crowding(boxes: Sequence[_Box], axis: int) -> int:
-    """The number of pairs whose intervals along an axis overlap."""
-    starts = sorted(box.lower[axis] for box in boxes)
-    ends = sorted(box.upper[axis] for box in boxes)
-    total = closed = 0
-    for opened, start in enumerate(starts):
-        while ends[closed] <= start:
-            closed += 1
-        total += opened - closed
-    return total
-
-
-# --- Which cells of a partition share a facet, and which touch at all; exact ----------------------
-#
-# Source: Section 3, the adjacency matrix N.  Two cells are neighbours iff their intersection has
-# dimension d - 1; a common corner (or, in space, a common edge) is contact, not adjacency.
-
-
-Pair: TypeAlias = tuple[int, int]
 Boxes: TypeAlias = Array
 
 

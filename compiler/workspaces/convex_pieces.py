@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.workspaces.adjacency import candidates, interiors_meet
 from compiler.workspaces.hull import primitive
+from compiler.workspaces.overlaps import candidates, interiors_meet
 from compiler.workspaces.partition import glue
 from compiler.workspaces.plane_boundary import (
     Direction,

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from compiler.workspaces.adjacency import Pair, interiors_meet
 from compiler.workspaces.hull import IntRow, Point, around, integer_row, on_lattice, value
+from compiler.workspaces.overlaps import Pair, interiors_meet
 from compiler.workspaces.polytope import Polytope
 from grammar_lang.ir import HalfSpace
 

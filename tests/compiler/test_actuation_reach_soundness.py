@@ -9,7 +9,7 @@ import pytest
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import constant_ball
-from tests.oracles.driven_chains import Segment, answer, problem, robot_of, spot
+from tests.oracles.driven_chains import Segment, answers, problem, robot_of, spot
 from tests.oracles.some_cases import examples
 
 STEPS, FINE = 8, 40
@@ -100,9 +100,13 @@ def driven_to(seed, excess):
 
 
 def refuted(seeds, excess):
-    """How many of the problems are refuted, and how many there are."""
+    """How many of the problems are refuted, and how many there are.
+
+    Nothing is asked where the effector starts at its goal.
+    """
     made = [found for seed in seeds if (found := driven_to(seed, excess)) is not None]
-    return sum(answer(text, halvings) is not None for text, halvings in made), len(made)
+    found = [[bound for row in answers(*case) for bound in row] for case in made]
+    return sum(any(bound is not None for bound in bounds) for bounds in found), len(made)
 
 
 def test_what_was_reached_is_not_refuted():

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from compiler.workspaces.adjacency import candidates, interiors_meet
+from compiler.workspaces.overlaps import candidates, interiors_meet
 from compiler.workspaces.polytope import Polytope, polytope_of
 from tests.oracles.planes import box_rows, boxes, hull, polygons, row
 from tests.oracles.some_cases import examples
