@@ -1,4 +1,4 @@
-"""Source texts and positions in them."""
+"""Source texts, positions in them, and the nodes of trees that have one."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from functools import cached_property
 from itertools import accumulate
 from operator import attrgetter
 from typing import Any, NamedTuple, TypeVar, dataclass_transform
+
+# --- Source texts and positions in them -----------------------------------------------------------
+
 
 _BLANK = re.compile(r"(?:\s|//[^\n]*|/\*(?:[^*]|\*(?!/))*\*/)+")
 """Blanks and comments."""

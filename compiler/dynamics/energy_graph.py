@@ -1,16 +1,4 @@
-r"""The mass matrix from composite bodies in the frames of the joints.
-
-All that a joint carries is one body with mass m, first moment h and inertia I about the joint's
-origin.  Moving the joint gives it the momenta (p, L); with the axis s of an earlier joint,
-
-.. math:: M_{ij} = s_i \cdot L \quad\text{(revolute)}, \qquad M_{ij} = s_i \cdot p
-    \quad\text{(prismatic)}
-
-Only coordinates between the two joints and behind them occur, each in few places, so that interval
-arithmetic loses far less than on the product of Jacobians (``rigid_bodies.py``).
-
-Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), section 6.2.
-"""
+"""Kinetic energy as a graph: mass matrix, its factorisation, and what bounds need."""
 
 from __future__ import annotations
 
@@ -37,6 +25,19 @@ from compiler.robots.robot import (
     Turn,
 )
 from compiler.robots.state_and_input import robot_inputs, robot_states
+
+# --- The mass matrix from composite bodies in the frames of the joints ----------------------------
+#
+# All that a joint carries is one body with mass m, first moment h and inertia I about the joint's
+# origin.  Moving the joint gives it the momenta (p, L); with the axis s of an earlier joint,
+#
+# .. math:: M_{ij} = s_i \cdot L \quad\text{(revolute)}, \qquad M_{ij} = s_i \cdot p
+#     \quad\text{(prismatic)}
+#
+# Only coordinates between the two joints and behind them occur, each in few places, so that
+# interval arithmetic loses far less than on the product of Jacobians (``rigid_bodies.py``).
+#
+# Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), section 6.2.
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,4 @@
-r"""Absolute angles: revolute joints about one axis measured from a fixed direction.
-
-.. math:: q = D y
-
-with an integer matrix D.  In y the mass matrix of a chain has one cosine per entry and no velocity
-couples with another, so interval arithmetic loses far less than in the joints' own coordinates.
-(The paper's Example 3 uses such angles, its case study the joints' own.)
-"""
+"""Forward kinematics of a robot model, and absolute angles of its joints."""
 
 from __future__ import annotations
 
@@ -19,6 +12,14 @@ import casadi as ca
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import evaluate_scalars
 from compiler.robots.robot import WORLD, Body, Joint, Offset, RobotModel, RodBody, SolidBody, Turn
+
+# --- Absolute angles: revolute joints about one axis measured from a fixed direction --------------
+#
+# .. math:: q = D y
+#
+# with an integer matrix D.  In y the mass matrix of a chain has one cosine per entry and no
+# velocity couples with another, so interval arithmetic loses far less than in the joints' own
+# coordinates. (The paper's Example 3 uses such angles, its case study the joints' own.)
 
 
 @dataclass(frozen=True, slots=True)

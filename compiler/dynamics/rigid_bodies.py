@@ -1,15 +1,4 @@
-r"""Mass matrix, Coriolis forces and gravity of rigid bodies as CasADi expressions.
-
-From kinetic and potential energy (Lagrange's equations of the second kind).
-
-In absolute angles a column of a planar Jacobian is a vector turned by one angle at most,
-J_i = R(y_a) w_i, so that
-
-.. math:: J_i \cdot J_j = w_i \cdot R(y_b - y_a)\, w_j
-
-Left to itself a product has the sum of two squares of sines and cosines where there is a one, and a
-sum of products where there is one cosine: over a box of angles, intervals lose all of that.
-"""
+"""The two sides of the equations of motion: rigid bodies, and the forces that drive them."""
 
 from __future__ import annotations
 
@@ -35,6 +24,18 @@ from compiler.robots.robot import (
 )
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
+
+# --- Mass matrix, Coriolis forces and gravity of rigid bodies as CasADi expressions ---------------
+#
+# From kinetic and potential energy (Lagrange's equations of the second kind).
+#
+# In absolute angles a column of a planar Jacobian is a vector turned by one angle at most, J_i =
+# R(y_a) w_i, so that
+#
+# .. math:: J_i \cdot J_j = w_i \cdot R(y_b - y_a)\, w_j
+#
+# Left to itself a product has the sum of two squares of sines and cosines where there is a one, and
+# a sum of products where there is one cosine: over a box of angles, intervals lose all of that.
 
 
 def inertia_of(

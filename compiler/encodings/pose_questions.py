@@ -1,4 +1,4 @@
-"""What a task asks of the whole body of a robot at any instant, in the plane."""
+"""Which poses a robot must be able to take for a task, of its effectors and of its whole body."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from compiler.tasks.necessary import task_visits
 from compiler.tasks.specification import missing_effector
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
+
+# --- What a task asks of the whole body of a robot at any instant, in the plane -------------------
+
 
 MOST = 24
 """Of more obstacles, those farthest from the middle of the bounds are left out of a script."""

@@ -1,12 +1,4 @@
-r"""Points and segments against convex regions, as formulas about their coordinates.
-
-Touching counts as inside a region and as clear of an obstacle, so that each formula is necessary
-for what has to hold strictly.  A segment and a convex polygon have disjoint interiors iff the line
-of one of the polygon's edges separates them, or the segment's own line does (the separating axis
-theorem for their Minkowski difference, whose edges are edges of either).
-
-Source: de Berg, Cheong, van Kreveld & Overmars, *Computational Geometry*, section 13.3.
-"""
+"""Real terms of an SMT script, and points and segments against regions in them."""
 
 from __future__ import annotations
 
@@ -21,6 +13,16 @@ from compiler.expressions.evaluators.balls import ball
 from compiler.expressions.exact_numbers import GRID, outward
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
+
+# --- Points and segments against convex regions, as formulas about their coordinates --------------
+#
+# Touching counts as inside a region and as clear of an obstacle, so that each formula is necessary
+# for what has to hold strictly.  A segment and a convex polygon have disjoint interiors iff the
+# line of one of the polygon's edges separates them, or the segment's own line does (the separating
+# axis theorem for their Minkowski difference, whose edges are edges of either).
+#
+# Source: de Berg, Cheong, van Kreveld & Overmars, *Computational Geometry*, section 13.3.
+
 
 FAR = Fraction(10**6)
 """Metres at which an obstacle without end is cut: what is farther away is left out."""

@@ -1,8 +1,4 @@
-"""Scalar expressions over a robot's parameters, as a hash-consed table without recursion.
-
-A scalar is its index in the table; equal expressions have equal indices, and arguments precede
-the nodes that use them, so that evaluation is one loop.
-"""
+"""Scalar expressions over a robot's parameters, and their values as monomials."""
 
 from __future__ import annotations
 
@@ -14,6 +10,11 @@ from typing import TypeAlias
 from compiler.expressions.evaluator import METHODS, Evaluator, Value
 from grammar_lang import ir
 from grammar_lang.ir.constants import MagnitudeError, Monomial, apply, combine
+
+# --- Scalar expressions over a robot's parameters, as a hash-consed table without recursion -------
+#
+# A scalar is its index in the table; equal expressions have equal indices, and arguments precede
+# the nodes that use them, so that evaluation is one loop.
 
 
 @dataclass(frozen=True, slots=True)

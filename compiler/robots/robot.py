@@ -1,4 +1,4 @@
-"""The dynamics of its own that a module brings into a robot (Definition 5)."""
+"""The model of a robot: frames, degrees of freedom, bodies, effectors, own dynamics."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Literal, TypeAlias
 
 from compiler.expressions.scalars import ScalarNode
 from grammar_lang import ir
+
+# --- The dynamics of its own that a module brings into a robot (Definition 5) ---------------------
 
 
 @dataclass(frozen=True, slots=True)

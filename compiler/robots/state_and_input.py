@@ -1,4 +1,4 @@
-"""What the state and input vectors of a robot hold, entry by entry."""
+"""What the state and input vectors of a robot hold, and what bounds the inputs in a task."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from fractions import Fraction
 from compiler.expressions.exact_numbers import rational_bounds
 from compiler.robots.robot import OwnDynamics, RobotModel
 from grammar_lang import ir
+
+# --- What the state and input vectors of a robot hold, entry by entry -----------------------------
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""A growing set of clauses, in arrays of equal length, with names for its variables."""
+"""Clauses for a SAT solver, and a formula about samples as clauses."""
 
 from __future__ import annotations
 
@@ -21,6 +21,9 @@ from compiler.tasks.sampled_formula import (
     Until,
 )
 from compiler.time_limits.time_limit import check_time
+
+# --- A growing set of clauses, in arrays of equal length, with names for its variables ------------
+
 
 Ints: TypeAlias = NDArray[np.int64]
 TRUE: Final = 1

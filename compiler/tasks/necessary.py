@@ -1,4 +1,4 @@
-"""Where the effectors of a robot have to be at some instant, whatever the robot."""
+"""What every motion does that fulfils a task: visits, avoidance, rest."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import TypeAlias
 
 from compiler.robots.effector_counts import several_effectors
 from grammar_lang import ir
+
+# --- Where the effectors of a robot have to be at some instant, whatever the robot ----------------
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Cells and their neighbours as arrays, and distances in numbers of changes."""
+"""The graph of cells, and where an effector is in it at a layer, as Boolean variables."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from compiler.tasks.formula_clauses import Clauses, Ints
 from compiler.tasks.sampled_formula import Literal
+
+# --- Cells and their neighbours as arrays, and distances in numbers of changes --------------------
+
 
 UNREACHABLE = np.iinfo(np.int64).max // 4
 

@@ -1,4 +1,4 @@
-"""The one formula of a task: its ``satisfy`` clauses, with ``reach`` and ``avoid`` as sugar."""
+"""What a task asks: of motions, as one formula, and of paths through the cells."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ from compiler.tasks.sampled_formula import (
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from grammar_lang.ir import StartAt, StartIn, Task
+
+# --- The one formula of a task: its ``satisfy`` clauses, with ``reach`` and ``avoid`` as sugar ----
+
 
 _THROUGHOUT = ir.Window(Fraction(0), None)
 

@@ -1,23 +1,4 @@
-r"""The momentum of a coordinate that the mass matrix does not depend on.
-
-Let M be independent of the coordinate c of a robot with two degrees of freedom; s is the other one.
-Then dT/dq_c = 0, and Lagrange's equation of c, without friction, is
-
-.. math:: \dot p = u_c - g_c, \qquad p = M_{cc}(q_s)\, \dot q_c + M_{cs}(q_s)\, \dot q_s,
-
-so that the size of p grows by at most |u_c| + |g_c| per second.  With F' = M_cs / M_cc,
-
-.. math:: \xi = q_c + F(q_s), \qquad \dot\xi = p / M_{cc}.
-
-Only the drive of c moves xi, whatever the other one does: of an arm, how far it has turned but for
-the turning that comes from folding and unfolding.  F is a function where s has a range: on a full
-turn it may be that folding all the way round turns the arm.
-
-A coordinate that M does not couple to any other one, of however many, has F = 0.  Friction at c
-then only brakes xi.
-
-Source: Goldstein, *Classical Mechanics*, section 2.6 (cyclic coordinates).
-"""
+"""Measures of a motion that drives change at a bounded rate, momenta among them."""
 
 from __future__ import annotations
 
@@ -36,6 +17,27 @@ from compiler.robots.robot import RobotModel
 from compiler.unreachability.motion_conditions import Passage, PointIn
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
+
+# --- The momentum of a coordinate that the mass matrix does not depend on -------------------------
+#
+# Let M be independent of the coordinate c of a robot with two degrees of freedom; s is the other
+# one. Then dT/dq_c = 0, and Lagrange's equation of c, without friction, is
+#
+# .. math:: \dot p = u_c - g_c, \qquad p = M_{cc}(q_s)\, \dot q_c + M_{cs}(q_s)\, \dot q_s,
+#
+# so that the size of p grows by at most |u_c| + |g_c| per second.  With F' = M_cs / M_cc,
+#
+# .. math:: \xi = q_c + F(q_s), \qquad \dot\xi = p / M_{cc}.
+#
+# Only the drive of c moves xi, whatever the other one does: of an arm, how far it has turned but
+# for the turning that comes from folding and unfolding.  F is a function where s has a range: on a
+# full turn it may be that folding all the way round turns the arm.
+#
+# A coordinate that M does not couple to any other one, of however many, has F = 0.  Friction at c
+# then only brakes xi.
+#
+# Source: Goldstein, *Classical Mechanics*, section 2.6 (cyclic coordinates).
+
 
 CELLS = 128
 """Parts of the range of s on which F' is enclosed."""

@@ -1,7 +1,4 @@
-"""The cells of a workspace as a picture: nodes where cells are, edges where they are adjacent.
-
-Source: Section 3, W = (P, H, N).  Space is seen obliquely.
-"""
+"""The cells of a workspace as a picture, and the runs that views show in colour."""
 
 from __future__ import annotations
 
@@ -12,6 +9,12 @@ from typing import Literal, SupportsFloat, TypeAlias, assert_never
 from compiler.words.pushdown_automaton import Pda, Transition, accepting_run
 from compiler.workspaces.abstraction import Abstraction, Cell, CellKind
 from grammar_lang.ir import Workspace
+
+# --------------------------------------------------------------------------------------------------
+# The cells of a workspace as a picture: nodes where cells are, edges where they are adjacent.
+#
+# Source: Section 3, W = (P, H, N).  Space is seen obliquely.
+
 
 WIDTH_INCHES = 9.0
 CELL_INCHES = 1.1

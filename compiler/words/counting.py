@@ -1,4 +1,4 @@
-"""The words of a language in length-lexicographic order, each once, lazily."""
+"""The words of a language: listed in order, and counted by length."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from compiler.time_limits.time_limit import check_time
 from compiler.words.budget import LENGTH_LIMIT, MOVE_BUDGET, BudgetExceededError, WordsTooLongError
 from compiler.words.intersection import BinaryGrammar, RightSide
 from compiler.words.recogniser import Recogniser, State
+
+# --- The words of a language in length-lexicographic order, each once, lazily ---------------------
+
 
 FIRST_HORIZON = 32
 

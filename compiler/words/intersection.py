@@ -1,9 +1,4 @@
-"""Binary normal form: right sides of one terminal or of two symbols.
-
-There are no empty and no unit rules (Chomsky 1959, without the restriction to nonterminals in
-pairs).  Such a grammar speaks of words only; derivations are those of the original grammar.  The
-*binary form* keeps the unit rules, but for their cycles: taking them out can square the size.
-"""
+"""The accepted words of a grammar as a grammar, by way of its binary normal form."""
 
 from __future__ import annotations
 
@@ -14,6 +9,13 @@ from typing import TypeAlias
 from compiler.time_limits.time_limit import check_time
 from compiler.words.finite_automaton import Dfa
 from compiler.words.grammar import Cfg, Rule, components, nullable, on_cycle, trimmed
+
+# --- Binary normal form: right sides of one terminal or of two symbols ----------------------------
+#
+# There are no empty and no unit rules (Chomsky 1959, without the restriction to nonterminals in
+# pairs).  Such a grammar speaks of words only; derivations are those of the original grammar.  The
+# *binary form* keeps the unit rules, but for their cycles: taking them out can square the size.
+
 
 RightSide: TypeAlias = tuple[int, ...]
 

@@ -1,8 +1,4 @@
-"""Reading words from left to right, one state per prefix, with what may still follow.
-
-Two kinds of automata do so: a finite one, and the residuals of a grammar, which are made when they
-are first needed.  Enumeration, counting, sampling and comparison know this interface only.
-"""
+"""Words read from left to right: what may follow, and whether a word is in a language."""
 
 from __future__ import annotations
 
@@ -17,6 +13,12 @@ from compiler.words.continuations import Continuation
 from compiler.words.finite_automaton import Dfa
 from compiler.words.intersection import BinaryGrammar
 from compiler.words.residuals import Residual, Residuals
+
+# --- Reading words from left to right, one state per prefix, with what may still follow -----------
+#
+# Two kinds of automata do so: a finite one, and the residuals of a grammar, which are made when
+# they are first needed.  Enumeration, counting, sampling and comparison know this interface only.
+
 
 State = TypeVar("State")
 

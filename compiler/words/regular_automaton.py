@@ -1,10 +1,4 @@
-"""A grammar without self-embedding as a finite network whose paths are its derivations.
-
-Source: Nederhof, *Practical experiments with regular approximation of context-free languages*
-(2000), section 3.  Where each set of mutually recursive nonterminals recurs at the left end of
-its right sides only, or at the right end only, the grammar unfolds into a finite network: every
-derivation is one path from its first state to its last, and every path one derivation.
-"""
+"""Grammars without self-embedding: as a network of paths, and as a finite automaton."""
 
 from __future__ import annotations
 
@@ -31,6 +25,14 @@ from compiler.words.grammar import (
     rules_by_left,
     trimmed,
 )
+
+# --- A grammar without self-embedding as a finite network whose paths are its derivations ---------
+#
+# Source: Nederhof, *Practical experiments with regular approximation of context-free languages*
+# (2000), section 3.  Where each set of mutually recursive nonterminals recurs at the left end of
+# its right sides only, or at the right end only, the grammar unfolds into a finite network: every
+# derivation is one path from its first state to its last, and every path one derivation.
+
 
 Recursion: TypeAlias = Literal["none", "left", "right"]
 Work: TypeAlias = tuple[int, tuple[int, ...], int]

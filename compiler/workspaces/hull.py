@@ -1,11 +1,4 @@
-"""Vertices of a polyhedron by the double description method, in integers.
-
-Source: Fukuda & Prodon, *Double description method revisited* (1996).  A point of dimension d is a
-*ray* ``(X_1, ..., X_d, W)`` of integers with ``W > 0`` that stands for ``X / W``; a half-space
-``a . p <= b`` is a row ``(a_1, ..., a_d, -b)`` of integers, so that it holds where ``row . ray`` is
-at most zero.  Every vertex carries the set of rows that are tight there, as the bits of an integer;
-two vertices are joined by an edge iff no third one is tight wherever both are (Proposition 7).
-"""
+"""Convex polytopes from half-spaces or points: vertices, facets, area and volume, all exact."""
 
 from __future__ import annotations
 
@@ -17,6 +10,17 @@ from operator import mul
 from typing import NamedTuple, TypeAlias
 
 from grammar_lang.ir import HalfSpace
+
+# --- Vertices of a polyhedron by the double description method, in integers -----------------------
+#
+# Source: Fukuda & Prodon, *Double description method revisited* (1996).  A point of dimension d is
+# a
+# *ray* ``(X_1, ..., X_d, W)`` of integers with ``W > 0`` that stands for ``X / W``; a half-space
+# ``a . p <= b`` is a row ``(a_1, ..., a_d, -b)`` of integers, so that it holds where ``row . ray``
+# is at most zero.  Every vertex carries the set of rows that are tight there, as the bits of an
+# integer; two vertices are joined by an edge iff no third one is tight wherever both are
+# (Proposition 7).
+
 
 IntRow: TypeAlias = tuple[int, ...]
 Point: TypeAlias = tuple[Fraction, ...]

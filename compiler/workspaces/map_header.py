@@ -1,9 +1,4 @@
-"""The YAML file of a map_server map: image, resolution, pose, thresholds, mode.
-
-Source: the ROS wiki, map_server, sections 1.2 and 1.3 (YAML format, value interpretation).  The
-file is composed to nodes and never constructed, so that no tag does anything and every number is
-read from its own text.
-"""
+"""The YAML file of a map_server map, and what is wrong with a file of obstacles."""
 
 from __future__ import annotations
 
@@ -21,6 +16,13 @@ from grammar_lang.source import Span
 
 if TYPE_CHECKING:
     from yaml.nodes import MappingNode, Node
+
+# --- The YAML file of a map_server map: image, resolution, pose, thresholds, mode -----------------
+#
+# Source: the ROS wiki, map_server, sections 1.2 and 1.3 (YAML format, value interpretation).  The
+# file is composed to nodes and never constructed, so that no tag does anything and every number is
+# read from its own text.
+
 
 Mode: TypeAlias = Literal["trinary", "scale", "raw"]
 

@@ -1,9 +1,4 @@
-"""Cutting a convex polytope along the facets of another, and gluing pieces back together.
-
-Sources: Bemporad, Morari, Dua & Pistikopoulos, *The explicit linear quadratic regulator for
-constrained systems* (2002), Theorem 3 (the remainder of a polytope as convex pieces); Bemporad,
-Fukuda & Torrisi, *Convexity recognition of the union of polyhedra* (2001).
-"""
+"""Cells cut along facets, divided in two, and glued back together; exact."""
 
 from __future__ import annotations
 
@@ -17,6 +12,12 @@ from compiler.workspaces.hull import IntRow, Point, around, integer_row, on_latt
 from compiler.workspaces.overlaps import Pair, interiors_meet
 from compiler.workspaces.polytope import Polytope
 from grammar_lang.ir import HalfSpace
+
+# --- Cutting a convex polytope along the facets of another, and gluing pieces back together -------
+#
+# Sources: Bemporad, Morari, Dua & Pistikopoulos, *The explicit linear quadratic regulator for
+# constrained systems* (2002), Theorem 3 (the remainder of a polytope as convex pieces); Bemporad,
+# Fukuda & Torrisi, *Convexity recognition of the union of polyhedra* (2001).
 
 
 def divide(cell: Polytope, region: Polytope) -> tuple[tuple[Polytope, ...], Polytope | None]:

@@ -1,8 +1,4 @@
-"""Every diagnostic code, in one place.
-
-Ranges: 01xx files and syntax, 02xx names, 03xx sorts, units and numbers, 04xx grammars,
-05xx semantics, 06xx geometry, 07xx tasks.
-"""
+"""Diagnostics: their codes, and values that are collected while compiling."""
 
 from __future__ import annotations
 
@@ -11,6 +7,11 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from grammar_lang.source import Span
+
+# --- Every diagnostic code, in one place ----------------------------------------------------------
+#
+# Ranges: 01xx files and syntax, 02xx names, 03xx sorts, units and numbers, 04xx grammars, 05xx
+# semantics, 06xx geometry, 07xx tasks.
 
 
 class Code(Enum):

@@ -1,8 +1,4 @@
-"""Sorts and dimensions of values, and the checks that a value fits its place.
-
-A value is a scalar, a vector or a frame.  A *bare* value (dimension None) is made of numbers
-without units; it takes the dimension that its place requires.
-"""
+"""Sorts and dimensions of values; whether a value fits its place and is plausible."""
 
 from __future__ import annotations
 
@@ -34,6 +30,11 @@ from grammar_lang.units import (
     symbol,
 )
 from grammar_lang.units import unit as parse_unit
+
+# --- Sorts and dimensions of values, and the checks that a value fits its place -------------------
+#
+# A value is a scalar, a vector or a frame.  A *bare* value (dimension None) is made of numbers
+# without units; it takes the dimension that its place requires.
 
 
 class Sort(Enum):

@@ -1,4 +1,4 @@
-"""The entities that names stand for, as the items of a specification declare them."""
+"""The entities that names stand for, and the items of a specification that declare them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.parsing.lalr import RESERVED
 from grammar_lang.source import Span, node
 from grammar_lang.syntax import tasks as t
+
+# --- The entities that names stand for, as the items of a specification declare them --------------
+
 
 Kind: TypeAlias = Literal[
     "module",

@@ -1,8 +1,4 @@
-"""The names of a specification: every place that mentions an entity.
-
-The resolver fills the table once, from the syntax alone.  The checks, the findings about unused
-names and all that an editor asks (definition, references, rename, hover, completion) read it.
-"""
+"""The table of names: every place that mentions an entity, and names that are never used."""
 
 from __future__ import annotations
 
@@ -16,6 +12,11 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.names.declarations import Declarations, Entity, Kind, Occurrences, members, named
 from grammar_lang.source import Span, node
 from grammar_lang.syntax import Ident
+
+# --- The names of a specification: every place that mentions an entity ----------------------------
+#
+# The resolver fills the table once, from the syntax alone.  The checks, the findings about unused
+# names and all that an editor asks (definition, references, rename, hover, completion) read it.
 
 
 @node

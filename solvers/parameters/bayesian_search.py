@@ -1,25 +1,4 @@
-r"""A Gaussian process with squared-exponential kernel, one length scale per axis, and noise.
-
-C. E. Rasmussen and C. K. I. Williams, "Gaussian Processes for Machine Learning" (2006), Algorithm
-2.1 and Eqn. 2.30; mean 0, and
-
-.. math:: k(x, x') = a \exp\bigl(-\tfrac12 \sum_j (x_j - x'_j)^2 / l_j^2\bigr).
-
-The length scales l and the ratio r of noise to amplitude are fitted by maximum likelihood: a grid
-of equal length scales, then a compass search in the logarithms from the best of it.  The amplitude
-with the greatest likelihood for given l and r has a closed form.
-
-Values as the process sees them are compressed where they are low, then standardised.  A value of 0
-or more is a robustness, a value below 0 minus a violation.  At the boundary of the feasible the
-values jump, and there are huge violations; a process that has to explain these has little left for
-the differences at the top.  So, with m the median of the feasible values (of all, where none is
-feasible) and s the distance of the largest value from it, a value v below m becomes
-
-.. math:: m - s \bigl(\tfrac12 (1 - e^{-2l}) + \tfrac1{10} \ln(1 + l)\bigr), \qquad l = (m - v)/s.
-
-This is strictly monotone, so that violations still lead to the feasible, and free of units.  It was
-chosen by measurement, see docs/decisions/0030-parameter-searches.md.
-"""
+"""GP-ACB: a Gaussian process of the robustness, and the parameters that it proposes next."""
 
 from __future__ import annotations
 
@@ -32,6 +11,29 @@ import numpy as np
 
 from compiler.arrays import Array
 from solvers.parameters.parameter_search import Cube, Halton, Record
+
+# --- A Gaussian process with squared-exponential kernel, one length scale per axis, and noise -----
+#
+# C. E. Rasmussen and C. K. I. Williams, "Gaussian Processes for Machine Learning" (2006), Algorithm
+# 2.1 and Eqn. 2.30; mean 0, and
+#
+# .. math:: k(x, x') = a \exp\bigl(-\tfrac12 \sum_j (x_j - x'_j)^2 / l_j^2\bigr).
+#
+# The length scales l and the ratio r of noise to amplitude are fitted by maximum likelihood: a grid
+# of equal length scales, then a compass search in the logarithms from the best of it.  The
+# amplitude with the greatest likelihood for given l and r has a closed form.
+#
+# Values as the process sees them are compressed where they are low, then standardised.  A value of
+# 0 or more is a robustness, a value below 0 minus a violation.  At the boundary of the feasible the
+# values jump, and there are huge violations; a process that has to explain these has little left
+# for the differences at the top.  So, with m the median of the feasible values (of all, where none
+# is feasible) and s the distance of the largest value from it, a value v below m becomes
+#
+# .. math:: m - s \bigl(\tfrac12 (1 - e^{-2l}) + \tfrac1{10} \ln(1 + l)\bigr), \qquad l = (m - v)/s.
+#
+# This is strictly monotone, so that violations still lead to the feasible, and free of units.  It
+# was chosen by measurement, see docs/decisions/0030-parameter-searches.md.
+
 
 LENGTHS = (0.05, 3.0)
 """Bounds of the length scales, in units of the cube."""

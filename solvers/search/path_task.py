@@ -1,4 +1,4 @@
-"""From a task and a cell path to the control problem that the search of parameters evaluates."""
+"""The control problem of a path, its tightening after a failed proof, and the design."""
 
 from __future__ import annotations
 
@@ -23,6 +23,9 @@ from solvers.trajectory.task_limits import DisturbanceSpread
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.trajectory_proof import Motion
 from solvers.verifier.proofs.tube_checks import Status
+
+# --------------------------------------------------------------------------------------------------
+# From a task and a cell path to the control problem that the search of parameters evaluates.
 
 
 @dataclass(frozen=True, slots=True)

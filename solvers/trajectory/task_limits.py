@@ -1,4 +1,4 @@
-"""What a robot and a task bound, in floats: joints and rates, inputs."""
+"""What bounds a motion apart from positions, in floats: inputs, joints, rates, its two ends."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ from compiler.tasks.specification import disturbance_radii
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.trajectory import Trajectory
+
+# --- What a robot and a task bound, in floats: joints and rates, inputs ---------------------------
+
 
 NARROW = 0.1
 """Limits are narrowed at most by this part of a range's width."""

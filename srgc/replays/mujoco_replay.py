@@ -1,4 +1,4 @@
-"""A motion as another simulator has it."""
+"""The planned inputs held in MuJoCo, and the motion that comes of it."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ from srgc.exports.exported_motion import free_inputs, planned_inputs
 from srgc.exports.exported_robot import design_names, design_tree
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
+
+# --- A motion as another simulator has it ---------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, eq=False)

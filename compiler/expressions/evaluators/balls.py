@@ -1,7 +1,4 @@
-"""Balls: an expression graph in validated arithmetic.
-
-Every ball contains the exact value; nothing here compares floats with a tolerance.
-"""
+"""An expression graph in validated arithmetic: balls, their matrices and Taylor series."""
 
 from __future__ import annotations
 
@@ -23,6 +20,11 @@ from compiler.expressions.scalars import (
     evaluate_scalars,
 )
 from grammar_lang import ir
+
+# --- Balls: an expression graph in validated arithmetic -------------------------------------------
+#
+# Every ball contains the exact value; nothing here compares floats with a tolerance.
+
 
 _CONTEXT = RLock()
 """flint has one context for all threads.  A series that another thread cuts short has coefficients

@@ -1,21 +1,4 @@
-r"""A box that no solution leaves, by the comparison of deviations.
-
-Let p be a path with defect rho, and x a solution for inputs u + d(t), d measurable with
-|d(t)| <= delta, from x(0) = p(0) + e(0), |e(0)| <= r.  By the mean value theorem along the
-homotopy (p + h e, u + h d), 0 <= h <= 1 (Clarke's generalised Jacobian at kinks),
-
-.. math::
-    \dot e_q = e_v, \qquad N(x)\,\dot e_w = R\,e + B\,d + \rho,
-
-where R and B lie in the hulls of the derivatives of (b - M a, d) in the state, at a = p_v', and
-in u, over all that lies between.  As long as |e| <= E this is e' = A(t) e + c(t) with A, c
-measurable, |A| <= J, |c| <= k entry by entry, J and k non-negative bounds over p([0, H]) + E.
-Hence |e(t)| <= y(t) with y' = J y + k, y(0) = r: a linear cooperative comparison system (Walter,
-*Differential and integral inequalities*, 1970; Kapela & Zgliczynski, *A Lohner-type algorithm for
-control systems and ordinary differential inclusions*, 2009, theorem 4.1).  If y(H) < E then e
-never reaches the boundary of E: were t the first time that it does, |e(t)| <= y(t) <= y(H) < E.
-So the solution exists on [0, H] and stays in p + E.
-"""
+"""A box that no solution leaves, and the length of the segment that is tried for it."""
 
 from __future__ import annotations
 
@@ -28,6 +11,25 @@ from flint import arb, arb_mat
 
 from compiler.expressions.evaluators.balls import SIGNS, absolute, both_signs, column
 from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, Path, VectorField
+
+# --- A box that no solution leaves, by the comparison of deviations -------------------------------
+#
+# Let p be a path with defect rho, and x a solution for inputs u + d(t), d measurable with
+# |d(t)| <= delta, from x(0) = p(0) + e(0), |e(0)| <= r.  By the mean value theorem along the
+# homotopy (p + h e, u + h d), 0 <= h <= 1 (Clarke's generalised Jacobian at kinks),
+#
+# .. math::
+#     \dot e_q = e_v, \qquad N(x)\,\dot e_w = R\,e + B\,d + \rho,
+#
+# where R and B lie in the hulls of the derivatives of (b - M a, d) in the state, at a = p_v', and
+# in u, over all that lies between.  As long as |e| <= E this is e' = A(t) e + c(t) with A, c
+# measurable, |A| <= J, |c| <= k entry by entry, J and k non-negative bounds over p([0, H]) + E.
+# Hence |e(t)| <= y(t) with y' = J y + k, y(0) = r: a linear cooperative comparison system (Walter,
+# *Differential and integral inequalities*, 1970; Kapela & Zgliczynski, *A Lohner-type algorithm for
+# control systems and ordinary differential inclusions*, 2009, theorem 4.1).  If y(H) < E then e
+# never reaches the boundary of E: were t the first time that it does, |e(t)| <= y(t) <= y(H) < E.
+# So the solution exists on [0, H] and stays in p + E.
+
 
 MOST_TRIALS = 6
 COMPARISON_TERMS = 8

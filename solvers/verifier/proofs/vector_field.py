@@ -1,10 +1,4 @@
-r"""A robot's equations of motion as a vector field on states, read in balls and in series of balls.
-
-.. math:: \dot q = v, \qquad M(q)\,\dot v = F(q, v, s, u), \qquad \dot s = \sigma(q, v, s, u)
-
-Linear systems are solved coefficient by coefficient with the constant term of M, preconditioned:
-far tighter than eliminating in series.
-"""
+"""The vector field of a robot in balls and series, and paths near its solutions."""
 
 from __future__ import annotations
 
@@ -16,6 +10,15 @@ from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
 from compiler.expressions.evaluators.balls import BALLS, SERIES, SIGNS
 from compiler.expressions.tape import Tape
+
+# --------------------------------------------------------------------------------------------------
+# A robot's equations of motion as a vector field on states, read in balls and in series of balls.
+#
+# .. math:: \dot q = v, \qquad M(q)\,\dot v = F(q, v, s, u), \qquad \dot s = \sigma(q, v, s, u)
+#
+# Linear systems are solved coefficient by coefficient with the constant term of M, preconditioned:
+# far tighter than eliminating in series.
+
 
 Coefficients = list[arb]
 

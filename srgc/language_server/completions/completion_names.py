@@ -1,4 +1,4 @@
-"""Which names may stand at a cursor."""
+"""Which names may stand at a cursor, and the arguments of emissions and functions."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ from grammar_lang.names.declarations import (
 from grammar_lang.syntax import tasks as t
 from srgc.language_server.completions.cursor import Cursor, open_call
 from srgc.language_server.documents.analysis import Analysis
+
+# --- Which names may stand at a cursor ------------------------------------------------------------
+
 
 _KINDS = lsp.CompletionItemKind
 _ROLES = ("base", "joint", "link", "effector")

@@ -1,4 +1,4 @@
-"""What is on the disk, whatever it is: a folder that nobody may look into, a pipe, a device."""
+"""Which file a document belongs to, by what is on the disk."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from grammar_lang.files.file_tree import IMAGE_LIMIT, TooLarge, read_file
+
+# --- What is on the disk, whatever it is: a folder that nobody may look into, a pipe, a device ----
 
 
 def is_folder(path: Path) -> bool:

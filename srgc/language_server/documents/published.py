@@ -1,4 +1,4 @@
-"""Findings as an editor shows them."""
+"""Diagnostics as an editor shows them, and when they are published."""
 
 from __future__ import annotations
 
@@ -18,6 +18,9 @@ from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.open_documents import Document
 from srgc.language_server.documents.programs import Programs
+
+# --- Findings as an editor shows them -------------------------------------------------------------
+
 
 _SEVERITIES = {
     Severity.ERROR: lsp.DiagnosticSeverity.Error,

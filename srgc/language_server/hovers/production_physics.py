@@ -1,4 +1,4 @@
-"""Numbers and quantities as text for hovers."""
+"""What a production adds to a robot, as text: its quantities, and products of powers."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ from grammar_lang.ir.expression_text import (
     rule_text,
 )
 from grammar_lang.units import Unit, symbol
+
+# --- Numbers and quantities as text for hovers ----------------------------------------------------
+
 
 _DIGITS = 6
 
