@@ -96,7 +96,7 @@ class _Reach:
         for frame in model.effectors:
             self.carries[frame] = True
         for frame in range(count - 1, WORLD, -1):
-            self._hand_on(frame)
+            self._pass_on(frame)
 
     def moves(self, frame: int, joint: Joint) -> bool:
         """Whether the joint that leads to a frame moves anything."""
@@ -108,7 +108,7 @@ class _Reach:
         before = self.turned[frame][axis]
         self.turned[frame][axis] = (before[False] or away, before[True] or aligned)
 
-    def _hand_on(self, frame: int) -> None:
+    def _pass_on(self, frame: int) -> None:
         """Add what lies behind a frame to its parent."""
         node = self.model.frames[frame]
         self.carries[node.parent] |= self.carries[frame]

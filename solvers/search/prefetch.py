@@ -84,7 +84,7 @@ class Prefetch:
         self._expected: set[int] = set()
         self._seen: set[str] = set()
         self._fault: Exception | None = None
-        self._parcel: SharedPayload[_Question] | None = None
+        self._payload: SharedPayload[_Question] | None = None
         self._results: Iterator[tuple[int, Screening]] | None = None
         self._numeric: tuple[int, NumericRobot] | None = None
 
@@ -145,12 +145,12 @@ class Prefetch:
 
     def _jobs(self) -> Iterator[_Job]:
         """A job for each robot not seen before, of structures drawn for this as well."""
-        if self._parcel is None:
-            self._parcel = packed(self._question)
+        if self._payload is None:
+            self._payload = packed(self._question)
         while True:
             while self._due:
                 candidate = self._due.popleft()
-                yield _Job(self._parcel, candidate.number, _robot(candidate))
+                yield _Job(self._payload, candidate.number, _robot(candidate))
             drawn = self._draw() if len(self._drawn) < MOST_DRAWN else None
             if drawn is None:
                 return
