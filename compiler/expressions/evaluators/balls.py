@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from threading import RLock
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from flint import arb, arb_mat, arb_series, ctx, fmpq
 
@@ -25,6 +25,8 @@ from grammar_lang import ir
 #
 # Every ball contains the exact value; nothing here compares floats with a tolerance.
 
+
+Value = TypeVar("Value")
 
 _CONTEXT = RLock()
 """flint has one context for all threads.  A series that another thread cuts short has coefficients
@@ -75,17 +77,10 @@ def _constant(value: Fraction | int) -> arb:
     return arb(value) if isinstance(value, int) else ball(value)
 
 
-class BallEvaluator(Evaluator[arb]):
-    """Values are balls that contain the exact ones; flint's functions, called without a detour."""
+class _Operators(Evaluator[Value]):
+    """What flint writes alike for balls and for series of balls."""
 
     neg: ClassVar[Any] = staticmethod(operator.neg)
-    fabs: ClassVar[Any] = staticmethod(abs)
-    sqrt: ClassVar[Any] = staticmethod(arb.sqrt)
-    sin: ClassVar[Any] = staticmethod(arb.sin)
-    cos: ClassVar[Any] = staticmethod(arb.cos)
-    sin_cos: ClassVar[Any] = staticmethod(arb.sin_cos)
-    tan: ClassVar[Any] = staticmethod(arb.tan)
-    sign: ClassVar[Any] = staticmethod(sign_ball)
     sq: ClassVar[Any] = staticmethod(square)
     inv: ClassVar[Any] = staticmethod(inverse)
     twice: ClassVar[Any] = staticmethod(double)
@@ -93,6 +88,18 @@ class BallEvaluator(Evaluator[arb]):
     sub: ClassVar[Any] = staticmethod(operator.sub)
     mul: ClassVar[Any] = staticmethod(operator.mul)
     div: ClassVar[Any] = staticmethod(operator.truediv)
+
+
+class BallEvaluator(_Operators[arb]):
+    """Values are balls that contain the exact ones; flint's functions, called without a detour."""
+
+    fabs: ClassVar[Any] = staticmethod(abs)
+    sqrt: ClassVar[Any] = staticmethod(arb.sqrt)
+    sin: ClassVar[Any] = staticmethod(arb.sin)
+    cos: ClassVar[Any] = staticmethod(arb.cos)
+    sin_cos: ClassVar[Any] = staticmethod(arb.sin_cos)
+    tan: ClassVar[Any] = staticmethod(arb.tan)
+    sign: ClassVar[Any] = staticmethod(sign_ball)
     power: ClassVar[Any] = staticmethod(operator.pow)
     constant: ClassVar[Any] = staticmethod(_constant)
     pi: ClassVar[Any] = staticmethod(arb.pi)
@@ -199,13 +206,12 @@ def _constant_series(value: Fraction | int) -> arb_series:
     return arb_series([value if isinstance(value, int) else ball(value)])
 
 
-class SeriesEvaluator(Evaluator[arb_series]):
+class SeriesEvaluator(_Operators[arb_series]):
     """Values are series truncated at the working length, with balls as coefficients.
 
     ``UncertainSignError``: an absolute value, or its slope, is not smooth to the order asked.
     """
 
-    neg: ClassVar[Any] = staticmethod(operator.neg)
     fabs: ClassVar[Any] = staticmethod(_absolute)
     sqrt: ClassVar[Any] = staticmethod(arb_series.sqrt)
     sin: ClassVar[Any] = staticmethod(arb_series.sin)
@@ -213,13 +219,6 @@ class SeriesEvaluator(Evaluator[arb_series]):
     sin_cos: ClassVar[Any] = staticmethod(arb_series.sin_cos)
     tan: ClassVar[Any] = staticmethod(arb_series.tan)
     sign: ClassVar[Any] = staticmethod(_slope)
-    sq: ClassVar[Any] = staticmethod(square)
-    inv: ClassVar[Any] = staticmethod(inverse)
-    twice: ClassVar[Any] = staticmethod(double)
-    add: ClassVar[Any] = staticmethod(operator.add)
-    sub: ClassVar[Any] = staticmethod(operator.sub)
-    mul: ClassVar[Any] = staticmethod(operator.mul)
-    div: ClassVar[Any] = staticmethod(operator.truediv)
     constant: ClassVar[Any] = staticmethod(_constant_series)
 
     def pi(self) -> arb_series:
