@@ -180,7 +180,7 @@ def no_margin_text(spread: DisturbanceSpread) -> str:
     )
 
 
-def missing_margin(findings: Sequence[CheckedCondition], spread: DisturbanceSpread) -> float:
+def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSpread) -> float:
     """By what part an enclosure of all disturbed motions is wider than the tightening given.
 
     It is infinite where the enclosure ends.  What the disturbances do not move lacks none of this
@@ -189,12 +189,12 @@ def missing_margin(findings: Sequence[CheckedCondition], spread: DisturbanceSpre
     most = {"m": spread.widest}
     states = float(np.max(spread.states, initial=0.0))
     lacking = [0.0]
-    for finding in findings:
-        if finding.status is not Status.HOLDS and finding.margin < 0:
-            width = most.get(finding.unit, states)
+    for condition in conditions:
+        if condition.status is not Status.HOLDS and condition.margin < 0:
+            width = most.get(condition.unit, states)
             if width > 0:
-                lacking.append(-finding.margin / width)
-            elif np.isinf(finding.margin):
+                lacking.append(-condition.margin / width)
+            elif np.isinf(condition.margin):
                 lacking.append(np.inf)
     return max(lacking)
 
@@ -207,7 +207,7 @@ class Design:
     """A robot: exact decimals, with the trajectory in floats for tables and pictures.
 
     ``effector`` starts and reaches, ``leader`` is the one that followed a cell path; ``path`` names
-    cells of ``abstraction``.  ``findings`` are what the proof has shown.
+    cells of ``abstraction``.  ``conditions`` are what the proof has shown.
     """
 
     derivation: Derivation
@@ -220,7 +220,7 @@ class Design:
     path: tuple[tuple[str, ...], ...]
     configuration: Configuration
     abstraction: Abstraction
-    findings: tuple[CheckedCondition, ...] = ()
+    conditions: tuple[CheckedCondition, ...] = ()
 
     @property
     def robustness(self) -> float:

@@ -330,17 +330,17 @@ class StructureSearch:
             path_problem.abstraction,
         )
         scene = scene_of(self.program, self.task, model, path_problem.abstraction, self.derivation)
-        findings = prove_motion(scene, motion_of(design), Watch(self.context.check_time))
-        obstacle = decisive(findings)
+        conditions = prove_motion(scene, motion_of(design), Watch(self.context.check_time))
+        obstacle = decisive(conditions)
         if obstacle is not None:
             self.obstacle = f"; last proof tried: {obstacle.reason}"
             spread = path_problem.spread
-            self.lacking = 0.0 if spread is None else missing_margin(findings, spread)
+            self.lacking = 0.0 if spread is None else missing_margin(conditions, spread)
             return None
         fine = fine_motion(path_problem.numeric, trajectory, float(self.task.step))
         outcome = replace(found.outcome, trajectory=fine)
         configuration = replace(found, outcome=outcome)
-        return replace(design, configuration=configuration, findings=findings)
+        return replace(design, configuration=configuration, conditions=conditions)
 
 
 def stuck_text(sample: int, task: ir.Task) -> str:

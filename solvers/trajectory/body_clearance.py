@@ -252,8 +252,8 @@ class PositionPlan:
 
     ``anchors`` (k + 1, d) are positions of point ``anchored`` inside its dwells.  Half-planes are
     chosen about them wherever the reference has left its dwell, so that a bad reference cannot
-    ask for a side that the path excludes.  ``spread`` (k + 1, m) is room for disturbed motions, in
-    metres, beside the margin.
+    ask for a side that the path excludes.  ``spread`` (k + 1, m), in metres, tightens the
+    constraints beyond the margin, for disturbed motions.
     """
 
     steps: int

@@ -67,9 +67,9 @@ class PathProblem:
     one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
     (n, 2, 2): motions were seen to pass them within steps.  A cell trace has to satisfy
     ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
-    are entered, where smooth timing will not do.  ``spread`` is the room that disturbed motions are
-    given beside the margins.  ``solver`` is the name in cvxpy of what solves
-    the convex steps, None: our own programs.
+    are entered, where smooth timing will not do.  ``spread`` is by how much disturbed motions
+    tighten the constraints beyond the margins.  ``solver`` is the name in cvxpy of what solves the
+    convex steps, None: our own programs.
     """
 
     numeric: NumericRobot
@@ -113,8 +113,8 @@ class PathProblem:
     def limits(self) -> MotionLimits:
         """The limits of the motion, narrowed so that the proof passes."""
         insets = 0.0 if self.insets is None else self.insets
-        room = 0.0 if self.spread is None else self.spread.states[:, :, None]
-        return motion_limits(self.model, self.task, self.limit_margin + insets + room)
+        tightening = 0.0 if self.spread is None else self.spread.states[:, :, None]
+        return motion_limits(self.model, self.task, self.limit_margin + insets + tightening)
 
     # --- timing and formulas --------------------------------------------------------------------
 
@@ -267,7 +267,7 @@ class PathProblem:
         return replace(self, margin=margin)
 
     def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
-        """The same task with so many times the room that a motion's disturbed ones take."""
+        """The same task, tightened by so many spreads of the disturbed motions."""
         with np.errstate(all="ignore"):
             found = disturbance_spread(self.numeric, self.task, trajectory, self.substeps)
         return replace(self, spread=found.scaled(factor))

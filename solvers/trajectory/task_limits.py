@@ -138,7 +138,8 @@ class MotionLimits:
 
 
 # --------------------------------------------------------------------------------------------------
-# How far disturbed motions get from the planned one, to first order, for a search to leave room.
+# How far disturbed motions get from the planned one, to first order: a search tightens its
+# constraints by it.
 #
 # The spread of the start and of the inputs is carried along the linearised motion, ``D[i + 1] =
 # A[i] D[i] + B[i] d[i]``, and summed by absolute values, so that every corner counts. Nothing is

@@ -49,16 +49,16 @@ class Report:
     verdict: str | None
     level: str | None
     reason: str | None
-    findings: tuple[CheckedCondition, ...] = ()
+    conditions: tuple[CheckedCondition, ...] = ()
     task: str | None = None
     spec: str | None = None
     spec_sha256: str | None = None
 
 
-def concluded(findings: Sequence[CheckedCondition]) -> Report:
+def concluded(conditions: Sequence[CheckedCondition]) -> Report:
     """One violated condition refutes, one open condition leaves open."""
-    due = decisive(findings)
+    due = decisive(conditions)
     if due is None:
-        return Report(Outcome.VALID, "found", "validated", None, tuple(findings))
+        return Report(Outcome.VALID, "found", "validated", None, tuple(conditions))
     outcome = Outcome.REFUTED if due.status is Status.FAILS else Outcome.UNDECIDED
-    return Report(outcome, "found", None, due.reason, tuple(findings))
+    return Report(outcome, "found", None, due.reason, tuple(conditions))

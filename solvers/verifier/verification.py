@@ -80,13 +80,13 @@ def check_found(
     """
     claimed = claimed_robot(claim, program, task)
     model, motion = claimed.model, claimed.motion
-    findings = [*check_efforts(claim, model, motion, task)]
+    conditions = [*check_efforts(claim, model, motion, task)]
     _claimed_path(claim, model, task)
     _path_avoids(claim, task, cells)
-    if all(finding.status is Status.HOLDS for finding in findings):
+    if all(condition.status is Status.HOLDS for condition in conditions):
         scene = scene_of(program, task, model, cells, claimed.derivation)
-        findings += prove_motion(scene, motion, watch, refute=True)
-    return model, concluded(findings)
+        conditions += prove_motion(scene, motion, watch, refute=True)
+    return model, concluded(conditions)
 
 
 def _derivation(claim: FoundClaim, family: RobotFamily) -> Derivation:
@@ -265,7 +265,7 @@ def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch)
     if report.outcome is not Outcome.REFUTED:
         reason = disagreement(folder, claim, program, task, cells, model)
         if reason is None and model is not None and report.outcome is Outcome.VALID:
-            reason = misstated_formula(folder, task, report.findings)
+            reason = misstated_formula(folder, task, report.conditions)
         if reason is not None:
             raise Refused(reason)
     return report

@@ -342,16 +342,16 @@ def conditions_table(report: Report) -> str:
     """The conditions in the order of ``srgc verify``; nothing without any."""
     from srgc.text_reports.verification_report import by_map, in_order
 
-    rows = [_condition(finding) for finding in by_map(in_order(report.findings))]
+    rows = [_condition(condition) for condition in by_map(in_order(report.conditions))]
     names = ["", "condition", "margin", "time", "place", "how"]
     return table(names, rows, (2, 3)) if rows else ""
 
 
-def _condition(finding: CheckedCondition) -> list[str]:
-    status = finding.status.value
+def _condition(condition: CheckedCondition) -> list[str]:
+    status = condition.status.value
     mark = f'<span class="{_COLOURS[status]}">{text(status)}</span>'
-    margin = with_unit(finding.margin, finding.unit) if isfinite(finding.margin) else ""
-    time = "" if finding.time is None else f"{number(finding.time)} s"
-    place = ", ".join(number(x) for x in finding.place)
-    level = finding.level if status == "holds" else ""
-    return [mark, text(finding.name), text(margin), text(time), text(place), text(level)]
+    margin = with_unit(condition.margin, condition.unit) if isfinite(condition.margin) else ""
+    time = "" if condition.time is None else f"{number(condition.time)} s"
+    place = ", ".join(number(x) for x in condition.place)
+    level = condition.level if status == "holds" else ""
+    return [mark, text(condition.name), text(margin), text(time), text(place), text(level)]

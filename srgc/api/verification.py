@@ -64,7 +64,7 @@ class Verification:
     @property
     def findings(self) -> tuple[CheckedCondition, ...]:
         """Every condition with its status, margin, unit, and where the margin is attained."""
-        return self.report.findings
+        return self.report.conditions
 
     @property
     def margins(self) -> dict[str, float]:

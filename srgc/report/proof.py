@@ -26,12 +26,12 @@ WORDS = {Status.HOLDS: "holds", Status.FAILS: "violated", Status.UNDECIDED: "not
 
 
 def margins_section(evidence: Evidence) -> str:
-    """The table of findings; nothing where the verifier has none."""
+    """The table of conditions; nothing where the verifier has none."""
     report = evidence.report
-    if report is None or not report.findings:
+    if report is None or not report.conditions:
         return ""
-    findings = list(by_map(in_order(report.findings)))
-    rows = "".join(_row(finding, findings) for finding in findings)
+    conditions = list(by_map(in_order(report.conditions)))
+    rows = "".join(_row(condition, conditions) for condition in conditions)
     return (
         '<section id="margins"><h2>Margins</h2>'
         "<p>By how much each condition holds, at the instant at which it is closest to being "
@@ -44,43 +44,43 @@ def margins_section(evidence: Evidence) -> str:
     )
 
 
-def _row(finding: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
-    name = text(finding.name)
-    if finding.status is not Status.HOLDS:
-        name = f'<strong class="bad">{WORDS[finding.status]}:</strong> {name}'
-        if finding.why:
-            name += f'<br><span class="soft">{text(finding.why)}</span>'
-    margin = with_unit(finding.margin, finding.unit) if math.isfinite(finding.margin) else ""
-    place = ", ".join(number(x) for x in finding.place)
-    level = finding.level if finding.status is Status.HOLDS else ""
+def _row(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
+    name = text(condition.name)
+    if condition.status is not Status.HOLDS:
+        name = f'<strong class="bad">{WORDS[condition.status]}:</strong> {name}'
+        if condition.why:
+            name += f'<br><span class="soft">{text(condition.why)}</span>'
+    margin = with_unit(condition.margin, condition.unit) if math.isfinite(condition.margin) else ""
+    place = ", ".join(number(x) for x in condition.place)
+    level = condition.level if condition.status is Status.HOLDS else ""
     return (
-        f'<tr class="{_class(finding)}"><td>{name}</td><td class="figure">{text(margin)}</td>'
-        f'<td class="bar">{_bar(finding, among)}</td><td>{_when(finding)}</td>'
+        f'<tr class="{_class(condition)}"><td>{name}</td><td class="figure">{text(margin)}</td>'
+        f'<td class="bar">{_bar(condition, among)}</td><td>{_when(condition)}</td>'
         f"<td>{f'({place})' if place else ''}</td><td>{level}</td></tr>"
     )
 
 
-def _class(finding: CheckedCondition) -> str:
-    return "holds" if finding.status is Status.HOLDS else "broken"
+def _class(condition: CheckedCondition) -> str:
+    return "holds" if condition.status is Status.HOLDS else "broken"
 
 
-def _when(finding: CheckedCondition) -> str:
-    if finding.time is None:
+def _when(condition: CheckedCondition) -> str:
+    if condition.time is None:
         return ""
     return (
-        f'<button type="button" class="seek" data-seek="{finding.time!r}">'
-        f"{number(finding.time, 5)} s</button>"
+        f'<button type="button" class="seek" data-seek="{condition.time!r}">'
+        f"{number(condition.time, 5)} s</button>"
     )
 
 
-def _bar(finding: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
+def _bar(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
     """How large a margin is beside the largest one of its unit, in powers of ten."""
-    if not math.isfinite(finding.margin) or finding.margin <= 0:
+    if not math.isfinite(condition.margin) or condition.margin <= 0:
         return ""
     largest = max(
-        each.margin for each in among if each.unit == finding.unit and math.isfinite(each.margin)
+        each.margin for each in among if each.unit == condition.unit and math.isfinite(each.margin)
     )
-    part = 1 + math.log10(finding.margin / largest) / DECADES
+    part = 1 + math.log10(condition.margin / largest) / DECADES
     return f'<span style="width:{100 * max(part, 0.02):.0f}%"></span>'
 
 

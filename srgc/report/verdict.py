@@ -133,7 +133,7 @@ def _proved_of_unknown(evidence: Evidence) -> str:
 
 def _proved_motion(evidence: Evidence) -> Iterator[str]:
     report = evidence.report
-    count = 0 if report is None else len(list(by_map(report.findings)))
+    count = 0 if report is None else len(list(by_map(report.conditions)))
     disturbed = (
         " The same holds of every motion that the stated disturbances allow."
         if evidence.task.robust is not None
@@ -219,7 +219,7 @@ def _least_clearance(evidence: Evidence) -> str | None:
         if report is None
         else [
             each.margin
-            for each in report.findings
+            for each in report.conditions
             if each.name.startswith("clearance")
             and math.isfinite(each.margin)
             and each.status is Status.HOLDS

@@ -204,7 +204,7 @@ def design_text(
             "effort_peak": float(Fraction(peak)),
             "path": [list(names) for names in design.path],
             "leader": design.leader,
-            "satisfy": satisfied_formulas(task, design.findings),
+            "satisfy": satisfied_formulas(task, design.conditions),
         }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 

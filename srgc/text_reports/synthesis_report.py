@@ -136,9 +136,9 @@ def synthesis_text(
             lines += change_lines(change)
         lines += _inputs(design, task)
         lines += [
-            f"formula: {finding.name}, robustness {finding.margin:.4g} m"
-            for finding in design.findings
-            if finding.clause is not None
+            f"formula: {condition.name}, robustness {condition.margin:.4g} m"
+            for condition in design.conditions
+            if condition.clause is not None
         ]
         if design.model.removed:
             gone = ", ".join(str(symbol) for symbol in design.model.removed)

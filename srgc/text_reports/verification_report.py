@@ -31,17 +31,17 @@ def verification_text(report: Report) -> str:
     if report.task is not None:
         spec = f"{report.spec}, sha256 {report.spec_sha256}"
         about = [f"task: {visible(report.task)}", f"spec: {visible(spec)}"]
-    shown = list(by_map(in_order(report.findings)))
-    width = max([LEAST_WIDTH, *(len(finding.name) for finding in shown)])
+    shown = list(by_map(in_order(report.conditions)))
+    width = max([LEAST_WIDTH, *(len(condition.name) for condition in shown)])
     lines = [
-        f"  {finding.status.value:<9} {finding.name:<{width}} {_said(finding)}".rstrip()
-        for finding in shown
+        f"  {condition.status.value:<9} {condition.name:<{width}} {_said(condition)}".rstrip()
+        for condition in shown
     ]
     return "\n".join([head, *about, *lines])
 
 
 def verification_json(report: Report) -> str:
-    """The verifier's answer for other programs: every finding, none taken together."""
+    """The verifier's answer for other programs: every condition, none taken together."""
     content = {
         "outcome": report.outcome.value,
         "verdict": report.verdict,
@@ -52,35 +52,35 @@ def verification_json(report: Report) -> str:
         "reason": report.reason,
         "findings": [
             {
-                "name": finding.name,
-                "status": finding.status.value,
-                "margin": finding.margin if isfinite(finding.margin) else None,
-                "unit": finding.unit,
-                "time": finding.time,
-                "place": list(finding.place) or None,
-                "level": finding.level if finding.status is Status.HOLDS else None,
+                "name": condition.name,
+                "status": condition.status.value,
+                "margin": condition.margin if isfinite(condition.margin) else None,
+                "unit": condition.unit,
+                "time": condition.time,
+                "place": list(condition.place) or None,
+                "level": condition.level if condition.status is Status.HOLDS else None,
             }
-            for finding in in_order(report.findings)
+            for condition in in_order(report.conditions)
         ],
     }
     return json.dumps(content, indent=1, ensure_ascii=False)
 
 
-def in_order(findings: Sequence[CheckedCondition]) -> list[CheckedCondition]:
+def in_order(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition]:
     """What is violated, what is open, what holds; each by its margin, those without one last."""
-    return sorted(findings, key=lambda f: (ORDER.index(f.status), f.margin))
+    return sorted(conditions, key=lambda f: (ORDER.index(f.status), f.margin))
 
 
-def _said(finding: CheckedCondition) -> str:
-    """The margin of a finding, when and where it is, and that it is exact where it is."""
+def _said(condition: CheckedCondition) -> str:
+    """The margin of a condition, when and where it is, and that it is exact where it is."""
     parts = list[str]()
-    if isfinite(finding.margin):
-        unit = "" if finding.unit == "1" else f" {finding.unit}"
-        parts.append(f"margin {finding.margin:.6g}{unit}")
-    if finding.time is not None:
-        place = ", ".join(f"{x:.4f}" for x in finding.place)
-        parts.append(f"at {finding.time:.3f} s" + (f" ({place})" if place else ""))
-    if finding.exact:
+    if isfinite(condition.margin):
+        unit = "" if condition.unit == "1" else f" {condition.unit}"
+        parts.append(f"margin {condition.margin:.6g}{unit}")
+    if condition.time is not None:
+        place = ", ".join(f"{x:.4f}" for x in condition.place)
+        parts.append(f"at {condition.time:.3f} s" + (f" ({place})" if place else ""))
+    if condition.exact:
         parts.append("exact")
     return "  ".join(parts)
 
@@ -89,17 +89,17 @@ _PIECE = re.compile(r"(?P<what>.* to \w+)\.\d+")
 """A condition on one piece of a map of obstacles: of regions only these have names with a dot."""
 
 
-def by_map(findings: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]:
-    """The findings, of those about the pieces of one map only the first of each status."""
-    pieces = [_PIECE.fullmatch(finding.name) for finding in findings]
+def by_map(conditions: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]:
+    """The conditions, of those about the pieces of one map only the first of each status."""
+    pieces = [_PIECE.fullmatch(condition.name) for condition in conditions]
     kinds = [
-        None if piece is None else (piece["what"], finding.status)
-        for piece, finding in zip(pieces, findings, strict=True)
+        None if piece is None else (piece["what"], condition.status)
+        for piece, condition in zip(pieces, conditions, strict=True)
     ]
     counts, told = Counter(kinds), set[object]()
-    for kind, finding in zip(kinds, findings, strict=True):
+    for kind, condition in zip(kinds, conditions, strict=True):
         if kind is None or counts[kind] == 1:
-            yield finding
+            yield condition
         elif kind not in told:
             told.add(kind)
-            yield replace(finding, name=f"{finding.name} and {counts[kind] - 1} more pieces")
+            yield replace(condition, name=f"{condition.name} and {counts[kind] - 1} more pieces")

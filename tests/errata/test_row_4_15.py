@@ -50,6 +50,6 @@ def test_an_obstacle_that_is_passed_between_two_samples(result):
     assert report.outcome is Outcome.REFUTED
     assert report.reason is not None
     assert report.reason.startswith("clearance of effector to O: violated at ")
-    (failed,) = (f for f in report.findings if f.name == "clearance of effector to O")
+    (failed,) = (f for f in report.conditions if f.name == "clearance of effector to O")
     assert fastest * 0.2 < failed.time < (fastest + 1) * 0.2
     assert failed.margin < 0

@@ -10,6 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grammar_lang.elaboration.typecheck import EMISSIONS
+from srgc.language_server.completions.completion import EMISSION_SNIPPETS
+from srgc.language_server.completions.completion_names import EMISSIONS as FORMS
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.hovers.hover import hover, hover_number
 from srgc.language_server.hovers.production_physics import AddedPhysics, added_physics
@@ -155,3 +158,13 @@ def test_every_word_of_the_grammar_is_explained() -> None:
         if not any(explained(word, item) for item in items) and explained(word, "") is None
     ]
     assert unknown == []
+
+
+@pytest.mark.parametrize("name", EMISSIONS)
+def test_every_emission_is_known_to_the_editor(name: str) -> None:
+    """As a keyword, as a form with parameters, and as a snippet that names these."""
+    assert explained(name, "semantics")
+    parameters = [parameter for parameter, _ in FORMS[name].parameters]
+    snippet = EMISSION_SNIPPETS[name]
+    assert snippet.startswith(f"{name}(")
+    assert set(re.findall(r"(\w+): \$\{", snippet)) <= set(parameters)

@@ -39,8 +39,8 @@ def test_found_and_valid(made, spec):
         assert tuple(p["value"] for p in design["parameters"]) == PUBLISHED
     report = verify_directory(place / "out", place / f"{spec}.srg")
     assert (report.outcome, report.level) == (Outcome.VALID, "validated")
-    assert all(f.margin >= 0 for f in report.findings)
-    margins = {f.name for f in report.findings}
+    assert all(f.margin >= 0 for f in report.conditions)
+    margins = {f.name for f in report.conditions}
     assert margins >= {"effort (N*m)", "clearance of effector to O", "target T", "bounds"}
 
 
@@ -90,7 +90,7 @@ def test_an_independent_simulation_does_the_task(made, spec):
     assert 10 - max(efforts) == Fraction(certificate["robustness"])
 
     report = verify_directory(folder)
-    margins = {f.name: f.margin for f in report.findings}
+    margins = {f.name: f.margin for f in report.conditions}
     assert margins["clearance of effector to O"] <= outside.min() + 1e-9
     assert margins["clearance of effector to O"] >= 0.9 * outside.min()
     ends = min(x[-1] - 3.5, 4.2 - x[-1], y[-1] - 3.8, 4.5 - y[-1])

@@ -174,7 +174,7 @@ def test_a_motor_arm_is_found_and_verified(result: Callable[[str], Path]) -> Non
     folder = result("motor")
     report = verify_directory(folder)
     assert report.outcome is Outcome.VALID
-    names = {finding.name: finding for finding in report.findings}
+    names = {finding.name: finding for finding in report.conditions}
     assert names["input M.voltage (symbol 2)"].unit == "V"
     assert not any(name.startswith("effort") for name in names)
     head = (folder / "trajectory.csv").read_text().splitlines()[0]

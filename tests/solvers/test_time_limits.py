@@ -197,7 +197,7 @@ def searched(robot: Robot, journal: Memory, *, every: bool = False) -> Synthesis
 def same(one: Synthesis, other: Synthesis) -> bool:
     """Whether two results say the same."""
     designs = [
-        [(p.number, p.counts, p.design.inputs, p.design.findings) for p in result.designs]
+        [(p.number, p.counts, p.design.inputs, p.design.conditions) for p in result.designs]
         for result in (one, other)
     ]
     said = [

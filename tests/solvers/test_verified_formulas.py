@@ -107,7 +107,7 @@ def test_a_formula_holds_with_its_robustness(tmp_path: Path) -> None:
     """The tip ends at rest in A; how deep is that of the last instant, by the rows of A."""
     report = judged(tmp_path / "out", "satisfy eventually last[0 s] A;")
     assert (report.outcome, report.reason) == (Outcome.VALID, None)
-    (found,) = [finding for finding in report.findings if finding.clause == 0]
+    (found,) = [finding for finding in report.conditions if finding.clause == 0]
     assert found.name == "satisfy 1: eventually last[0 s] A"
     x, y = tip(2)
     sums = 3 * x + 4 * y, 4 * x - 3 * y
@@ -159,7 +159,7 @@ def test_a_tip_that_rests_on_a_boundary(tmp_path: Path) -> None:
     rest = {"inputs": [["0"]] * 8, "path": [["S.1"] * 9], "effort_peak": "0", "robustness": "2"}
     edge = SPEC.replace("3*x - 4*y <= 2", "x <= 1.3")
     report = judged(tmp_path / "out", clauses, spec=edge, **rest)
-    found = {f.clause: f.status for f in report.findings if f.clause is not None}
+    found = {f.clause: f.status for f in report.conditions if f.clause is not None}
     assert list(found.values()) == list(texts.values())
 
 
@@ -232,7 +232,7 @@ DESIGN: dict[str, tuple[Any, str | None]] = {
 def test_what_the_design_says_of_formulas(tmp_path: Path, name: str) -> None:
     change, reason = DESIGN[name]
     folder = claim(tmp_path / "out", "satisfy eventually A;")
-    proved = next(f.margin for f in verify_directory(folder).findings if f.clause == 0)
+    proved = next(f.margin for f in verify_directory(folder).conditions if f.clause == 0)
     satisfied = [{"formula": "eventually A", "robustness": change(proved)}]
     assert_said(folder, satisfied, reason)
 

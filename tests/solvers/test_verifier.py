@@ -214,7 +214,7 @@ def test_a_target_missed(result):
     assert report.outcome is Outcome.REFUTED
     assert report.reason is not None
     assert "violated" in report.reason
-    assert any(f.name == "target T" and f.status.value == "fails" for f in report.findings)
+    assert any(f.name == "target T" and f.status.value == "fails" for f in report.conditions)
 
 
 def test_a_change_that_keeps_the_claim_true(result):
@@ -297,7 +297,7 @@ def test_the_margins_are_those_of_an_independent_calculation(made):
     length = float(content["parameters"][0]["value"])
     gap = min(math.hypot(max(1.4 - x, 0), max(1.4 - y, 0)) for x, y in tips)
     (x0, y0), (x1, y1) = tips[0], tips[-1]
-    margins = {f.name: f.margin for f in report.findings}
+    margins = {f.name: f.margin for f in report.conditions}
     expected = {
         "start S": min(x0 - 1.2, 1.9 - x0, y0 + 0.3, 0.3 - y0),
         "target T": min(x1 + 0.3, 0.3 - x1, y1 - 1.2, 1.9 - y1),

@@ -72,7 +72,7 @@ def test_no_disturbed_motion_has_less_room_than_was_proved(made):
     planned = rooms(disturbed(claim, arm, figures, rng, 0.0), figures)
     for name, room in planned.items():
         least = min(item[name] for item in found)
-        margins = [f.margin for f in report.findings if name in f.name]
+        margins = [f.margin for f in report.conditions if name in f.name]
         assert margins, name
         assert least >= min(margins) - 1e-9, name
         # The disturbances are felt, and the proof does not give everything away.

@@ -163,12 +163,14 @@ CLOSELY = 1e-9
 """How far a stated robustness may be from the proved one, in metres: balls depend on libraries."""
 
 
-def satisfied_formulas(task: ir.Task, findings: Sequence[CheckedCondition]) -> list[dict[str, Any]]:
+def satisfied_formulas(
+    task: ir.Task, conditions: Sequence[CheckedCondition]
+) -> list[dict[str, Any]]:
     """Per ``satisfy`` its text and a lower bound of its robustness in metres.
 
     The bound is None where the formula holds wherever the effectors are.
     """
-    bounds = {finding.clause: finding.margin for finding in findings}
+    bounds = {condition.clause: condition.margin for condition in conditions}
     return [
         {
             "formula": formula_text(clause.formula),
@@ -179,20 +181,20 @@ def satisfied_formulas(task: ir.Task, findings: Sequence[CheckedCondition]) -> l
 
 
 def misstated_formula(
-    folder: Path, task: ir.Task, findings: Sequence[CheckedCondition]
+    folder: Path, task: ir.Task, conditions: Sequence[CheckedCondition]
 ) -> str | None:
     """Why the folder's ``design.json`` misstates a proved formula, or None.
 
     Args:
         folder: the result folder, whose ``design.json``, if there is one, is a JSON object.
         task: the task.
-        findings: the proof of the claim, which holds.
+        conditions: the proof of the claim, which holds.
     """
     path = folder / "design.json"
     if not path.is_file():
         return None
     stated = json.loads(bounded_bytes(path)).get("satisfy", [])
-    proved = satisfied_formulas(task, findings)
+    proved = satisfied_formulas(task, conditions)
     if not isinstance(stated, list) or len(stated) != len(proved):
         return "design.json states other formulas than the task in `satisfy`"
     for number, (said, true) in enumerate(zip(stated, proved, strict=True), 1):
@@ -226,7 +228,7 @@ def check_efforts(
     claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
 ) -> list[CheckedCondition]:
     """Every input is within its bound, exactly; the claimed peak and robustness are true."""
-    peak, margins, findings = Fraction(0), list[Fraction](), list[CheckedCondition]()
+    peak, margins, conditions = Fraction(0), list[Fraction](), list[CheckedCondition]()
     all_exact = True
     free = unbounded_kinds(model, task)
     if free:
@@ -237,18 +239,18 @@ def check_efforts(
         all_exact = all_exact and held.exact
         status = Status.HOLDS if held.holds else Status.FAILS
         name = f"effort ({bound.unit})" if bound.effort else bound.name
-        findings.append(
+        conditions.append(
             CheckedCondition(name, status, float(held.margin), bound.unit, time, exact=True)
         )
         peak = max(peak, held.largest) if bound.effort else peak
         margins.append(held.margin)
     true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}
-    if all(finding.status is Status.HOLDS for finding in findings):
+    if all(condition.status is Status.HOLDS for condition in conditions):
         for name, true in true_values.items():
             stated = exact(getattr(claim, name))
             if not _states(stated, true, exactly=all_exact):
                 raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
-    return findings
+    return conditions
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,12 +49,12 @@ class CheckedCondition:
         return f"{self.why or f'{self.name}: {verb}'}{at}"
 
 
-def decisive(findings: Sequence[CheckedCondition]) -> CheckedCondition | None:
+def decisive(conditions: Sequence[CheckedCondition]) -> CheckedCondition | None:
     """The first violation, else what is open earliest; None where all hold."""
-    failed = next((f for f in findings if f.status is Status.FAILS), None)
+    failed = next((f for f in conditions if f.status is Status.FAILS), None)
     if failed is not None:
         return failed
-    still_open = [f for f in findings if f.status is Status.UNDECIDED]
+    still_open = [f for f in conditions if f.status is Status.UNDECIDED]
     return min(still_open, key=lambda f: NO_MARGIN if f.time is None else f.time, default=None)
 
 

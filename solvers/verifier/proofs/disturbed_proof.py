@@ -39,7 +39,7 @@ def disturbed_findings(
     accuracy: Accuracy,
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
-    """The findings on the planned motion, replaced by those on all disturbed ones.
+    """The conditions on the planned motion, replaced by those on all disturbed ones.
 
     Where the tube ends early, what has to hold until the end is not decided.
     """
@@ -49,7 +49,7 @@ def disturbed_findings(
         initial = disturbed_start(scene, robot.state)
         part = ball(robust.effort) if robust.effort else None
         followed = follow(robot, initial, part, accuracy, watch)
-        found = followed.so_far() if followed.ended else followed.findings()
+        found = followed.so_far() if followed.ended else followed.conditions()
     told = [_told(each) for each in found]
     if followed.ended:
         told = _cut_short(scene, planned, told, followed.time)
@@ -85,16 +85,16 @@ def _target(scene: Scene) -> str | None:
 def with_counterexample(
     scene: Scene,
     motion: Motion,
-    findings: tuple[CheckedCondition, ...],
+    conditions: tuple[CheckedCondition, ...],
     accuracy: Accuracy,
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
-    """The findings, with a violation by a disturbed motion where one is found of what is open."""
-    worst = decisive(findings)
+    """The conditions, with a violation by a disturbed motion where one is found of what is open."""
+    worst = decisive(conditions)
     if worst is None or worst.status is Status.FAILS:
-        return findings
+        return conditions
     target = _target(scene)
-    for each in findings:
+    for each in conditions:
         # What has no margin is open because the tube ends, not because it is nearly violated.
         lost = each.status is Status.UNDECIDED and each.margin < NO_MARGIN
         if lost or each.name == target:
@@ -107,16 +107,16 @@ def with_counterexample(
                 watch,
             )
             if found is not None:
-                return tuple(found if item is each else item for item in findings)
-    return findings
+                return tuple(found if item is each else item for item in conditions)
+    return conditions
 
 
-def _told(finding: CheckedCondition) -> CheckedCondition:
-    """A finding on all disturbed motions, with the reason where they are too many to prove it."""
-    if finding.status is not Status.UNDECIDED:
-        return finding
-    why = f"the enclosure of the disturbed motions outgrows the margin of `{finding.name}`"
-    return replace(finding, why=why)
+def _told(condition: CheckedCondition) -> CheckedCondition:
+    """A condition on all disturbed motions, with the reason where they are too many to prove it."""
+    if condition.status is not Status.UNDECIDED:
+        return condition
+    why = f"the enclosure of the disturbed motions outgrows the margin of `{condition.name}`"
+    return replace(condition, why=why)
 
 
 def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
@@ -200,7 +200,7 @@ def counterexample(
         watch.tick()
         disturbed = driven_robot(scene, corner.motion(motion, radii, part))
         followed = follow(disturbed, InitialSet(disturbed.state), None, accuracy, watch)
-        found = followed.so_far() if followed.ended else followed.findings()
+        found = followed.so_far() if followed.ended else followed.conditions()
     for each in found:
         if each.name == name and each.status is Status.FAILS:
             return replace(each, why=f"{each.name}: violated by a disturbed motion")

@@ -59,7 +59,7 @@ def at_rest(graph: RobotGraph, state: Sequence[arb], time: float) -> CheckedCond
     return least("rest at the end", gaps, "SI", time)
 
 
-def start_findings(
+def start_conditions(
     scene: Scene, motion: Motion, state: Sequence[arb], tips: Sequence[Sequence[arb]]
 ) -> list[CheckedCondition]:
     """The initial state is one that the task allows; ``tips`` are the positions there."""

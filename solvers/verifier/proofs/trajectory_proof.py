@@ -21,7 +21,7 @@ from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.scene import UNWATCHED, Motion, Scene, Watch, scene_of
-from solvers.verifier.proofs.start_check import positive_mass, start_findings, unphysical
+from solvers.verifier.proofs.start_check import positive_mass, start_conditions, unphysical
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import driven_robot, follow
 
@@ -42,9 +42,9 @@ def prove_motion(
     """All conditions on a motion, at the first accuracy that decides them all, with close margins.
 
     Where the task names disturbances, what the planned motion is proved to do is then proved of all
-    disturbed ones, and findings are about those; where the robot starts, and the path of cells, is
-    about the planned one.  To ``refute`` asks for a disturbed motion that violates what could not
-    be proved.
+    disturbed ones, and conditions are about those; where the robot starts, and the path of cells,
+    is about the planned one.  To ``refute`` asks for a disturbed motion that violates what could
+    not be proved.
 
     What the ``watch`` raises ends the proof.
     """
@@ -69,33 +69,33 @@ def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[CheckedConditi
     farthest: tuple[CheckedCondition, ...] = ()
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
-            findings = _findings(scene, motion, accuracy, watch)
-        if any(finding.status is Status.UNDECIDED for finding in findings):
-            farthest = max(findings, farthest, key=_end)
+            conditions = _conditions(scene, motion, accuracy, watch)
+        if any(condition.status is Status.UNDECIDED for condition in conditions):
+            farthest = max(conditions, farthest, key=_end)
             continue
-        decided = findings
+        decided = conditions
         # What fails stays so: only margins of what holds are worth another run.
-        failed = any(finding.status is Status.FAILS for finding in findings)
-        if failed or not any(finding.loose for finding in findings):
+        failed = any(condition.status is Status.FAILS for condition in conditions)
+        if failed or not any(condition.loose for condition in conditions):
             break
     return farthest if decided is None else decided
 
 
-def _end(findings: tuple[CheckedCondition, ...]) -> float:
+def _end(conditions: tuple[CheckedCondition, ...]) -> float:
     """The time up to which a tube has got; infinite for a complete one."""
-    if not findings:
+    if not conditions:
         return -NO_MARGIN
-    return next((f.time or 0.0 for f in findings if f.name == ENDED), NO_MARGIN)
+    return next((f.time or 0.0 for f in conditions if f.name == ENDED), NO_MARGIN)
 
 
-def _findings(
+def _conditions(
     scene: Scene, motion: Motion, accuracy: Accuracy, watch: Watch
 ) -> tuple[CheckedCondition, ...]:
     robot = driven_robot(scene, motion)
     found = [positive_mass(scene.graph, robot.state, robot.tail)]
     found += unphysical(scene.model, robot.tail)
-    found += start_findings(scene, motion, robot.state, robot.point_map.positions(robot.state))
-    if any(finding.status is Status.FAILS for finding in found):
+    found += start_conditions(scene, motion, robot.state, robot.point_map.positions(robot.state))
+    if any(condition.status is Status.FAILS for condition in found):
         return tuple(found)
     followed = follow(robot, InitialSet(robot.state), None, accuracy, watch)
     if followed.ended:
@@ -109,7 +109,7 @@ def _findings(
     path = cell_path(
         scene.abstraction, float(scene.task.step), motion.path, following, followed.positions()
     )
-    return (*found, *followed.findings(), path)
+    return (*found, *followed.conditions(), path)
 
 
 # --- Whether a motion follows the path of cells that is claimed of it -----------------------------
@@ -144,10 +144,10 @@ def cell_path(
                     f"{where}: no cell `{name}`", Status.FAILS, 0.0, "m", sample * dt
                 )
             polytope = cells.cells[index].polytope
-            finding = inside("cell path", polytope, positions[sample][effector], sample * dt)
-            if finding.status is Status.FAILS:
-                return replace(finding, name=f"{where} is not in `{name}`")
-            worst = min(worst, finding, key=_clear)
+            condition = inside("cell path", polytope, positions[sample][effector], sample * dt)
+            if condition.status is Status.FAILS:
+                return replace(condition, name=f"{where} is not in `{name}`")
+            worst = min(worst, condition, key=_clear)
             if effector == following and sample:
                 before = cells.index(names[sample - 1])
                 pair = (min(before, index), max(before, index))
@@ -159,6 +159,6 @@ def cell_path(
     return worst
 
 
-def _clear(finding: CheckedCondition) -> tuple[bool, float]:
+def _clear(condition: CheckedCondition) -> tuple[bool, float]:
     """The less, the worse; what is open counts before what holds."""
-    return finding.status is Status.HOLDS, finding.margin
+    return condition.status is Status.HOLDS, condition.margin

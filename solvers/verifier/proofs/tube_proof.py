@@ -104,7 +104,7 @@ class Followed:
         """Positions (samples, points, d)."""
         return [self.robot.point_map.positions(sample) for sample in self.samples]
 
-    def findings(self) -> list[CheckedCondition]:
+    def conditions(self) -> list[CheckedCondition]:
         """All that a complete tube shows, but for what is asked of samples alone."""
         found = self.so_far()
         scene, effector = self.robot.scene, self.robot.motion.effector
