@@ -21,7 +21,7 @@ demo: .venv/installed
 
 # The tests that take less than 0.1 s each and start no process. Two processes with half of the files
 # each take two thirds of the time of two workers that import all files and report every test.
-QUICK := -m "not slow and not site and not types and not long"
+QUICK := -m "not slow and not site and not types and not editor and not long"
 
 quick: .venv/installed
 	@mkdir -p out
@@ -63,14 +63,16 @@ pictures: .venv/installed
 	$(BIN)/srgc synth out/fetch.srg --force -o out/fetch
 	cp out/fetch/figures/workspace.svg docs/pictures/fetch.svg
 
-# The extension for VS Code, as out/srg-VERSION.vsix; needs Node 20 and npm.
+# The extension for VS Code, as out/srg-VERSION.vsix, and its tests; needs Node 20 and npm.
 editors/vscode/node_modules/.package-lock.json: editors/vscode/package-lock.json
 	cd editors/vscode && npm ci
 	touch $@
 
-editor: editors/vscode/node_modules/.package-lock.json
+editor: .venv/installed editors/vscode/node_modules/.package-lock.json
 	mkdir -p out
+	rm -f out/srg-*.vsix
 	cd editors/vscode && npm run --silent package -- -o ../../out/
+	SRGC_VSIX=$$(echo out/srg-*.vsix) $(BIN)/pytest -m editor tests/editors
 
 # Rewrites what the pages of codes and of tests/golden show; read the difference before you keep it.
 golden: .venv/installed

@@ -26,7 +26,7 @@ def run(folder: Path, *options: str) -> tuple[str, set[str]]:
             *["-p", "no:cacheprovider", *options, folder],
         ],
         cwd=ROOT,
-        env={**os.environ, "COLUMNS": "200"},
+        env={**os.environ, "COLUMNS": "200", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         capture_output=True,
         text=True,
         check=False,
@@ -68,7 +68,7 @@ def test_a_ledger_leaves_out_what_passed(tmp_path: Path) -> None:
     (tests / "test_ten.py").write_text(
         TEN + "\nimport pytest\ndef test_skipped(): pytest.skip()", encoding="utf-8"
     )
-    options = ["-p", "tests.resumable", "-n", "2", f"--ledger={ledger}"]
+    options = ["-p", "xdist", "-p", "tests.resumable", "-n", "2", f"--ledger={ledger}"]
     assert len(run(tests, *options)[1]) == 9
     said, passed = run(tests, *options)
     assert not passed
@@ -80,7 +80,7 @@ def test_a_ledger_leaves_out_what_passed(tmp_path: Path) -> None:
     ]
     # A line that was cut off is no test that passed.
     file.write_text(file.read_text(encoding="utf-8")[:-4], encoding="utf-8")
-    options[3] = "0"
+    options[5] = "0"
     assert run(tests, *options)[1] == {told[-1]["test"].partition("::")[2]}
 
 

@@ -38,6 +38,7 @@ MANIFEST = read_json(EXTENSION / "package.json")
 # --- the package --------------------------------------------------------------------------------
 
 
+@pytest.mark.editor
 def test_the_package_holds_what_it_needs_and_no_more(vsix: Path) -> None:
     with zipfile.ZipFile(vsix) as package:
         names = {name.removeprefix("extension/") for name in package.namelist()}
@@ -141,6 +142,7 @@ def test_the_language_configuration() -> None:
 # --- the grammar in VS Code's own tokeniser -----------------------------------------------------
 
 
+@pytest.mark.editor
 def test_the_scopes_are_those_expected_by_hand(vsix: Path) -> None:
     out = run("npm", "run", "--silent", "test:grammar")
     files = sorted((EXTENSION / "tests" / "grammar").glob("*.srg"))
@@ -162,6 +164,7 @@ def test_there_are_expectations_of_every_scope() -> None:
     assert scopes - shapes - expected == {"string.quoted"}  # of `from`, where it is either
 
 
+@pytest.mark.editor
 def test_the_two_tokenisers_agree_on_all_texts(vsix: Path) -> None:
     """So what the other tests show with our own tokeniser holds in VS Code."""
     grammar = Grammar(read_json(GRAMMAR))
@@ -224,6 +227,7 @@ def test_words_that_a_theme_of_vs_code_colours() -> None:
 # --- the client ---------------------------------------------------------------------------------
 
 
+@pytest.mark.editor
 def test_the_client_in_a_stub_of_the_editor(vsix: Path) -> None:
     """It finds srgc, starts its language server, shows its findings, and runs its commands."""
     srgc = Path(sys.executable).parent / "srgc"
