@@ -16,7 +16,7 @@ from srgc.language_server.documents.uris import uri_of
 from srgc.language_server.tasks.task_commands import task_lenses
 from srgc.language_server.tasks.verdicts import Verdicts
 from tests.language_server.client import PATIENCE, Client
-from tests.oracles.small_specs import TURNER
+from tests.oracles.small_specs import SLIDER, TURNER
 from tests.oracles.some_cases import some
 
 LONG = TURNER.replace("modules <= 1", "").replace(
@@ -29,19 +29,19 @@ def titles(client: Client, uri: str) -> list[str]:
     return [lens["command"]["title"] for lens in lenses]
 
 
-def command(name: str, uri: str) -> dict[str, Any]:
-    return {"command": name, "arguments": [uri, "Turn"]}
+def command(name: str, uri: str, task: str = "Turn") -> dict[str, Any]:
+    return {"command": name, "arguments": [uri, task]}
 
 
 def test_synthesis(client: Client) -> None:
-    path = client.folder / "turner.srg"
-    path.write_text(TURNER, encoding="utf-8", newline="")
+    path = client.folder / "slider.srg"
+    path.write_text(SLIDER, encoding="utf-8", newline="")
     uri = uri_of(path)
-    client.open(uri, TURNER)
+    client.open(uri, SLIDER)
     assert titles(client, uri) == ["check", "synth"]
-    answer = client.ask("workspace/executeCommand", command("srgc.synth", uri))
+    answer = client.ask("workspace/executeCommand", command("srgc.synth", uri, "Slide"))
     assert answer == {"verdict": "found", "status": 0}
-    design = json.loads((client.folder / "out" / "Turn" / "design.json").read_text("utf-8"))
+    design = json.loads((client.folder / "out" / "Slide" / "design.json").read_text("utf-8"))
     found = f"found: {' '.join(design['word'])} (verified)"
     assert titles(client, uri) == ["check", "synth", found]
     kinds = [
@@ -58,12 +58,12 @@ def test_synthesis(client: Client) -> None:
     at = {"line": 0, "character": 0}
     client.change(uri, {"range": {"start": at, "end": at}, "text": " "})
     assert titles(client, uri) == ["check", "synth", f"stale: {found}"]
-    error = client.error("workspace/executeCommand", command("srgc.synth", uri))
-    assert "save turner.srg first" in error["message"]
-    client.change(uri, {"text": TURNER})
+    error = client.error("workspace/executeCommand", command("srgc.synth", uri, "Slide"))
+    assert "save slider.srg first" in error["message"]
+    client.change(uri, {"text": SLIDER})
     assert titles(client, uri) == ["check", "synth", found]
     # A certificate that is no longer the one that was verified is not called verified.
-    certificate = client.folder / "out" / "Turn" / "certificate.json"
+    certificate = client.folder / "out" / "Slide" / "certificate.json"
     certificate.write_text(certificate.read_text("utf-8") + " ", encoding="utf-8")
     assert titles(client, uri)[2] == found.removesuffix(" (verified)")
 
@@ -92,13 +92,13 @@ def test_results_of_another_text(client: Client, made: Callable[[str], Path]) ->
     """They are replaced only if the user says so; a client that does not ask keeps them."""
     folder = client.folder / "twice"
     folder.mkdir()
-    shutil.copytree(made("turner") / "out", folder / "out" / "Turn")
-    one, other = folder / "turner.srg", folder / "other.srg"
-    for path, text in ((one, TURNER), (other, TURNER + "// another\n")):
+    shutil.copytree(made("slider") / "out", folder / "out" / "Slide")
+    one, other = folder / "slider.srg", folder / "other.srg"
+    for path, text in ((one, SLIDER), (other, SLIDER + "// another\n")):
         path.write_text(text, encoding="utf-8", newline="")
         client.open(uri_of(path), text)
     found = {"verdict": "found", "status": 0}
-    design = folder / "out" / "Turn" / "design.json"
+    design = folder / "out" / "Slide" / "design.json"
     before = design.read_bytes()
     asked: list[Any] = []
 
@@ -111,15 +111,20 @@ def test_results_of_another_text(client: Client, made: Callable[[str], Path]) ->
 
     for kept in (None, "Keep Them"):
         client.answers["window/showMessageRequest"] = answer(kept)
-        told = client.ask("workspace/executeCommand", command("srgc.synth", uri_of(other)))
+        told = client.ask("workspace/executeCommand", command("srgc.synth", uri_of(other), "Slide"))
         assert told["verdict"] is None
         assert design.read_bytes() == before
     assert "another text" in asked[0]["message"]
     # The same text again is no question.
-    assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(one))) == found
+    assert (
+        client.ask("workspace/executeCommand", command("srgc.synth", uri_of(one), "Slide")) == found
+    )
     assert len(asked) == 2
     client.answers["window/showMessageRequest"] = answer("Replace Results")
-    assert client.ask("workspace/executeCommand", command("srgc.synth", uri_of(other))) == found
+    assert (
+        client.ask("workspace/executeCommand", command("srgc.synth", uri_of(other), "Slide"))
+        == found
+    )
     assert design.read_bytes() != before
     del client.answers["window/showMessageRequest"]
 
