@@ -89,7 +89,10 @@ def correlation(a: Array, b: Array, lengths: Array) -> Array:
 
 
 def fitted(points: Array, values: Array) -> GaussianProcess:
-    """The process whose length scales, amplitude and noise make the values the most likely."""
+    """The process of greatest likelihood for values (m,) at points (m, p) of the cube.
+
+    Length scales, amplitude and noise are fitted; the values are standardised.
+    """
     if not np.any(values):
         lengths, ratio = np.full(points.shape[1], DEFAULT[0]), DEFAULT[1]
         return conditioned(points, values, lengths, 1.0, ratio)
@@ -213,7 +216,10 @@ def exploration(candidates: int, t: int) -> float:
 
 
 def gp_acb(mean: Array, deviation: Array, t: int) -> Array:
-    """The rule m + sqrt(eta beta) sigma; eta is the mean scaled to [0, 1], 1 where it is flat."""
+    """The rule m + sqrt(eta beta) sigma of GP-ACB, (c,), for mean and deviation (c,) at step t.
+
+    eta is the mean scaled to [0, 1], 1 where it is flat.
+    """
     spread = float(mean.max() - mean.min())
     eta = (mean - mean.min()) / spread if spread > 0 else np.ones_like(mean)
     return np.asarray(mean + np.sqrt(eta * exploration(len(mean), t)) * deviation)
@@ -230,7 +236,7 @@ class BayesianSearch:
     acquisition: Acquisition = gp_acb
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """The best candidates that are neither known nor waited for, one after the other."""
+        """The best candidates (p,) that are neither known nor waited for, one after the other."""
         known, values = np.array(record.points), standardised(np.array(record.values))
         process = fitted(known, values)
         waited = list(record.pending)
@@ -247,7 +253,7 @@ class BayesianSearch:
         return new
 
     def learn(self, point: Array, value: float) -> None:
-        """Nothing beyond what is on record."""
+        """Nothing beyond what is on record: the value of a point (p,)."""
 
     def _candidates(self, record: Record) -> Array:
         """Distinct points of the cube (c, p), neither known nor waited for."""

@@ -137,7 +137,7 @@ class ParameterSpace:
         return self.cube.nearest(point)
 
     def samples(self, power: int, seed: int) -> list[Array]:
-        """A sequence of 2**power parameters that fill the space; one where nothing is free."""
+        """A sequence of 2**power parameters (p,) that fill the space; one where nothing is free."""
         if self.is_point:
             return [self.lower]
         points = Halton(len(self.lower), seed).points(0, 2**power)
@@ -210,11 +210,11 @@ class Method(Protocol):
     """A way to search.  It begins when the initial points have values."""
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """At most ``count`` points of the cube; none while it has to wait for pending ones."""
+        """At most ``count`` points (p,) of the cube; none while it has to wait for pending ones."""
         ...
 
     def learn(self, point: Array, value: float) -> None:
-        """The value of a proposed point; values come in the order of the proposals."""
+        """The value of a proposed point (p,); values come in the order of the proposals."""
         ...
 
 
@@ -254,7 +254,7 @@ class ParameterSearch:
         return self.record.values
 
     def ask(self, count: int) -> list[Array]:
-        """At most ``count`` new points of the cube, all different.
+        """At most ``count`` new points (p,) of the cube, all different.
 
         Fewer where the method has to know the values of those first; none where it waits for values
         of points that were asked before, or where all points are known.
@@ -274,7 +274,7 @@ class ParameterSearch:
         return self.record.pending[before:]
 
     def tell(self, point: Array, value: float) -> None:
-        """The value at a point of the cube, asked for or not.
+        """The value at a point (p,) of the cube, asked for or not.
 
         Raises:
             ValueError: the value is not finite (whoever evaluates has to grade what is infeasible),

@@ -235,7 +235,7 @@ class Separation:
     last: int | None = None
 
     def spans(self, count: int) -> tuple[Indices, Indices]:
-        """The first and the last sample of every step it binds, of ``count`` steps.
+        """The first and the last sample, (steps,) each, of every step it binds, of ``count`` steps.
 
         A single sample is bound alone: both are that sample.
         """

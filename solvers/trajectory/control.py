@@ -199,7 +199,8 @@ def synthesise_control(
 ) -> ControlOutcome:
     """Iterate convex steps from a seed trajectory to a fixpoint.
 
-    With ``theta_box`` the parameters are unknowns within that box, else they stay as seeded.
+    With ``theta_box``, bounds (p,) below and above, the parameters are unknowns within that box,
+    else they stay as seeded.
     """
     current = measured(problem, start)
     if current is None:

@@ -87,12 +87,12 @@ class ControlOutcome:
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:
-    """The least margin over all steps and groups."""
+    """The least margin of inputs (k, m) over all steps and groups, in the units of the inputs."""
     return min((group.margin(u) for group in groups), default=0.0)
 
 
 def effort_peak(groups: tuple[InputGroup, ...], u: Array) -> float:
-    """The largest effort over all steps, of whichever group attains it."""
+    """The largest effort of inputs (k, m) over all steps, of whichever group attains it."""
     return max(
         (
             float(np.max(np.linalg.norm(u[:, list(g.inputs)], axis=1), initial=0.0))

@@ -150,7 +150,10 @@ def pool(
     reach: float,
     rng: np.random.Generator,
 ) -> Pool:
-    """Draw poses; unlimited slides up to the ``reach`` in metres and some more."""
+    """Draw poses of a robot with parameters (p,) from a box, lower and upper bounds (n,).
+
+    Unlimited slides are drawn up to the ``reach`` in metres and some more.
+    """
     lower, upper = sampled_box(numeric, box, reach)
     q = rng.uniform(lower, upper, size=(POOL, numeric.n))
     return Pool(q, numeric.points(q, theta).value)

@@ -25,7 +25,7 @@ class PositionRows:
     offset: Array
 
     def excess(self, points: Points) -> Array:
-        """Signed violation of each row, metres; positive where violated."""
+        """Signed violation (R,) of each row, metres; positive where violated."""
         at = points.value[self.sample, self.point]
         return np.asarray(np.einsum("rd,rd->r", self.normal, at) - self.offset)
 
