@@ -55,7 +55,12 @@ LARGEST = 1e150
 
 @dataclass(frozen=True, slots=True)
 class GaussianProcess:
-    """The process given values at points: ``inverse`` is that of the Cholesky factor (m, m)."""
+    """The process given values at points (m, p) of the cube.
+
+    ``lengths`` (p,) are the length scales, ``amplitude`` and ``noise`` are variances, ``inverse``
+    (m, m) is that of the Cholesky factor, ``weights`` (m,) are the inverse covariance times the
+    values (Rasmussen & Williams 2006, Algorithm 2.1).
+    """
 
     points: Array
     lengths: Array
@@ -83,7 +88,7 @@ def conditioned(
 
 
 def correlation(a: Array, b: Array, lengths: Array) -> Array:
-    """The kernel with amplitude 1 between points (m, p) and (k, p): shape (m, k)."""
+    """The squared-exponential kernel with amplitude 1 between points (m, p) and (k, p): (m, k)."""
     gaps = (a[:, None, :] - b[None, :, :]) / lengths
     return np.asarray(np.exp(-0.5 * np.sum(gaps**2, axis=2)))
 
@@ -216,9 +221,9 @@ def exploration(candidates: int, t: int) -> float:
 
 
 def gp_acb(mean: Array, deviation: Array, t: int) -> Array:
-    """The rule m + sqrt(eta beta) sigma of GP-ACB, (c,), for mean and deviation (c,) at step t.
+    """The rule m + sqrt(eta beta) sigma (GP-ACB, Eqn. 8), (c,), for mean and deviation (c,).
 
-    eta is the mean scaled to [0, 1], 1 where it is flat.
+    ``t`` counts the steps from 1; eta is the mean scaled to [0, 1], 1 where it is flat.
     """
     spread = float(mean.max() - mean.min())
     eta = (mean - mean.min()) / spread if spread > 0 else np.ones_like(mean)

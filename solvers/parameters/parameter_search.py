@@ -67,7 +67,10 @@ class Cube:
 
 @dataclass(frozen=True, slots=True)
 class Halton:
-    """The sequence in ``dimension`` axes; without a seed, Halton's own, which begins at 0."""
+    """Halton's sequence in ``dimension`` axes, from point 0 on, its digits permuted by the seed.
+
+    Without a seed it is Halton's own (1964), else each axis is scrambled as by Owen (2017).
+    """
 
     dimension: int
     seed: int | None
@@ -95,7 +98,10 @@ def _is_prime(number: int) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ParameterSpace:
-    """The box of interval parameters and the lists of discrete ones, SI."""
+    """The box of interval parameters, ``lower`` to ``upper`` (p,), in SI units.
+
+    ``choices`` lists the values of discrete parameters, None for interval ones.
+    """
 
     lower: Array
     upper: Array

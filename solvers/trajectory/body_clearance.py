@@ -175,7 +175,7 @@ ASTRAY = 0.02
 
 @dataclass(frozen=True)
 class ConvexSet:
-    """A polytope in floats: unit normals (m, d), offsets (m,), vertices (w, d)."""
+    """A polytope in floats: unit normals (m, d); offsets (m,) and vertices (w, d), in metres."""
 
     normals: Array
     offsets: Array
@@ -223,7 +223,7 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """The hull of some points stays at a distance from a convex set, all the time between samples.
+    """The hull of some points stays ``distance`` metres from a convex set, also between samples.
 
     From sample ``first`` to sample ``last`` (None: to the end).
     """

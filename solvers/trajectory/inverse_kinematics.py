@@ -31,9 +31,10 @@ def solve_positions(
     box: tuple[Array, Array],
     rounds: int = ROUNDS,
 ) -> tuple[Array, Array]:
-    """Bring one point to targets from K starts; starts (K, n), targets (K, d).
+    """Bring one point to targets from K starts; starts (K, n), theta (p,), targets (K, d) in m.
 
-    Returns coordinates (K, n), within the box, and remaining distances (K,) in metres.
+    Levenberg-Marquardt with a damping of its own for each start.  Returns coordinates (K, n),
+    within the box, and remaining distances (K,) in metres.
     """
     lower, upper = box
     q = np.clip(starts, lower, upper)

@@ -63,13 +63,13 @@ BEYOND = 1.25
 class PathProblem:
     """An effector of a robot that has to follow a path of cells, and what else binds the robot.
 
-    ``recorded`` is the effector that starts (unless the task names another) and reaches, None: the
-    one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
-    (n, 2, 2): motions were seen to pass them within steps.  A cell trace has to satisfy
-    ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
-    are entered, where smooth timing will not do.  ``spread`` is the room that disturbed motions are
-    given beside the margins.  ``solver`` is the name in cvxpy of what solves
-    the convex steps, None: our own programs.
+    ``margin`` is kept from what binds positions, in metres.  ``recorded`` is the effector that
+    starts (unless the task names another) and reaches, None: the one that follows the path.
+    ``insets`` narrows the limits of joints and rates further, shape (n, 2, 2): motions were seen to
+    pass them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the paths of
+    other effectors in it, and ``timing`` is when the cells are entered, where smooth timing will
+    not do.  ``spread`` is the room that disturbed motions are given beside the margins.  ``solver``
+    is the name in cvxpy of what solves the convex steps, None: our own programs.
     """
 
     numeric: NumericRobot
