@@ -186,7 +186,7 @@ def around(corners: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def polygon_area(corners: Sequence[Point]) -> Fraction:
-    """The area of a convex polygon of the plane, its corners in counter-clockwise order.
+    """The area (m^2) of a convex polygon of the plane, its corners in counter-clockwise order.
 
     Zero of fewer than three corners.
     """
@@ -198,7 +198,7 @@ def polygon_area(corners: Sequence[Point]) -> Fraction:
 
 
 def polyhedron_volume(facets: Sequence[tuple[Point, Sequence[Point]]]) -> Fraction:
-    """The volume of a convex polyhedron of space.
+    """The volume (m^3) of a convex polyhedron of space.
 
     Args:
         facets: each facet once, as its normal (3,) and its corners in any order.
