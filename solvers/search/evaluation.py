@@ -103,7 +103,9 @@ Outcomes: TypeAlias = tuple[ControlOutcome, ...]
 def evaluate(
     path_problem: PathProblem, theta: Array, budget: IterationBudget = SURVEY
 ) -> ControlOutcome:
-    """The best outcome over all seeds for theta (p,), timing along the path free; ties: the first.
+    """The best outcome over all seeds, the timing along the path free; ties go to the first.
+
+    ``theta`` (p,) are the parameters, in SI units.
 
     Raises:
         ValueError: there is no seed.

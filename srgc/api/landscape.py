@@ -44,7 +44,7 @@ class Landscape:
 
     @property
     def robustness(self) -> Array:
-        """Rho on the grid, (n1,) or (n1, n2) with n1 and n2 the lengths of ``axes``.
+        """Rho on the grid, one axis for each parameter: shape (n1,) or (n1, n2).
 
         It is negative where no motion was found.
         """

@@ -88,7 +88,8 @@ class Robot:
         """The centrifugal and Coriolis forces c, shape (n,) or (K, n); in N m, or N.
 
         Raises:
-            UsageFault: ``q`` or ``qd`` has another shape, or their numbers of poses differ.
+            UsageFault: ``q`` or ``qd`` has another shape, or their numbers of poses differ and neither
+                is one.
         """
         import numpy as np
 
