@@ -88,8 +88,7 @@ class Robot:
         """The centrifugal and Coriolis forces c, shape (n,) or (K, n); in N m, or N.
 
         Raises:
-            UsageFault: ``q`` or ``qd`` has another shape, or their numbers of poses differ and neither
-                is one.
+            UsageFault: ``q`` or ``qd`` has another shape, or they do not go together.
         """
         import numpy as np
 
