@@ -1,6 +1,6 @@
 """A robot in doubles: its equations of motion and points, over all steps at once.
 
-The discrete step and its exact derivatives are those of ``step_map.py``.
+The discrete step and its exact derivatives are those of ``step_map``.
 """
 
 from __future__ import annotations
@@ -41,7 +41,10 @@ class Linearisation:
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """Positions of m points at K samples: value (K, m, d), by_q (K, m, d, n), by_theta (.., p)."""
+    """Positions of m points at K samples, in metres, and their derivatives.
+
+    Shapes: value (K, m, d), by_q (K, m, d, n), by_theta (K, m, d, p).
+    """
 
     value: Array
     by_q: Array
@@ -52,7 +55,7 @@ class NumericRobot:
     """Evaluates a robot's graph in doubles; not for proofs.
 
     A state x has N = 2n + r entries: n coordinates, n rates and the r states of the modules' own;
-    there are m inputs and p parameters.
+    there are m inputs and p parameters.  All are in SI units.
     """
 
     def __init__(self, graph: RobotGraph) -> None:
@@ -113,13 +116,19 @@ class NumericRobot:
         return BatchedFunction.of(ca.Function("mass", [q, shared], [ca.cse(square)]))
 
     def acceleration(self, x: Array, u: Array, theta: Array) -> tuple[Array, Array]:
-        """The derivative of rates and own states (K, n + r), its Jacobian in (x, u, theta)."""
+        """The derivative of rates and own states (K, n + r), and its Jacobian in (x, u, theta).
+
+        The Jacobian has the shape (K, n + r, N + m + p).
+        """
         shared = np.concatenate([theta, self._system.constants])
         found = self._rates((x, u), shared)
         return found[:, :, 0], found[:, :, 1:]
 
     def step(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Linearisation:
-        """The state ``dt`` later and its Jacobians; x (K, N), u (K, m), theta (p,)."""
+        """The state ``dt`` seconds later and its Jacobians; x (K, N), u (K, m), theta (p,).
+
+        The step is ``substeps`` equal ones of the classical Runge-Kutta method, the inputs held.
+        """
         size = self.size
         shared = np.concatenate([theta, self._system.constants, [dt / substeps]])
         found = self._step((x, u), shared)
@@ -133,7 +142,10 @@ class NumericRobot:
         return Linearisation(value[:, :, 0], state, input_, parameter)
 
     def simulate(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Array:
-        """States (k + 1, N) from an initial one (N,) under inputs (k, m), by the step map."""
+        """States (k + 1, N) from an initial one (N,) under inputs (k, m), by the step map.
+
+        Every input is held for ``dt`` seconds.
+        """
         key = ("simulate", len(u), substeps)
         if key not in self._rollouts:
             self._rollouts[key] = _rollout(self._system, substeps, len(u))
@@ -145,9 +157,10 @@ class NumericRobot:
     def track(
         self, first: Array, theta: Array, point: int, waypoints: Array, box: tuple[Array, Array]
     ) -> Array:
-        """Coordinates (K, n) that follow waypoints (K, d) continuously from ``first`` (n,).
+        """Coordinates (K, n) that follow waypoints (K, d), in m, continuously from ``first`` (n,).
 
-        Damped least squares, a fixed number of rounds per waypoint, kept within the box.
+        Damped least squares, a fixed number of rounds per waypoint, kept within the box of
+        coordinates, (n,) below and above.
         """
         if len(waypoints) < 2:
             return first[None, :]
@@ -171,7 +184,7 @@ class NumericRobot:
         return Points(parts[..., 0], parts[..., 1 : 1 + n], parts[..., 1 + n :])
 
     def mass_matrix(self, q: Array, theta: Array) -> Array:
-        """M at K samples, shape (K, n, n)."""
+        """M at K samples, (K, n, n), in kg m^2 (kg for prismatic rows); q (K, n), theta (p,)."""
         return self._mass_matrix((q,), np.concatenate([theta, self.constants]))
 
 

@@ -215,9 +215,10 @@ class RestTest:
         return RestProof(boxes, None)
 
     def inverse(self, box: Box) -> Array | None:
-        """An approximate left inverse of the rows that count on a box, zero for the others.
+        """An approximate left inverse L (c, r) of the r rows on a box; None if there is none.
 
-        Rows that are known sharply weigh more.
+        Columns of L are zero for rows that do not count there.  Rows that are known sharply weigh
+        more.
         """
         table, signs = self._enclosed([hull(side) for side in box])
         centre = self._at([middle(side) for side in box])
@@ -234,9 +235,9 @@ class RestTest:
         return np.asarray(np.linalg.pinv(weighed) * sharp)
 
     def holds(self, box: Box, left: Array) -> bool:
-        """Whether an inverse times A is regular on the box, by either of two enclosures.
+        """Whether L A is regular on the box, with L = ``left`` (c, r), by either of two enclosures.
 
-        The inverse is zero for the rows that do not count there.
+        L is zero for the rows that do not count there.
         Those are L A(X), and the mean value form L A(c) + sum_i L dA/dx_i(X) (x_i - c_i).
         """
         sides = [hull(side) for side in box]
@@ -271,7 +272,11 @@ class RestTest:
         return _regular(total)
 
     def divided(self, box: Box, left: Array | None) -> list[Box] | None:
-        """Two parts, cut at the variable that blurs the enclosures most; unlimited ones first."""
+        """Two parts, cut at the variable that blurs the enclosures most; unlimited ones first.
+
+        ``left`` is what ``inverse`` gives, (c, r) or None.  The answer is None where no variable
+        can be cut.
+        """
         cuts = {i: pair for i in self.active if (pair := halves(box[i])) is not None}
         if not cuts:
             return None

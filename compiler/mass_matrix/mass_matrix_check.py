@@ -245,7 +245,7 @@ class SingularSearch:
             return None
 
     def at(self, point: Sequence[float]) -> Array:
-        """M in floating point."""
+        """M in the rows and columns of those r joints, (r, r), in floating point."""
         constants = [float(constant_ball(constant)) for constant in self.constants]
         return np.asarray(self.numeric(ca.DM(list(point)), ca.DM(constants)).full())
 
@@ -316,7 +316,7 @@ def _lowest(matrix: Array) -> Iterator[tuple[Fraction, ...]]:
 
 
 def null_vectors(matrices: Sequence[Array]) -> list[tuple[Fraction, ...]]:
-    """Short integer vectors that all matrices seem to annihilate, in floating point."""
+    """Short integer vectors that all matrices (n, n) seem to annihilate, in floating point."""
     n = len(matrices[0])
     # What is exactly zero may be rounded to a little more, which is not to be scaled up.
     sizes = [max(float(np.abs(matrix).max()), SINGULAR) for matrix in matrices]

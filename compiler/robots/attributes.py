@@ -189,7 +189,11 @@ class AttributeValues:
                 return self.scalar(node, expression)
 
     def scalar(self, node: int, expression: ir.Expr) -> int:
-        """The scalar of an expression in the block of ``node``."""
+        """The index in ``scalars`` of the value of an expression in the block of ``node``.
+
+        Raises:
+            SemanticsError: the expression is no scalar.
+        """
         match expression:
             case ir.Num(value):
                 return self.scalars.constant(value)
@@ -214,14 +218,22 @@ class AttributeValues:
         raise SemanticsError(f"a scalar is due, found {type(expression).__name__.lower()}")
 
     def vector(self, node: int, expression: ir.Expr) -> Triple:
-        """The vector of an expression in the block of ``node``."""
+        """The vector of an expression in the block of ``node``: indices in ``scalars``.
+
+        Raises:
+            SemanticsError: the expression is no vector.
+        """
         found = self.value(node, expression)
         if not isinstance(found, tuple):
             raise SemanticsError("a vector is due")
         return found
 
     def frame(self, node: int, expression: ir.Expr) -> Frame:
-        """The frame of an expression in the block of ``node``."""
+        """The frame of an expression in the block of ``node``.
+
+        Raises:
+            SemanticsError: the expression is no frame.
+        """
         match expression:
             case ir.Compose(left, right):
                 return product(self.frame(node, left), self.frame(node, right))

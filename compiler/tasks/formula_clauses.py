@@ -75,7 +75,7 @@ class Clauses:
             self.add(np.column_stack([heads[rows], body]))
 
     def taken(self) -> list[Ints]:
-        """The clauses added since the last call, in one array for each length."""
+        """The clauses added since the last call: an array (clauses, literals) for each length."""
         arrays, self._arrays = self._arrays, []
         by_length: dict[int, list[Ints]] = {}
         for array in arrays:

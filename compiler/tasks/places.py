@@ -29,7 +29,7 @@ class Edges:
     first: Ints
 
     def of(self, cells: Ints) -> tuple[Ints, Ints]:
-        """The edges out of some cells: the index of the cell among them, and the head."""
+        """The edges out of cells (c,): indices into ``cells`` and heads, shapes (found,)."""
         degrees = self.first[cells + 1] - self.first[cells]
         owners = np.repeat(np.arange(len(cells)), degrees)
         ends = np.cumsum(degrees)

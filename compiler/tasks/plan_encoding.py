@@ -38,7 +38,10 @@ class EntrySamples:
         return self._rows[position]
 
     def entries(self, count: int, true: NDArray[np.bool_]) -> tuple[int, ...]:
-        """The samples at which a model enters the first positions."""
+        """The samples at which a model enters the first ``count`` positions.
+
+        ``true`` is the model, shape (variables + 1,): whether variable v holds, at index v.
+        """
         return tuple(int(np.argmax((row > 0) & true[np.abs(row)])) for row in self._rows[:count])
 
     def literals(self, entries: Sequence[int]) -> list[int]:
@@ -220,7 +223,7 @@ class PositionEncoding:
         return [-self._paths.more, -self._paths.exists(bound + 1)]
 
     def decode(self, true: NDArray[np.bool_]) -> tuple[Word, ...]:
-        """The path of a model."""
+        """The path of a model, given as ``true[v]`` per variable v, shape (variables + 1,)."""
         return (Word(self._effector, self._paths.decode(true), None),)
 
     def exclude(self, words: Sequence[Word]) -> None:
@@ -336,7 +339,7 @@ class SampleEncoding:
         return [*found, self._distinct] if distinct else found
 
     def decode(self, true: NDArray[np.bool_]) -> tuple[Word, ...]:
-        """The words of a model."""
+        """The words of a model, given as ``true[v]`` per variable v, shape (variables + 1,)."""
         found = []
         for number, paths, entries in zip(self._numbers, self._paths, self._entries, strict=True):
             cells = paths.decode(true)

@@ -86,7 +86,7 @@ class PositionPaths:
         return int(self.variables_at(np.array([cell]), np.array([position]))[0])
 
     def variables_at(self, cells: Ints, positions: Ints) -> Ints:
-        """As ``variable``, of arrays."""
+        """As ``variable``, of arrays of one shape (n,)."""
         if self.shortest is None:
             return np.zeros(len(cells), dtype=np.int64)
         made = positions + np.minimum(self._to_end[cells], UNREACHABLE) - self.shortest
@@ -96,7 +96,7 @@ class PositionPaths:
         return np.where(there, bases + self._rank[cells], 0)
 
     def beginning(self, cells: Sequence[int]) -> Ints:
-        """The variables of a path that begins with some cells, 0 where there is none as yet."""
+        """The variables (n,) of a path that begins with n cells, 0 where there is none as yet."""
         return self.variables_at(np.array(cells), np.arange(len(cells)))
 
     def may_begin(self, cells: Sequence[int]) -> bool:
@@ -106,7 +106,11 @@ class PositionPaths:
         return bool((near & (self._through[own] < UNREACHABLE)).all())
 
     def extend(self) -> Places:
-        """Lay out one change more; the new variables."""
+        """Lay out one change more; the new variables.
+
+        Raises:
+            ValueError: there is no path of any length.
+        """
         clauses = self._clauses
         if self.shortest is None:
             raise ValueError("there is no path of any length")
@@ -130,7 +134,7 @@ class PositionPaths:
         return new
 
     def decode(self, true: NDArray[np.bool_]) -> tuple[int, ...]:
-        """The path of a model; ``true[v]`` tells whether variable v holds."""
+        """The path of a model: whether variable v holds, ``true[v]``, shape (variables + 1,)."""
         at = self.places
         last = max((p for p, v in self._exists.items() if true[v]), default=self.shortest or 0)
         chosen = true[at.variables] & (at.layers <= last)

@@ -71,7 +71,7 @@ class Ramp:
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """Upper bounds on a motion: kinetic length, kinetic speed, and total energy E."""
+    """Upper bounds on a motion: kinetic length, kinetic speed, and total energy E (J)."""
 
     length: arb
     speed: arb

@@ -1,9 +1,9 @@
 r"""The boxes that a motion with bounded drives may be in, from its start to its goal.
 
 R is a set of boxes that holds the whole motion up to its goal.  Bounds on it follow from the
-largest slopes and inputs in R (``drive_budget.py``): kinetic length L, speed, energy E.  A measure
-changes by at most its steepness times L in all, and by at most its speed times T.  So the motion
-keeps to those boxes of R that
+largest slopes and inputs in R (``actuation_levels.py``): kinetic length L, speed, energy E.  A
+measure changes by at most its steepness times L in all, and by at most its speed times T.  So the
+motion keeps to those boxes of R that
 
 - have points with V <= E,
 - are not farther from start and goal together, in any measure, than the measure can change,

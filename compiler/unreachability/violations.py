@@ -226,7 +226,7 @@ class Outside:
     row: BallRow
 
     def depth(self, places: Array) -> Array:
-        """The height above the boundary."""
+        """The height above the boundary in metres, (K,), for samples (K, m, d)."""
         return -_within(places[:, self.point], self.row)
 
     def certain(self, points: EnclosedPoints) -> bool:
@@ -242,7 +242,7 @@ class Interior:
     rows: tuple[BallRow, ...]
 
     def depth(self, places: Array) -> Array:
-        """The depth below the nearest boundary."""
+        """The depth below the nearest boundary in metres, (K,), for samples (K, m, d)."""
         at = places[:, self.point]
         return np.asarray(np.min([_within(at, row) for row in self.rows], axis=0))
 
@@ -262,7 +262,7 @@ class Crossing:
     rows: tuple[BallRow, ...]
 
     def depth(self, places: Array) -> Array:
-        """The length of the part inside, as a fraction of the segment."""
+        """The length inside, as a fraction (K,) of the segment, for samples (K, m, d)."""
         count = len(places)
         low, high = np.zeros(count), np.ones(count)
         for row in self.rows:

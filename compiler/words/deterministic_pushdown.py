@@ -33,6 +33,9 @@ def deterministic_pushdown(
     automaton of ``srg.cfg``.  What no run can need is left out: controls that the LR automaton
     does not lead to, and symbols after which the accept condition cannot hold any more.  Gives up
     after ``limit`` transitions.
+
+    Raises:
+        ValueError: ``accept`` has another alphabet, or ``automaton`` is of another grammar.
     """
     if accept.alphabet != srg.terminals:
         raise ValueError("the accept condition and the grammar have different alphabets")

@@ -66,6 +66,9 @@ def sra(srg: Srg, accept: Dfa) -> Pda:
     States q0 ... are those of ``accept``; a production replaces its left side on the stack, a
     terminal on top is read while the accept automaton moves, and the bottom marker is popped to
     the final state from accepting states.
+
+    Raises:
+        ValueError: ``accept`` has another alphabet than the grammar.
     """
     if accept.alphabet != srg.terminals:
         raise ValueError("the accept condition and the grammar have different alphabets")

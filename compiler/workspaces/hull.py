@@ -170,7 +170,11 @@ def _chain(points: Sequence[Lattice]) -> list[Lattice]:
 
 
 def around(corners: Sequence[Point]) -> tuple[Point, ...]:
-    """The corners of a facet in order: the ends of a segment, or round a polygon of space."""
+    """The corners of a facet in order: the ends of a segment, or round a polygon of space.
+
+    Raises:
+        ValueError: the points of space are not the corners of a convex polygon.
+    """
     if len(corners[0]) == 2:
         return tuple(corners)
     for drop in range(3):
@@ -182,7 +186,7 @@ def around(corners: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def polygon_area(corners: Sequence[Point]) -> Fraction:
-    """The area of a convex polygon of the plane, its corners in counter-clockwise order.
+    """The area (m^2) of a convex polygon of the plane, its corners in counter-clockwise order.
 
     Zero of fewer than three corners.
     """
@@ -194,7 +198,7 @@ def polygon_area(corners: Sequence[Point]) -> Fraction:
 
 
 def polyhedron_volume(facets: Sequence[tuple[Point, Sequence[Point]]]) -> Fraction:
-    """The volume of a convex polyhedron of space.
+    """The volume (m^3) of a convex polyhedron of space.
 
     Args:
         facets: each facet once, as its normal (3,) and its corners in any order.
@@ -234,6 +238,9 @@ def hull_rows(points: Sequence[Point]) -> tuple[HalfSpace, ...]:
     """Half-spaces whose intersection is the convex hull of the points (n >= 1, all of one length).
 
     Irredundant where the hull has an interior; the order depends on the set of points only.
+
+    Raises:
+        ValueError: there is no point.
     """
     if not points:
         raise ValueError("the hull of no points has no facets")

@@ -137,7 +137,7 @@ def _lines(pixels: Pixels, size: Fraction, move: Fraction) -> tuple[list[Fractio
 
 
 def obstacles(image: GreyImage, header: MapHeader) -> NDArray[np.bool_]:
-    """Whether each pixel is occupied or unknown, by row (the top one first) and column.
+    """Whether each pixel is occupied or unknown, shape (rows, columns), the top row first.
 
     The occupancy of a pixel of brightness v is p = (w - v) / w, or v / w if ``negate``, where w is
     white.  It is free iff p is below ``free`` (which is at most ``occupied``), and, in the modes

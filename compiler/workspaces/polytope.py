@@ -132,7 +132,11 @@ class Polytope:
 
     @cached_property
     def volume(self) -> Fraction:
-        """The area (m^2) in the plane, the volume (m^3) in space; zero without interior."""
+        """The area (m^2) in the plane, the volume (m^3) in space; zero without interior.
+
+        Raises:
+            ValueError: it is unbounded, or has an interior of another dimension.
+        """
         self._require_bounded()
         if self.dimension == 2:
             return polygon_area(self.vertices)

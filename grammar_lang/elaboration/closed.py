@@ -52,7 +52,7 @@ class ClosedScope:
         return None
 
     def use_dof(self, member: s.Member) -> ir.Expr:
-        """Never called: there are no degrees of freedom."""
+        """Never called, as there are no degrees of freedom; it would raise LookupError."""
         raise LookupError(member.name.text)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:

@@ -53,7 +53,7 @@ class ModuleScope:
         return None
 
     def use_dof(self, member: s.Member) -> ir.Expr:
-        """Never called: no degree of freedom is used here."""
+        """Never called, as no degree of freedom is used here; it would raise LookupError."""
         raise LookupError(member.name.text)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:

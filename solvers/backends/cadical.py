@@ -40,7 +40,11 @@ class SatSolver:
         self._clauses: dict[int, list[NDArray[np.int64]]] = {}
 
     def add(self, clauses: NDArray[np.int64]) -> None:
-        """Add clauses of equal length, shape (clauses, literals)."""
+        """Add clauses of equal length, shape (clauses, literals).
+
+        Raises:
+            ValueError: a clause is empty, or 0 is among the literals.
+        """
         count, length = clauses.shape
         if not count:
             return
@@ -55,6 +59,9 @@ class SatSolver:
 
         ``Unknown`` means that the budget ran out: another call goes on with what was learnt; or
         that the solver failed, also by a model that breaks a clause.
+
+        Raises:
+            ValueError: ``conflicts`` is not positive.
         """
         if conflicts < 1:
             raise ValueError("a budget is at least one conflict")

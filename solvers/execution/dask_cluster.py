@@ -118,7 +118,11 @@ class DaskCluster:
         return max(1, len(self._client.nthreads()))
 
     def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
-        """The results in the order of the jobs."""
+        """The results in the order of the jobs.
+
+        Raises:
+            WorkersLostError: every worker that tried a job ended, or none can be reached.
+        """
         from distributed.scheduler import KilledWorker
 
         if not self._is_connected():

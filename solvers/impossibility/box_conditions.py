@@ -52,7 +52,7 @@ class Judged:
     effects: Array
 
     def at(self, where: Flags | Numbers) -> Judged:
-        """Of some boxes."""
+        """Of some boxes: a mask (K,) or their numbers (some,)."""
         return Judged(
             self.open[where], self.free[where], self.start[where], self.goal[where],
             self.effects[where],

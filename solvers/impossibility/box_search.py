@@ -120,7 +120,10 @@ class Search:
         self._parameters = parameter_sides(demands.model)
 
     def straight(self, start: Array | None, target: Array, theta: Array) -> bool:
-        """Whether poses on the straight line between two are clear, at parameters (p,)."""
+        """Whether poses on the straight line between two are clear, at parameters (p,).
+
+        The poses are coordinates (n,) in rad or m; ``start`` None is the start that the task gives.
+        """
         start = self._demands.given if start is None else start
         if start is None:
             return False

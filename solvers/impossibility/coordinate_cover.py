@@ -63,16 +63,16 @@ class CoordinateCover:
         return low, low + (np.int64(1) << (MOST_HALVINGS - self.depth)) * width
 
     def keep(self, which: Flags) -> None:
-        """Keep some of the kept leaves."""
+        """Keep some of the kept leaves, a mask (K,)."""
         self.first, self.depth = self.first[which], self.depth[which]
         self.node = self.node[which]
         self._pairs = None
 
     def halve(self, where: Numbers, variables: Numbers) -> Numbers:
-        """Halve some kept leaves, each at its variable; both halves are kept.
+        """Halve m kept leaves, ``where`` (m,), each at its variable (m,); both halves are kept.
 
         Returns:
-            where the halves are: ``where`` and as many places at the end.
+            where the halves are, (2 m,): ``where`` and as many places at the end.
         """
         rows = np.arange(len(where))
         deeper = self.depth[where]
@@ -145,7 +145,10 @@ class CoordinateCover:
         return touch
 
     def way(self, distances: Numbers, goals: Flags) -> Numbers:
-        """A shortest chain of leaves back from the nearest goal; empty where none is reached."""
+        """A shortest chain (length,) of leaves back from the nearest goal; empty if there is none.
+
+        ``distances`` (K,) are what ``distances`` gives, ``goals`` (K,) a mask.
+        """
         reached = np.flatnonzero(goals & (distances != UNREACHED))
         if not len(reached):
             return reached

@@ -45,7 +45,8 @@ TURN = np.pi
 class PoseWitness:
     """Parameters (p,) and coordinates (n,) at both poses; ``effector`` (from 0) is in the target.
 
-    ``start`` is None where the task fixes the start pose, else ``start_effector`` is in its region.
+    All are in SI units.  ``start`` is None where the task fixes the start pose, else
+    ``start_effector`` is in its region.
     """
 
     theta: Array

@@ -55,7 +55,12 @@ LARGEST = 1e150
 
 @dataclass(frozen=True, slots=True)
 class GaussianProcess:
-    """The process given values at points: ``inverse`` is that of the Cholesky factor (m, m)."""
+    """The process given values at points (m, p) of the cube.
+
+    ``lengths`` (p,) are the length scales, ``amplitude`` and ``noise`` are variances, ``inverse``
+    (m, m) is that of the Cholesky factor, ``weights`` (m,) are the inverse covariance times the
+    values (Rasmussen & Williams 2006, Algorithm 2.1).
+    """
 
     points: Array
     lengths: Array
@@ -83,13 +88,16 @@ def conditioned(
 
 
 def correlation(a: Array, b: Array, lengths: Array) -> Array:
-    """The kernel with amplitude 1 between points (m, p) and (k, p): shape (m, k)."""
+    """The squared-exponential kernel with amplitude 1 between points (m, p) and (k, p): (m, k)."""
     gaps = (a[:, None, :] - b[None, :, :]) / lengths
     return np.asarray(np.exp(-0.5 * np.sum(gaps**2, axis=2)))
 
 
 def fitted(points: Array, values: Array) -> GaussianProcess:
-    """The process whose length scales, amplitude and noise make the values the most likely."""
+    """The process of greatest likelihood for values (m,) at points (m, p) of the cube.
+
+    Length scales, amplitude and noise are fitted; the values are standardised.
+    """
     if not np.any(values):
         lengths, ratio = np.full(points.shape[1], DEFAULT[0]), DEFAULT[1]
         return conditioned(points, values, lengths, 1.0, ratio)
@@ -213,7 +221,10 @@ def exploration(candidates: int, t: int) -> float:
 
 
 def gp_acb(mean: Array, deviation: Array, t: int) -> Array:
-    """The rule m + sqrt(eta beta) sigma; eta is the mean scaled to [0, 1], 1 where it is flat."""
+    """The rule m + sqrt(eta beta) sigma (GP-ACB, Eqn. 8), (c,), for mean and deviation (c,).
+
+    ``t`` counts the steps from 1; eta is the mean scaled to [0, 1], 1 where it is flat.
+    """
     spread = float(mean.max() - mean.min())
     eta = (mean - mean.min()) / spread if spread > 0 else np.ones_like(mean)
     return np.asarray(mean + np.sqrt(eta * exploration(len(mean), t)) * deviation)
@@ -230,7 +241,7 @@ class BayesianSearch:
     acquisition: Acquisition = gp_acb
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """The best candidates that are neither known nor waited for, one after the other."""
+        """The best candidates (p,) that are neither known nor waited for, one after the other."""
         known, values = np.array(record.points), standardised(np.array(record.values))
         process = fitted(known, values)
         waited = list(record.pending)
@@ -247,7 +258,7 @@ class BayesianSearch:
         return new
 
     def learn(self, point: Array, value: float) -> None:
-        """Nothing beyond what is on record."""
+        """Nothing beyond what is on record: the value of a point (p,)."""
 
     def _candidates(self, record: Record) -> Array:
         """Distinct points of the cube (c, p), neither known nor waited for."""

@@ -42,7 +42,7 @@ class NelderMead:
     _values: list[float] = field(default_factory=list[float])
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """The next points of the simplex method."""
+        """The next points (p,) of the simplex method, of the cube."""
         if self._steps is None:
             best = record.best()
             self._steps = self._search(record.points[best], record.values[best])
@@ -51,7 +51,7 @@ class NelderMead:
         return taken
 
     def learn(self, point: Array, value: float) -> None:
-        """Go on once all values of a step are there."""
+        """Take the value of a point (p,); go on once all values of a step are there."""
         self._values.append(value)
         if self._steps is not None and len(self._values) == self._waiting:
             self._expect(self._steps.send(self._values))

@@ -67,7 +67,10 @@ class Cube:
 
 @dataclass(frozen=True, slots=True)
 class Halton:
-    """The sequence in ``dimension`` axes; without a seed, Halton's own, which begins at 0."""
+    """Halton's sequence in ``dimension`` axes, from point 0 on, its digits permuted by the seed.
+
+    Without a seed it is Halton's own (1964), else each axis is scrambled as by Owen (2017).
+    """
 
     dimension: int
     seed: int | None
@@ -95,7 +98,10 @@ def _is_prime(number: int) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ParameterSpace:
-    """The box of interval parameters and the lists of discrete ones, SI."""
+    """The box of interval parameters, ``lower`` to ``upper`` (p,), in SI units.
+
+    ``choices`` lists the values of discrete parameters, None for interval ones.
+    """
 
     lower: Array
     upper: Array
@@ -137,7 +143,7 @@ class ParameterSpace:
         return self.cube.nearest(point)
 
     def samples(self, power: int, seed: int) -> list[Array]:
-        """A sequence of 2**power parameters that fill the space; one where nothing is free."""
+        """A sequence of 2**power parameters (p,) that fill the space; one where nothing is free."""
         if self.is_point:
             return [self.lower]
         points = Halton(len(self.lower), seed).points(0, 2**power)
@@ -210,11 +216,11 @@ class Method(Protocol):
     """A way to search.  It begins when the initial points have values."""
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """At most ``count`` points of the cube; none while it has to wait for pending ones."""
+        """At most ``count`` points (p,) of the cube; none while it has to wait for pending ones."""
         ...
 
     def learn(self, point: Array, value: float) -> None:
-        """The value of a proposed point; values come in the order of the proposals."""
+        """The value of a proposed point (p,); values come in the order of the proposals."""
         ...
 
 
@@ -254,7 +260,7 @@ class ParameterSearch:
         return self.record.values
 
     def ask(self, count: int) -> list[Array]:
-        """At most ``count`` new points of the cube, all different.
+        """At most ``count`` new points (p,) of the cube, all different.
 
         Fewer where the method has to know the values of those first; none where it waits for values
         of points that were asked before, or where all points are known.
@@ -274,7 +280,7 @@ class ParameterSearch:
         return self.record.pending[before:]
 
     def tell(self, point: Array, value: float) -> None:
-        """The value at a point of the cube, asked for or not.
+        """The value at a point (p,) of the cube, asked for or not.
 
         Raises:
             ValueError: the value is not finite (whoever evaluates has to grade what is infeasible),

@@ -340,5 +340,5 @@ def _solved(
 
 
 def free_parameters(path_problem: PathProblem, about: Trajectory) -> tuple[Array, Array] | None:
-    """The box in which parameters are unknowns next to a motion; None where none may vary."""
+    """Bounds (p,) of the parameters as unknowns next to a motion; None where none may vary."""
     return parameter_space(path_problem.model).free_box(about.theta)

@@ -105,6 +105,8 @@ def evaluate(
 ) -> ControlOutcome:
     """The best outcome over all seeds, the timing along the path free; ties go to the first.
 
+    ``theta`` (p,) are the parameters, in SI units.
+
     Raises:
         ValueError: there is no seed.
     """
@@ -114,7 +116,7 @@ def evaluate(
 def attempts_at(
     path_problem: PathProblem, theta: Array, budget: IterationBudget = SURVEY
 ) -> Outcomes:
-    """The outcomes of all hopeful seeds, the timing along the path free."""
+    """The outcomes of all hopeful seeds for theta (p,), the timing along the path free."""
     return tuple(
         request.outcome(path_problem)
         for request in _requests(_hopeful(path_problem, theta), budget)
@@ -191,7 +193,7 @@ class Evaluator:
     def batch(
         self, thetas: Sequence[Array], budget: IterationBudget = SURVEY
     ) -> Iterator[ControlOutcome]:
-        """The best outcome over all seeds for each of the parameters, one at a time.
+        """The best outcome over all seeds for each of the parameters (p,), one at a time.
 
         Raises:
             ValueError: there is no seed for some of them.
@@ -201,7 +203,7 @@ class Evaluator:
     def attempts(
         self, thetas: Sequence[Array], budget: IterationBudget = SURVEY
     ) -> Iterator[Outcomes]:
-        """The outcomes of all hopeful seeds for each of the parameters, one after the other."""
+        """The outcomes of all hopeful seeds for each of the parameters (p,), one by one."""
         keys = [f"{self._name}|{theta.tobytes().hex()}|{budget}" for theta in thetas]
         known = [self._recalled(key) for key in keys]
         missing = [theta for theta, found in zip(thetas, known, strict=True) if found is None]

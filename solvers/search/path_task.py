@@ -110,7 +110,10 @@ MOST = 256
 
 
 def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
-    """At least ``least`` parts, more where the linearised robot has fast modes at random poses."""
+    """At least ``least`` parts of a step of ``dt`` seconds, more where there are fast modes.
+
+    The modes are those of the robot linearised at random poses.
+    """
     n, size = numeric.n, numeric.size
     rng = np.random.default_rng(0)
     x = np.zeros((SAMPLES, size))

@@ -119,6 +119,9 @@ def standing_configurations(
     """Cells and motionless configurations that meet the regions of a task most clearly, or none.
 
     The parameters are samples: what is not found may still exist.
+
+    Raises:
+        ValueError: the robot has degrees of freedom.
     """
     model = numeric.graph.model
     if model.dofs:

@@ -175,7 +175,7 @@ ASTRAY = 0.02
 
 @dataclass(frozen=True)
 class ConvexSet:
-    """A polytope in floats: unit normals (m, d), offsets (m,), vertices (w, d)."""
+    """A polytope in floats: unit normals (m, d); offsets (m,) and vertices (w, d), in metres."""
 
     normals: Array
     offsets: Array
@@ -223,7 +223,7 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """The hull of some points stays at a distance from a convex set, all the time between samples.
+    """The hull of some points stays ``distance`` metres from a convex set, also between samples.
 
     From sample ``first`` to sample ``last`` (None: to the end).
     """
@@ -235,7 +235,7 @@ class Separation:
     last: int | None = None
 
     def spans(self, count: int) -> tuple[Indices, Indices]:
-        """The first and the last sample of every step it binds, of ``count`` steps.
+        """The first and the last sample, (steps,) each, of every step it binds, of ``count`` steps.
 
         A single sample is bound alone: both are that sample.
         """

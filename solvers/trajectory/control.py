@@ -199,7 +199,10 @@ def synthesise_control(
 ) -> ControlOutcome:
     """Iterate convex steps from a seed trajectory to a fixpoint.
 
-    With ``theta_box`` the parameters are unknowns within that box, else they stay as seeded.
+    Problem (i) of P.Synthesis: the inputs of the greatest robustness (Definition 7), on the robot
+    linearised again and again.  With ``theta_box``, bounds (p,) below and above, the parameters are
+    unknowns within that box, else they stay as seeded.  ``radius`` is that of the first trust
+    region, in rad or m.
     """
     current = measured(problem, start)
     if current is None:

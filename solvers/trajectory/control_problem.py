@@ -25,7 +25,8 @@ ROUNDING = 1e-7
 class ControlProblem:
     """A robot, its limits and its time grid; positions are constrained by ``rows_of``.
 
-    ``steps`` makes what solves the convex steps.
+    A step takes ``dt`` seconds and is integrated in ``substeps`` parts.  ``steps`` makes what
+    solves the convex steps.
     """
 
     numeric: NumericRobot
@@ -70,9 +71,10 @@ SURVEY = IterationBudget(8, 2e-3, 1e-6, 2)
 class ControlOutcome:
     """Where the iteration ended.
 
-    ``robustness`` is rho where ``feasible``, else minus the largest violation in units of effort;
-    ``fictitious`` (k,) is the largest component of each v_i, ``excess`` the position excess (m),
-    ``defect`` the largest one that convex steps left (SI), before the motion was simulated.
+    ``robustness`` is rho (Definition 7) where ``feasible``, else minus the largest violation in
+    units of effort; ``effort_peak`` is in N m, or N.  ``fictitious`` (k,) is the largest component
+    of each v_i, ``excess`` the position excess (m), ``defect`` the largest one that convex steps
+    left (SI), before the motion was simulated.
     """
 
     trajectory: Trajectory
@@ -87,12 +89,12 @@ class ControlOutcome:
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:
-    """The least margin over all steps and groups."""
+    """The least margin of inputs (k, m) over all steps and groups, in the units of the inputs."""
     return min((group.margin(u) for group in groups), default=0.0)
 
 
 def effort_peak(groups: tuple[InputGroup, ...], u: Array) -> float:
-    """The largest effort over all steps, of whichever group attains it."""
+    """The largest effort (N m or N) of inputs (k, m) over all steps and groups."""
     return max(
         (
             float(np.max(np.linalg.norm(u[:, list(g.inputs)], axis=1), initial=0.0))
@@ -126,7 +128,8 @@ class MeasuredMotion:
     """A linearisation with its half-planes, and what the trajectory breaks.
 
     ``fictitious`` (k,) are the largest components of the fictitious inputs that would close the
-    ``defect`` (SI, the largest), ``excess`` is that of positions (m), ``outside`` that of limits.
+    ``defect`` (SI, the largest), ``excess`` is that of positions (m), ``outside`` that of limits
+    (SI), ``margin`` that of the inputs, in their units.
     """
 
     model: Model
@@ -178,7 +181,10 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
 
 
 def limit_excess(limits: MotionLimits, x: Array) -> float:
-    """By how much states (k + 1, N) leave the limits of a motion at most; 0 if they keep them."""
+    """By how much states (k + 1, N) leave the limits of a motion at most; 0 if they keep them.
+
+    It is in SI units: rad or m of coordinates, the same per second of rates.
+    """
     n = len(limits.lower)
     q, v = x[:, :n], x[:, n : 2 * n]
     gaps = [limits.lower - q, q - limits.upper, (limits.rate_lower - v)[1:]]

@@ -38,7 +38,7 @@ Entries: TypeAlias = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Polyline:
-    """Points (w, d) in order; ``gates`` are the indices of those where a cell is entered."""
+    """Points (w, d), in m, in order; ``gates`` are the indices of those where a cell is entered."""
 
     points: Array
     gates: tuple[int, ...]
@@ -50,7 +50,7 @@ class Polyline:
         return np.concatenate([[0.0], np.cumsum(lengths)])
 
     def at(self, along: Array) -> Array:
-        """The places (s, d) at some lengths (s,)."""
+        """The places (s, d) at some lengths (s,) along the line, all in metres."""
         axes = range(self.points.shape[1])
         columns = [np.interp(along, self.along, self.points[:, axis]) for axis in axes]
         return np.stack(columns, axis=1)
@@ -77,7 +77,10 @@ def _centre(abstraction: Abstraction, cell: int) -> Array:
 
 
 def smooth_timing(line: Polyline, steps: int) -> tuple[Array, Entries]:
-    """Lengths (steps + 1,) along the line with minimum jerk from rest to rest, and the entries."""
+    """Lengths (steps + 1,) in m along the line, from rest to rest, and the entries.
+
+    Minimum jerk (Flash & Hogan 1985) over the whole line; every cell gets a sample of its own.
+    """
     t = np.linspace(0.0, 1.0, steps + 1)
     s = (10 * t**3 - 15 * t**4 + 6 * t**5) * line.along[-1]
     passed = np.searchsorted(s, line.along[list(line.gates)] + 1e-12)
@@ -90,7 +93,7 @@ def smooth_timing(line: Polyline, steps: int) -> tuple[Array, Entries]:
 
 
 def timing_of(line: Polyline, entries: Entries, steps: int) -> Array:
-    """Lengths (steps + 1,) along the line that enter the cells at given samples.
+    """Lengths (steps + 1,) in m along the line that enter the cells at given samples.
 
     A monotone cubic (Fritsch & Carlson 1980) through the gates, half a step before each entry, at
     rest at both ends.

@@ -45,7 +45,10 @@ def infeasible_prefix(sample: int | None, entries: tuple[int, ...]) -> int:
 
 
 def zero_prefix(slacks: Array, threshold: float) -> int:
-    """ZEROPREFIX: the least m whose partial sum g_0 + ... + g_m exceeds the threshold, else k."""
+    """ZEROPREFIX: the least m whose partial sum g_0 + ... + g_m exceeds the threshold, else k.
+
+    ``slacks`` are g_0 ... g_(k - 1), shape (k,).
+    """
     above = np.flatnonzero(np.cumsum(slacks) > threshold)
     return int(above[0]) if len(above) else len(slacks)
 

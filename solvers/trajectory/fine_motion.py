@@ -26,8 +26,9 @@ MOST_PARTS = 128
 def fine_motion(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Trajectory:
     """The trajectory with its states integrated anew, by the same method in shorter steps.
 
-    For tables and pictures, and whoever compares with another simulator; no proof rests on it, so
-    that a limit of time leaves the states as fine as they are by then.
+    ``dt`` is the time between samples in seconds.  For tables and pictures, and whoever compares
+    with another simulator; no proof rests on it, so that a limit of time leaves the states as fine
+    as they are by then.
     """
     states, parts = trajectory.x, 1
     while parts <= MOST_PARTS and not is_late():

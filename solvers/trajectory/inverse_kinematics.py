@@ -31,9 +31,10 @@ def solve_positions(
     box: tuple[Array, Array],
     rounds: int = ROUNDS,
 ) -> tuple[Array, Array]:
-    """Bring one point to targets from K starts; starts (K, n), targets (K, d).
+    """Bring one point to targets from K starts; starts (K, n), theta (p,), targets (K, d) in m.
 
-    Returns coordinates (K, n), within the box, and remaining distances (K,) in metres.
+    Levenberg-Marquardt with a damping of its own for each start.  Returns coordinates (K, n),
+    within the box, and remaining distances (K,) in metres.
     """
     lower, upper = box
     q = np.clip(starts, lower, upper)
@@ -150,7 +151,10 @@ def pool(
     reach: float,
     rng: np.random.Generator,
 ) -> Pool:
-    """Draw poses; unlimited slides up to the ``reach`` in metres and some more."""
+    """Draw poses of a robot with parameters (p,) from a box, lower and upper bounds (n,).
+
+    Unlimited slides are drawn up to the ``reach`` in metres and some more.
+    """
     lower, upper = sampled_box(numeric, box, reach)
     q = rng.uniform(lower, upper, size=(POOL, numeric.n))
     return Pool(q, numeric.points(q, theta).value)

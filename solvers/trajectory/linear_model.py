@@ -25,14 +25,14 @@ class PositionRows:
     offset: Array
 
     def excess(self, points: Points) -> Array:
-        """Signed violation of each row, metres; positive where violated."""
+        """Signed violation (R,) of each row, metres; positive where violated."""
         at = points.value[self.sample, self.point]
         return np.asarray(np.einsum("rd,rd->r", self.normal, at) - self.offset)
 
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """Everything linearised about one trajectory."""
+    """Everything linearised about one trajectory; ``fictitious`` is B' of C.2, shape (k, N, N)."""
 
     about: Trajectory
     dynamics: Linearisation
@@ -41,10 +41,10 @@ class Model:
 
 
 def fictitious_inputs(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Array:
-    """B' of C.2, shape (k, N, N): a unit slack is the effort that causes it within a step.
+    """B' of C.2 in Definition 7, (k, N, N): a unit slack is the effort that causes it in a step.
 
-    An effort f held for dt moves a coordinate by dt^2/2 M^-1 f and its rate by dt M^-1 f.  A state
-    of a module's own is moved by dt in its own unit.
+    An effort f held for ``dt`` seconds moves a coordinate by dt^2/2 M^-1 f and its rate by
+    dt M^-1 f.  A state of a module's own is moved by dt in its own unit.
     """
     n, k = numeric.n, len(trajectory.u)
     inverse = np.linalg.inv(numeric.mass_matrix(trajectory.x[:-1, :n], trajectory.theta))

@@ -63,13 +63,13 @@ BEYOND = 1.25
 class PathProblem:
     """An effector of a robot that has to follow a path of cells, and what else binds the robot.
 
-    ``recorded`` is the effector that starts (unless the task names another) and reaches, None: the
-    one that follows the path.  ``insets`` narrows the limits of joints and rates further, shape
-    (n, 2, 2): motions were seen to pass them within steps.  A cell trace has to satisfy
-    ``formula``; ``others`` are the paths of other effectors in it, and ``timing`` is when the cells
-    are entered, where smooth timing will not do.  ``spread`` is by how much disturbed motions
-    tighten the constraints beyond the margins.  ``solver`` is the name in cvxpy of what solves the
-    convex steps, None: our own programs.
+    ``margin`` is kept from what binds positions, in metres.  ``recorded`` is the effector that
+    starts (unless the task names another) and reaches, None: the one that follows the path.
+    ``insets`` narrows the limits of joints and rates further, shape (n, 2, 2): motions were seen to
+    pass them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the paths of
+    other effectors in it, and ``timing`` is when the cells are entered, where smooth timing will
+    not do.  ``spread`` is by how much disturbed motions tighten the constraints beyond the margins.
+    ``solver`` is the name in cvxpy of what solves the convex steps, None: our own programs.
     """
 
     numeric: NumericRobot
@@ -119,7 +119,7 @@ class PathProblem:
     # --- timing and formulas --------------------------------------------------------------------
 
     def waypoints(self) -> tuple[Array, Entries]:
-        """Positions (k + 1, d) along the path from rest to rest, and each cell's entry step."""
+        """Positions (k + 1, d) in m on the path from rest to rest, and each cell's entry step."""
         line, k = polyline(self.abstraction, self.cells), self.task.steps
         if self.timing is None:
             along, entries = smooth_timing(line, k)
@@ -179,7 +179,7 @@ class PathProblem:
     # --- seeds and solutions --------------------------------------------------------------------
 
     def seeds(self, theta: Array) -> list[Trajectory]:
-        """Seed trajectories, the most hopeful first.
+        """Seed trajectories for theta (p,), the most hopeful first.
 
         One per branch of the inverse kinematics at the start; where the task binds bodies, those
         that are clear, or such as a roadmap of clear poses gives.
@@ -214,7 +214,7 @@ class PathProblem:
         return self.task.bounds_body or any(a.subject == "body" for a in self.task.avoid)
 
     def corridor(self, theta: Array) -> Corridor:
-        """What poses have to keep to on the path."""
+        """What poses have to keep to on the path, for theta (p,)."""
         limits, avoidances = self.limits, self.constraints.avoidances
         cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
         return Corridor(
@@ -230,7 +230,7 @@ class PathProblem:
         budget: IterationBudget = FULL,
         radius: float = 0.5,
     ) -> ControlOutcome:
-        """Control synthesis from a seed; with ``box`` the parameters are unknowns too."""
+        """Control synthesis from a seed; with ``box``, bounds (p,), parameters are unknowns too."""
         if entries is None:
             entries = self.waypoints()[1]
         return self._solve(self.problem(entries), start, box, budget, radius)
@@ -243,7 +243,10 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
-        """The same with the cells between the two ends released; what else binds does as before."""
+        """As ``solve``, with the cells between the ends released; what else binds does as before.
+
+        ``box`` are bounds (p,) of the parameters, or None.
+        """
         return self._solve(self.problem(entries, released=True), start, box, budget, radius)
 
     def _solve(

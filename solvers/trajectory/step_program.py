@@ -279,7 +279,7 @@ class EntryPattern:
     """The pattern with zeros."""
 
     def matrix(self, values: Sequence[Array]) -> csc_matrix:
-        """The matrix with these values, block by block as the entries were listed."""
+        """The matrix with values (entries,), block by block as the entries were listed."""
         flat = np.concatenate([*values, np.zeros(0)])
         # The pattern is known to be sound: a copy is forty times as fast as building it anew.
         matrix = copy(self.empty)

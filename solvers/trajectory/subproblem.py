@@ -66,7 +66,11 @@ class SubproblemSpec:
 
 @dataclass(frozen=True, slots=True)
 class StepResult:
-    """The optimum of a convex step; slack and margin in metres and units of effort."""
+    """The optimum of a convex step.
+
+    ``fictitious`` (k, N) are the fictitious inputs and ``largest_fictitious`` is V; these and the
+    ``margin`` are in units of effort, ``position_slack`` is sigma in metres.
+    """
 
     trajectory: Trajectory
     fictitious: Array

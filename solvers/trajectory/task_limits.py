@@ -26,7 +26,11 @@ RATE_MARGIN = 0.5
 
 
 def state_limits(model: RobotModel) -> Array:
-    """Ranges and rate limits of the joints, shape (n, 2, 2); infinite where there are none."""
+    """Ranges and rate limits of the joints, shape (n, 2, 2); infinite where there are none.
+
+    Row i holds the range (rad or m) of joint i and its rate limits (the same per second), each
+    as lower and upper end.
+    """
 
     def ends(interval: ir.Interval | None) -> tuple[float, float]:
         if interval is None:
@@ -87,7 +91,8 @@ def resting_inputs(groups: tuple[InputGroup, ...], steps: int, count: int) -> Ar
 class InputGroup:
     """Inputs in [lower, upper] each, or of Euclidean norm at most ``upper`` (``norm2``).
 
-    ``effort`` says that they are free inputs of joints, not declared ones.
+    Bounds are in SI units: N m or N where ``effort`` says that the inputs are free ones of joints,
+    else the units of the declared inputs.
     """
 
     inputs: tuple[int, ...]
@@ -102,7 +107,7 @@ class InputGroup:
         return self.upper if self.norm2 else (self.upper - self.lower) / 2
 
     def margin(self, u: Array) -> float:
-        """The least distance of inputs (k, m) from the bounds."""
+        """The least distance of inputs (k, m) from the bounds, in their units."""
         own = u[:, list(self.inputs)]
         if self.norm2:
             own = np.linalg.norm(own, axis=1, keepdims=True)
@@ -120,11 +125,12 @@ def effort_scale(groups: tuple[InputGroup, ...]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class MotionLimits:
-    """What binds the state apart from positions; arrays have one entry per degree of freedom.
+    """What binds the state apart from positions, in SI units.
 
-    ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones (inf:
-    free), ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial states
-    of the modules' own.
+    Arrays have one entry per degree of freedom: coordinates in rad or m, rates in the same per
+    second.  ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones
+    (inf: free), ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial
+    states of the modules' own.
     """
 
     lower: Array

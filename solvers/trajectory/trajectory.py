@@ -9,7 +9,11 @@ from compiler.arrays import Array
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """States (k + 1, N), inputs (k, m) and parameters (p,) of a robot; N = 2n + r."""
+    """States (k + 1, N), inputs (k, m) and parameters (p,) of a robot, in SI units; N = 2n + r.
+
+    A state is n coordinates (rad or m), their rates, and the r states of the modules' own.
+    Inputs (N m or N at joints) are held from one sample to the next.
+    """
 
     x: Array
     u: Array

@@ -39,12 +39,15 @@ class Landscape:
 
     @property
     def axes(self) -> dict[str, Array]:
-        """By the names of the parameters the values that were looked at, in SI units."""
+        """By the names of the parameters the values (n,) that were looked at, in SI units."""
         return {axis.name: axis.values for axis in self.content.axes}
 
     @property
     def robustness(self) -> Array:
-        """Rho on the grid, one axis for each parameter; negative where no motion was found."""
+        """Rho on the grid, one axis for each parameter: shape (n1,) or (n1, n2).
+
+        It is negative where no motion was found.
+        """
         import numpy as np
 
         values = [sample.robustness for sample in self.content.grid]
@@ -52,7 +55,7 @@ class Landscape:
 
     @property
     def feasible(self) -> NDArray[np.bool_]:
-        """Where on the grid a motion was found."""
+        """Where on the grid a motion was found; shape as of ``robustness``."""
         import numpy as np
 
         values = [sample.feasible for sample in self.content.grid]

@@ -85,7 +85,11 @@ class Robot:
 
     @spoken
     def coriolis(self, q: ArrayLike, qd: ArrayLike) -> Array:
-        """The centrifugal and Coriolis forces c, shape (n,) or (K, n); in N m, or N."""
+        """The centrifugal and Coriolis forces c, shape (n,) or (K, n); in N m, or N.
+
+        Raises:
+            UsageFault: ``q`` or ``qd`` has another shape, or they do not go together.
+        """
         import numpy as np
 
         poses, single = self._poses(q, "q")
@@ -128,6 +132,9 @@ class Robot:
 
         Args:
             form: plain text, LaTeX, or terms for solvers.
+
+        Raises:
+            UsageFault: ``form`` is another one.
         """
         from srgc.text_reports.model_report import model_text
 

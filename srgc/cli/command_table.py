@@ -97,7 +97,11 @@ class CommandTable(click.Group):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
-        """As click does it, but without its empty line on standard error at an interrupt."""
+        """As click does it, but without its empty line on standard error at an interrupt.
+
+        Raises:
+            Abort: the command was interrupted.
+        """
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:

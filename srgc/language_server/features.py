@@ -102,7 +102,11 @@ class Features:
         return await self._at(params, highlights) or []
 
     async def prepare_rename(self, params: lsp.PrepareRenameParams) -> lsp.Range | None:
-        """The name at a place that can be changed."""
+        """The name at a place that can be changed.
+
+        Raises:
+            RequestRefused: nothing there can be renamed; the message says why.
+        """
 
         def prepared(analysis: Analysis, number: int, offset: int) -> lsp.Range | None:
             found = renamable(analysis, number, offset)
@@ -114,7 +118,11 @@ class Features:
             raise RequestRefused(str(refused)) from None
 
     async def rename(self, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
-        """The edits of a new name."""
+        """The edits of a new name.
+
+        Raises:
+            RequestRefused: the name cannot be changed like that; the message says why.
+        """
         document = self._document(params.text_document.uri)
         if document is None:
             return None

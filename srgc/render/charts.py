@@ -192,7 +192,7 @@ def _gauge(curves: Sequence[Curve], plot: Plot) -> str:
 
 
 def sampled(values: Array) -> Sequence[float]:
-    """Values for a script: to six digits, which is more than can be seen."""
+    """Values (n,) for a script: to six digits, which is more than can be seen."""
     return [float(f"{value:.6g}") for value in values]
 
 

@@ -124,7 +124,8 @@ def contours(
 ) -> str:
     """Lines at ``count`` levels between the least and the greatest value (marching squares).
 
-    Between the points of the grid values are linear; where one of four is infeasible, no line goes.
+    ``values`` (len(xs), len(ys)) are linear between the points of the grid; where one of four is
+    infeasible, nan, no line goes.
     """
     known = values[np.isfinite(values)]
     if not known.size or known.min() == known.max():

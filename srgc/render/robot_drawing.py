@@ -104,7 +104,7 @@ class DrawnRobot:
 
 
 def drawn_robot(model: RobotModel, theta: Array) -> DrawnRobot:
-    """The parts of a robot whose parameters have these values (SI)."""
+    """The parts of a robot whose parameters have the values theta (p,), SI."""
     marked, tips = _marked(model)
     numeric = NumericRobot(robot_graph(marked))
     scalars = scalar_floats(marked.scalars, theta)
@@ -226,7 +226,7 @@ def _axis(joint: DrawnJoint, seen: Array) -> str:
 
 
 def axis_ends(foot: Array, tip: Array) -> Array:
-    """The ends of the line for an axis through a point; no longer than it is seen."""
+    """The ends (2, 2) of the line for an axis through points (2,); no longer than it is seen."""
     along = tip - foot
     length = float(np.hypot(*along))
     half = along * min(AXIS_LENGTH / 2 / max(length, 1e-9), 1.0)

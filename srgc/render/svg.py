@@ -42,7 +42,7 @@ def line_path(points: Array) -> str:
 
 
 def closed_path(corners: Array) -> str:
-    """A polygon as the data of a path, from corner to corner: short where there are thousands."""
+    """A polygon (m, 2) as the data of a path from corner to corner, short where m is large."""
     tenths = np.rint(10 * corners).astype(int)
     steps = "".join(
         f" {place(dx / 10)} {place(dy / 10)}" for dx, dy in np.diff(tenths, axis=0).tolist()
@@ -216,7 +216,7 @@ def sight(azimuth: float, elevation: float) -> Array:
 
 
 def fitted(corners: Sequence[Array], *, turning: bool = True) -> View:
-    """The view in which all points fit; of space, if it is ``turning``, from whatever side."""
+    """The view in which all points (..., d) fit; of space, if it is ``turning``, from any side."""
     points = np.concatenate([each.reshape(-1, each.shape[-1]) for each in corners])
     low, high = points.min(axis=0), points.max(axis=0)
     if len(low) == 2:

@@ -50,7 +50,7 @@ class ReplayedMotion:
     parts: int
 
     def at_steps(self) -> Array:
-        """The states at the ends of the steps of the task."""
+        """The states (steps + 1, 2 n) at the ends of the steps of the task."""
         return self.states[:: self.parts]
 
 

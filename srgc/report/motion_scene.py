@@ -158,7 +158,7 @@ def _visits(path: Sequence[str]) -> tuple[CellVisit, ...]:
 
 
 def seen_corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -> list[Array]:
-    """What a view has to hold: the regions and the motion, and the bounds unless they are vast."""
+    """Points (m, d) that a view has to hold: regions, motion, and bounds that are not vast."""
     bounds = shapes[0].corners
     inner = [shape.corners for shape in shapes if shape.kind not in ("bounds", "cell")]
     if motion is not None:

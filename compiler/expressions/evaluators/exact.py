@@ -78,21 +78,33 @@ class ExactEvaluator(Evaluator[PiLinear]):
         return PiLinear(left.rational + right.rational, left.pis + right.pis)
 
     def mul(self, left: PiLinear, right: PiLinear, /) -> PiLinear:
-        """The product, one factor being rational."""
+        """The product, one factor being rational.
+
+        Raises:
+            NotExact: neither is.
+        """
         if left.pis:
             left, right = right, left
         factor = _rational(left)
         return PiLinear(factor * right.rational, factor * right.pis)
 
     def div(self, left: PiLinear, right: PiLinear, /) -> PiLinear:
-        """The quotient by a rational other than zero."""
+        """The quotient by a rational other than zero.
+
+        Raises:
+            NotExact: the divisor is zero or irrational.
+        """
         divisor = _rational(right)
         if divisor == 0:
             raise NotExact("division by zero")
         return PiLinear(left.rational / divisor, left.pis / divisor)
 
     def power(self, base: PiLinear, exponent: int, /) -> PiLinear:
-        """A power of a rational."""
+        """A power of a rational.
+
+        Raises:
+            NotExact: the base is irrational, or zero with a negative exponent.
+        """
         value = _rational(base)
         if exponent < 0 and not value:
             raise NotExact("division by zero")
@@ -103,7 +115,11 @@ class ExactEvaluator(Evaluator[PiLinear]):
         return self.power(argument, 2)
 
     def sqrt(self, argument: PiLinear, /) -> PiLinear:
-        """The square root of the square of a rational."""
+        """The square root of the square of a rational.
+
+        Raises:
+            NotExact: the argument is no such square.
+        """
         value = _rational(argument)
         if value >= 0:
             root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
@@ -124,7 +140,7 @@ class ExactEvaluator(Evaluator[PiLinear]):
         return PiLinear(abs(_rational(argument)))
 
     def sign(self, argument: PiLinear, /) -> PiLinear:
-        """None is exact: it depends on what is around the point."""
+        """Raise NotExact: a sign depends on what is around the point."""
         raise NotExact("an inexact sign")
 
 

@@ -227,7 +227,7 @@ class IntervalBatch:
 
     @property
     def magnitude(self) -> Array:
-        """The largest absolute value."""
+        """The largest absolute value, shape (K,) or ()."""
         return np.asarray(np.maximum(np.abs(self.low), np.abs(self.high)))
 
 

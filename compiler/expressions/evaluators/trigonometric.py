@@ -99,7 +99,11 @@ class CanonicalEvaluator(_RingEvaluator):
     def mul(
         self, left: TrigonometricPolynomial, right: TrigonometricPolynomial, /
     ) -> TrigonometricPolynomial:
-        """The product."""
+        """The product.
+
+        Raises:
+            TooManyTerms: it has too many terms, or there were too many products of terms so far.
+        """
         self.products += len(left.terms) * len(right.terms)
         if self.products > MOST_PRODUCTS:
             raise TooManyTerms

@@ -227,7 +227,11 @@ NOT_A_DECIMAL = Fraction(1, 10**9)
 def check_efforts(
     claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
 ) -> list[CheckedCondition]:
-    """Every input is within its bound, exactly; the claimed peak and robustness are true."""
+    """Every input is within its bound, exactly; the claimed peak and robustness are true.
+
+    Raises:
+        Refused: the task leaves an effort unbounded, or the claim misstates its peak or robustness.
+    """
     peak, margins, conditions = Fraction(0), list[Fraction](), list[CheckedCondition]()
     all_exact = True
     free = unbounded_kinds(model, task)

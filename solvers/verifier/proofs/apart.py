@@ -178,7 +178,10 @@ class Nearest:
 
 
 def nearest_points(left: Sequence[Sequence[float]], right: Sequence[Sequence[float]]) -> Nearest:
-    """The point of the hull of ``left`` nearest to that of ``right``, less the latter's."""
+    """The point of the hull of ``left`` nearest to that of ``right``, less the latter's.
+
+    The points are (d,) each, and the algorithm is Wolfe's (1976).
+    """
     apart = np.array(left)[:, None, :] - np.array(right)[None, :, :]
     search = _Search(apart.reshape(-1, apart.shape[-1]))
     weights = search.weights().reshape(apart.shape[:2])

@@ -18,7 +18,8 @@ NO_MARGIN = float("inf")
 class CheckedCondition:
     """One proved, disproved or undecided condition, with its margin and where it is attained.
 
-    One that is not proved says instead where that is seen first; its margin is not positive.
+    ``margin`` is in ``unit``, ``time`` in seconds, ``place`` in metres.  One that is not proved
+    says instead where that is seen first; its margin is not positive.
     """
 
     name: str
@@ -59,7 +60,7 @@ def decisive(conditions: Sequence[CheckedCondition]) -> CheckedCondition | None:
 
 
 def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> CheckedCondition:
-    """A point at one instant lies strictly inside a polytope."""
+    """A point (d,) lies strictly inside a polytope at an instant in seconds; the margin is in m."""
     gaps = [
         (r.offset - sum((a * x for a, x in zip(r.normal, point, strict=True)), arb(0))) / r.length
         for r in rows_of(polytope)

@@ -172,7 +172,7 @@ class Corner:
         return Corner(tuple(items[: len(self.start)]), tuple(items[len(self.start) :]))
 
     def motion(self, motion: Motion, radii: Sequence[Fraction], part: Fraction) -> Motion:
-        """The motion so disturbed."""
+        """The motion so disturbed: states by ``radii`` (2 n,), SI, inputs by a ``part`` of them."""
         state = [x + s * r for x, s, r in zip(motion.state, self.start, radii, strict=True)]
         factors = [1 + sign * part for sign in self.inputs]
         inputs = (tuple(f * u for f, u in zip(factors, u, strict=True)) for u in motion.inputs)

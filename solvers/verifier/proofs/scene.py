@@ -39,7 +39,8 @@ UNWATCHED = Watch()
 class Motion:
     """What drives a robot: exact parameters, initial state and inputs (one row per step).
 
-    ``state`` holds coordinates and rates; the spec says where modules' own states begin.
+    ``state`` holds coordinates and rates; the spec says where modules' own states begin.  All
+    numbers are in SI units.
     """
 
     theta: tuple[ParameterValue, ...]

@@ -53,7 +53,7 @@ def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]
 
 
 def at_rest(graph: RobotGraph, state: Sequence[arb], time: float) -> CheckedCondition:
-    """All rates of the joints are below the bound of a rest."""
+    """All rates of the joints are below the bound of a rest, at an instant in seconds."""
     rates = [_weighed(row, state[len(row) :]) for row in graph.coordinates.rows]
     gaps = [ball(REST_RATE) - abs(rate) for rate in rates]
     return least("rest at the end", gaps, "SI", time)

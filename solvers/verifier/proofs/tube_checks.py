@@ -231,7 +231,10 @@ class PointMap:
 
 @dataclass(slots=True)
 class StateLimit:
-    """A coordinate or rate stays in an interval; None is unlimited."""
+    """A coordinate or rate stays in an interval; None is unlimited.
+
+    ``lower``, ``upper`` and ``margin`` are in ``unit``, ``time`` is in seconds.
+    """
 
     name: str
     unit: str

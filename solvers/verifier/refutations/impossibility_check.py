@@ -296,6 +296,9 @@ def run_z3_subprocess(
     """Decide a QF_NRA script elsewhere: ``Holds`` is sat, ``Fails`` is unsat.
 
     An answer is exactly one word; any other output, an error among them, is ``Unknown``.
+
+    Raises:
+        ValueError: ``resources`` is not positive.
     """
     if resources < 1:
         raise ValueError("a budget is at least one unit")

@@ -189,7 +189,11 @@ class TaskCommands:
         return {"verdict": verdict, "status": ended.status}
 
     async def verify(self, uri: str, task: str) -> dict[str, Any]:
-        """Verify the results of a task."""
+        """Verify the results of a task.
+
+        Raises:
+            RequestRefused: there is no result folder yet.
+        """
         path = await self._path(uri, task)
         folder = folder_of(path, task)
         if not is_folder(folder):
