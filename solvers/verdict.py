@@ -14,7 +14,7 @@ Claimed: TypeAlias = Literal["found", "impossible"]
 """The verdicts that come with a certificate."""
 NotFound: TypeAlias = Literal["impossible", "unknown"]
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
-"""What is said of a task (design, section 6): only the first two are proved."""
+"""What is said of a task (docs/explanation/guarantees.md): only the first two are proved."""
 
 W_co = TypeVar("W_co", covariant=True)
 C_co = TypeVar("C_co", covariant=True)

@@ -24,6 +24,7 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.render import to_text
 from grammar_lang.elaboration import emissions, typecheck
 from grammar_lang.elaboration.sorts import PLAUSIBLE
+from grammar_lang.elaboration.tasks import MOST_STEPS
 from grammar_lang.files.file_tree import IMAGE_LIMIT, LIMIT
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir import expressions
@@ -252,7 +253,7 @@ def test_emissions() -> None:
 def test_limits() -> None:
     said = [row[1] for row in rows("Limits")]
     numbers = [LIMIT >> 20, IMAGE_LIMIT >> 20, lalr.MAX_DEPTH, expressions.MAX_NODES, STATE_LIMIT]
-    numbers.append(parse.MAX_ERRORS)
+    numbers += [MOST_STEPS, parse.MAX_ERRORS]
     assert [int(re.sub(r",|\D.*", "", text.replace(",", ""))) for text in said] == numbers
     assert f"{expressions.MAX_DEPTH} deep" in said[3]
     assert f"at most {tree_builder.MAX_LITERAL} characters" in sentences("Numbers")

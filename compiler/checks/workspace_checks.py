@@ -9,9 +9,10 @@ from typing import assert_never
 
 from compiler.checks.region_checks import Shapes, end_diagnostics, ends, sound_polytope
 from compiler.tasks.obstacle_pieces import pieces_of, polytopes_within
+from compiler.workspaces.hull import turn
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.overlaps import candidates, interiors_meet
-from compiler.workspaces.pieces import Pieces, cross, sides
+from compiler.workspaces.pieces import Pieces, sides
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
@@ -312,4 +313,4 @@ def _above(value: Fraction) -> str:
 
 def _holds(extent: tuple[tuple[Fraction, Fraction], ...], bounds: Polytope) -> bool:
     """Whether the bounds lie within a convex polygon."""
-    return all(cross(a, b, (x, y)) >= 0 for a, b in sides(extent) for x, y in bounds.vertices)
+    return all(turn(a, b, (x, y)) >= 0 for a, b in sides(extent) for x, y in bounds.vertices)

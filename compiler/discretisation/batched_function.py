@@ -1,9 +1,9 @@
 """A function of one sample, evaluated at many samples at once.
 
 CasADi's scalar expressions are interpreted at some nanoseconds per instruction and sample.  Here
-each instruction is carried out for all samples at once, on vectors (a *lane* per sample), so that
-the interpreter is paid for once and the vector units of the processor work.  What depends on shared
-inputs alone is computed once.
+each instruction is carried out for all samples at once, on vectors with an entry per sample, so
+that the interpreter is paid for once and the vector units of the processor work.  What depends on
+shared inputs alone is computed once.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from compiler.arrays import Array
 from compiler.expressions.tape import CONSTANT, INPUT, OUTPUT
 from compiler.time_limits.time_limit import check_time
 
-MOST_LANES = 128
+MOST_IN_BATCH = 128
 """More samples go in blocks, so that the work vectors stay in the processor's cache."""
 
 
@@ -44,7 +44,7 @@ class BatchedFunction:
     def __call__(self, columns: tuple[Array, ...], shared: Array) -> Array:
         """The output at K samples, shape (K, rows, columns); inputs (K, size) each, then shared."""
         count = len(columns[0])
-        blocks = max(1, -(-count // MOST_LANES))
+        blocks = max(1, -(-count // MOST_IN_BATCH))
         batch = -(-count // blocks)
         result = np.empty((count, *self.shape))
         for block in range(blocks):

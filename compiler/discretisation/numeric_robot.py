@@ -91,7 +91,7 @@ class NumericRobot:
         return _with_jacobians(self.graph.points, (0, 1))
 
     @cached_property
-    def _points_on_lanes(self) -> BatchedFunction:
+    def _points_in_batches(self) -> BatchedFunction:
         """Positions with their derivatives in q and theta, a row per coordinate of a point."""
         p, k = self._points.size1_in(1), self._points.size1_in(2)
         q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
@@ -176,7 +176,7 @@ class NumericRobot:
         """Effectors first, then body points, at K samples; q (K, n), theta (p,) or (K, p)."""
         count, d, n = len(q), self.d, self.n
         if theta.ndim == 1:
-            found = self._points_on_lanes((q,), np.concatenate([theta, self.constants]))
+            found = self._points_in_batches((q,), np.concatenate([theta, self.constants]))
         else:
             found = self._points_of_designs((q, theta), self.constants)
         m = found.shape[1] // d

@@ -20,7 +20,7 @@ give:
 - At neutral values a link between two joints leaves them on one axis, where M is singular: the
   longer robot is the shorter one as a mechanism, and may still be inadmissible as a model.
 - A massless body still is a point of the body for ``avoid ... with body``: one where a frame that
-  was handed on begins.  The text says so.
+  was copied begins.  The text says so.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from compiler.neutral_modules.parameter_domains import (
 )
 from compiler.neutral_modules.production_change import (
     Equation,
-    NotHandedOn,
+    NotCopied,
     ProductionChange,
     roots_of,
 )
@@ -141,7 +141,7 @@ class _Occurrence:
             return self._found("not shown", (), reason)
         try:
             change, equations = self._equations({})
-        except NotHandedOn as problem:
+        except NotCopied as problem:
             return self._found("not shown", (), str(problem))
         except TooManyTerms:
             return self._found("not shown", (), "its rules are too long to compare")
@@ -252,7 +252,7 @@ class _Occurrence:
         """What the module changes at these values, as far as is seen; None if nothing."""
         try:
             _, equations = self._equations(values)
-        except NotHandedOn as problem:
+        except NotCopied as problem:
             return str(problem)
         except TooManyTerms:
             return "its rules are too long to compare"

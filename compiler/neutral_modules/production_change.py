@@ -1,7 +1,7 @@
 r"""What a production with one nonterminal changes, as equations in the parameters of a module.
 
-For ``A -> A z`` the robot stays the same exactly if every attribute is handed on unchanged and
-nothing is emitted.  A frame is handed on by ``N.frame * T`` where T is the identity:
+For ``A -> A z`` the robot stays the same exactly if every attribute is copied unchanged and
+nothing is emitted.  A frame is copied by ``N.frame * T`` where T is the identity:
 
 .. math:: T = \begin{pmatrix} R & t \\ 0 & 1 \end{pmatrix}, \qquad R - I = 0, \quad t = 0,
 
@@ -29,7 +29,7 @@ TURNS, MOVES, MASS = "it turns a frame", "it shifts a frame", "it adds mass"
 LARGEST_POWER = 8
 
 
-class NotHandedOn(ValueError):
+class NotCopied(ValueError):
     """The production changes something whatever the parameters are, as far as is seen."""
 
 
@@ -92,9 +92,9 @@ class ProductionChange:
                 sure = upwards and name in self.used
                 yield from self._of_frame(rule.value, source, necessary=sure)
             case ir.AttributeOf(_, other):
-                raise NotHandedOn(f"the attribute `{name}` comes from another one, `{other}`")
+                raise NotCopied(f"the attribute `{name}` comes from another one, `{other}`")
             case ir.Vector():
-                raise NotHandedOn(f"the attribute `{name}` is not handed on as it is")
+                raise NotCopied(f"the attribute `{name}` is not copied unchanged")
             case _:
                 own = self.scalar(source)
                 change = self.evaluator.sub(self.scalar(rule.value), own)
@@ -103,7 +103,7 @@ class ProductionChange:
     def _of_frame(
         self, expression: ir.Expr, source: ir.AttributeOf | None, *, necessary: bool
     ) -> Iterator[Equation]:
-        """That a frame is ``source``, or where that is None, any frame that is handed on."""
+        """That a frame is ``source``, or where that is None, any frame that is copied."""
         steps = [step for step in _steps(expression) if not isinstance(step, ir.World)]
         place = _origin(steps, source)
         for part in (steps[:place], steps[place + 1 :]):
@@ -166,18 +166,18 @@ class ProductionChange:
             case ir.Shift(ir.Vector(x, y, z)):
                 return [self.scalar(item) for item in (x, y, z)]
             case _:
-                raise NotHandedOn(MOVES)
+                raise NotCopied(MOVES)
 
     # --- emissions ------------------------------------------------------------------------------
 
     def _of_emission(self, emission: ir.Emission) -> Iterator[Equation]:
-        """No mass, no inertia, no extent, and its point on a frame that is handed on."""
+        """No mass, no inertia, no extent, and its point on a frame that is copied."""
         if isinstance(emission, ir.Effector):
-            raise NotHandedOn("it adds an effector")
+            raise NotCopied("it adds an effector")
         for expression in _measures(emission):
             yield Equation(self.scalar(expression), MASS)
         if isinstance(emission, ir.Rod) and not defined(emission.density):
-            raise NotHandedOn(MASS)
+            raise NotCopied(MASS)
         yield from self._of_frame(emission.frame, None, necessary=False)
 
     def _mass(self, emission: ir.Emission) -> TrigonometricPolynomial | None:
@@ -271,7 +271,7 @@ def _measures(emission: ir.Emission) -> list[ir.Expr]:
         case ir.Solid(_, mass, ir.Vector(x, y, z), inertia):
             return [mass, *inertia, x, y, z]
         case _:
-            raise NotHandedOn(MASS)
+            raise NotCopied(MASS)
 
 
 def _origin(steps: Sequence[ir.Expr], source: ir.AttributeOf | None) -> int:
@@ -279,15 +279,15 @@ def _origin(steps: Sequence[ir.Expr], source: ir.AttributeOf | None) -> int:
     attributes = [(i, step) for i, step in enumerate(steps) if isinstance(step, ir.AttributeOf)]
     if source is None:
         if len(attributes) != 1:
-            raise NotHandedOn("one of its bodies stands on no frame that is handed on")
+            raise NotCopied("one of its bodies stands on no frame that is copied")
         return attributes[0][0]
     if not attributes:
-        raise NotHandedOn(f"the attribute `{source.name}` starts from the world again")
+        raise NotCopied(f"the attribute `{source.name}` starts from the world again")
     place, found = attributes[0]
     if len(attributes) > 1:
-        raise NotHandedOn(f"the attribute `{source.name}` comes from several")
+        raise NotCopied(f"the attribute `{source.name}` comes from several")
     if found != source:
-        raise NotHandedOn(f"the attribute `{source.name}` comes from another one, `{found.name}`")
+        raise NotCopied(f"the attribute `{source.name}` comes from another one, `{found.name}`")
     return place
 
 

@@ -159,9 +159,6 @@ def viable_prefix(grammar: BinaryGrammar, names: Sequence[str], word: Sequence[s
     return len(word)
 
 
-# --- Membership, by the fastest automaton that reads the grammar exactly as it is -----------------
-
-
 # --- Membership by a finite automaton, as fast as Python reads: one dictionary per state ----------
 #
 # Keys are interned, as names in the text of a program are, so that these are found by identity.

@@ -79,11 +79,13 @@ class _Walls:
         """Whether a cut meets anything but at its own ends; it leaves them between their edges."""
         start, end = places(cut)
         first, last = self.ends[:, 0], self.ends[:, 1]
-        along, sides = _turns(start, end, first), _turns(start, end, last)
-        ahead, behind = _turns(first, last, start), _turns(first, last, end)
-        slack = FUZZY * (1 + np.abs(self.ends).max() ** 2)
-        apart = (np.minimum(along, sides) > slack) | (np.maximum(along, sides) < -slack)
-        apart |= (np.minimum(ahead, behind) > slack) | (np.maximum(ahead, behind) < -slack)
+        # Where squares are infinite, nothing is surely apart.
+        with np.errstate(over="ignore", invalid="ignore"):
+            along, sides = _turns(start, end, first), _turns(start, end, last)
+            ahead, behind = _turns(first, last, start), _turns(first, last, end)
+            slack = FUZZY * (1 + np.abs(self.ends).max() ** 2)
+            apart = (np.minimum(along, sides) > slack) | (np.maximum(along, sides) < -slack)
+            apart |= (np.minimum(ahead, behind) > slack) | (np.maximum(ahead, behind) < -slack)
         return any(_meet(cut, self.edges[k]) for k in np.flatnonzero(~apart))
 
     def hit(self, corner: Corner, way: Direction) -> tuple[Ray, int]:

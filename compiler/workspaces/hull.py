@@ -7,7 +7,7 @@ from fractions import Fraction
 from itertools import pairwise, product
 from math import factorial, gcd, lcm
 from operator import mul
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias, TypeVar
 
 from grammar_lang.ir import HalfSpace
 
@@ -128,6 +128,7 @@ def _box(radius: int, dimension: int, first_bit: int) -> Iterator[Vertex]:
 
 
 Lattice: TypeAlias = tuple[int, ...]
+Coordinate = TypeVar("Coordinate", int, float, Fraction)
 
 
 def on_lattice(points: Sequence[Point]) -> tuple[list[Lattice], int]:
@@ -139,8 +140,8 @@ def on_lattice(points: Sequence[Point]) -> tuple[list[Lattice], int]:
     return [tuple(x.numerator * (scale // x.denominator) for x in p) for p in points], scale
 
 
-def _turn(a: Lattice, b: Lattice, c: Lattice) -> int:
-    """Twice the signed area of the triangle a, b, c of the plane."""
+def turn(a: Sequence[Coordinate], b: Sequence[Coordinate], c: Sequence[Coordinate]) -> Coordinate:
+    """Twice the signed area of the triangle a, b, c of the plane: positive for a left turn."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -163,7 +164,7 @@ def _chain(points: Sequence[Lattice]) -> list[Lattice]:
     """One half of Andrew's monotone chain."""
     chain: list[Lattice] = []
     for point in points:
-        while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0:
+        while len(chain) >= 2 and turn(chain[-2], chain[-1], point) <= 0:
             chain.pop()
         chain.append(point)
     return chain
@@ -193,7 +194,7 @@ def polygon_area(corners: Sequence[Point]) -> Fraction:
     if len(corners) < 3:
         return Fraction(0)
     lattice, scale = on_lattice(corners)
-    fan = sum(_turn(lattice[0], b, c) for b, c in pairwise(lattice[1:]))
+    fan = sum(turn(lattice[0], b, c) for b, c in pairwise(lattice[1:]))
     return Fraction(fan, 2 * scale * scale)
 
 

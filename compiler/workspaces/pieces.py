@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
+from compiler.workspaces.hull import turn
+
 Corner: TypeAlias = tuple[Fraction, Fraction]
 Polygon: TypeAlias = tuple[Corner, ...]
 """The corners of a polygon (m), counter-clockwise, no three consecutive ones on a line."""
@@ -24,11 +26,6 @@ class Pieces:
     origin: str
     inflation: Fraction = Fraction(0)
     extent: Polygon | None = None
-
-
-def cross(a: Corner, b: Corner, c: Corner) -> Fraction:
-    """Twice the signed area of the triangle a, b, c: positive where it turns to the left."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def area(polygon: Sequence[Corner]) -> Fraction:
@@ -63,8 +60,8 @@ def disjoint(first: Polygon, second: Polygon) -> bool:
 
 
 def _separates(first: Polygon, second: Polygon) -> bool:
-    return any(all(cross(a, b, corner) <= 0 for corner in second) for a, b in sides(first))
+    return any(all(turn(a, b, corner) <= 0 for corner in second) for a, b in sides(first))
 
 
 def _parts(first: Polygon, second: Polygon) -> bool:
-    return any(all(cross(a, b, corner) < 0 for corner in second) for a, b in sides(first))
+    return any(all(turn(a, b, corner) < 0 for corner in second) for a, b in sides(first))

@@ -15,7 +15,8 @@ from fractions import Fraction
 from itertools import groupby
 from typing import TypeAlias
 
-from compiler.workspaces.pieces import Corner, Polygon, area, cross
+from compiler.workspaces.hull import turn
+from compiler.workspaces.pieces import Corner, Polygon, area
 from compiler.workspaces.rings import (
     SIDE_BY_SIDE,
     BadRing,
@@ -163,8 +164,8 @@ class _Sweep:
         if found is not None:
             below, above = (self._metres(edge[1]) for edge in side)
             if (
-                cross(found.lower[-2], wall[0], below) >= 0
-                and cross(found.upper[-2], wall[1], above) <= 0
+                turn(found.lower[-2], wall[0], below) >= 0
+                and turn(found.upper[-2], wall[1], above) <= 0
             ):
                 return left.pop(wall)
         return _Open([wall[0]], [wall[1]])
@@ -178,4 +179,4 @@ def _polygon(piece: _Open) -> Polygon:
     around = [*piece.lower, *piece.upper[::-1]]
     distinct = [b for a, b in zip(around[-1:] + around[:-1], around, strict=True) if a != b]
     before, after = distinct[-1:] + distinct[:-1], distinct[1:] + distinct[:1]
-    return tuple(b for a, b, c in zip(before, distinct, after, strict=True) if cross(a, b, c) != 0)
+    return tuple(b for a, b, c in zip(before, distinct, after, strict=True) if turn(a, b, c) != 0)

@@ -12,6 +12,7 @@ from itertools import pairwise
 from math import lcm
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from compiler.workspaces.hull import turn
 from compiler.workspaces.pieces import Corner
 
 if TYPE_CHECKING:
@@ -45,11 +46,6 @@ class BadRing(Exception):
 
 class TooTangled(Exception):
     """A polygon with so many edges side by side that it would take minutes to cut it."""
-
-
-def turn(a: Place, b: Place, c: Place) -> int:
-    """Twice the signed area of a triangle: positive where a, b, c turns to the left."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 @dataclass(frozen=True, slots=True)

@@ -266,6 +266,8 @@ class Plausible:
         return self.least <= size <= self.most
 
 
+SMALLEST, LARGEST = 1e-100, 1e100
+"""Of a quantity in SI units; the squares of such numbers, and some more, are doubles."""
 PLAUSIBLE: dict[Dimension, Plausible] = {
     LENGTH: Plausible("length", 1e-6, 1e4, ("m", "cm", "mm")),
     MASS: Plausible("mass", 1e-9, 1e6, ("kg", "g")),
@@ -320,7 +322,9 @@ def _size(value: ir.Expr) -> float:
 def warn_implausible(
     value: Typed, dimension: Dimension, written: s.Expr, unit: Unit | None, sink: Sink
 ) -> bool:
-    """Whether a closed scalar is out of all proportion, which is then warned of.
+    """Whether a closed scalar is out of all proportion, which is then reported.
+
+    It is an error where floating point could not hold the squares of such numbers.
 
     Args:
         value: the value in SI; nothing is said of one of another sort or dimension, or of one that
@@ -328,7 +332,7 @@ def warn_implausible(
         dimension: what it is, or what its place takes it for.
         written: how it is written; a name alone was judged where it is declared.
         unit: the unit of the list in which it stands, if any.
-        sink: takes the warning.
+        sink: takes the diagnostic.
     """
     due = PLAUSIBLE.get(dimension)
     if due is None or value.sort is not Sort.SCALAR or isinstance(written, s.Name | s.Member):
@@ -339,8 +343,13 @@ def warn_implausible(
         size = _size(value.expr)
     except ValueError:
         return False
-    if not size or due.holds(size):
+    if not size or (due.holds(size) and size >= SMALLEST):
         return False
+    if not SMALLEST <= size <= LARGEST:
+        message = f"{due.name} beyond all computing: {size:.6g} {symbol(dimension)}"
+        hint = f"write zero, or a size from {SMALLEST:g} to {LARGEST:g} in SI units"
+        sink.error(Code.BAD_NUMBER, message, written.span, hint)
+        return True
     message = f"implausible {due.name}: {size:.6g} {symbol(dimension)}"
     sink.warning(Code.IMPLAUSIBLE_VALUE, message, written.span, _hint(size, due, written, unit))
     return True

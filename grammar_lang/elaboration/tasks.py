@@ -36,6 +36,7 @@ from grammar_lang.units import (
 )
 
 DEFAULT_SLACK = Fraction(1, 10**6)
+MOST_STEPS = 100_000
 COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
 """What a coordinate of a degree of freedom is; a bare number is of either kind."""
 
@@ -283,6 +284,11 @@ class _Reader:
         if item is None:
             return 1, Fraction(1)
         steps = self.constants.integer(item.steps, 1, "the number of steps")
+        if steps is not None and steps > MOST_STEPS:
+            self.sink.error(
+                Code.BAD_VALUE, f"the horizon has more than {MOST_STEPS:,} steps", item.steps.span,
+                "write fewer, longer steps",
+            )  # fmt: skip
         return steps or 1, self.positive(item.step, TIME, "the step")
 
     def slack(self) -> Fraction:

@@ -19,6 +19,8 @@ STATUSES = {
     "PIQP_NUMERICS": Status.NUMERICS,
 }
 ITERATIONS = 150
+NEARLY_INFINITE = 9e29
+"""PIQP takes more for infinite, and prints a warning of it."""
 
 
 class ProximalInteriorPoint:
@@ -66,6 +68,7 @@ class ProximalInteriorPoint:
             diagonal.data = program.quadratic
         put(
             P=diagonal, c=program.linear, A=program.equal, b=program.equal_right, G=program.less,
-            h_u=program.less_right, x_l=program.lower, x_u=program.upper,
+            h_u=np.clip(program.less_right, -NEARLY_INFINITE, NEARLY_INFINITE),
+            x_l=program.lower, x_u=program.upper,
         )  # fmt: skip
         return solver

@@ -79,8 +79,8 @@ class ConflictSearch:
     """The conflicts of structures; structures ruled out by the same lines are one conflict.
 
     ``between`` is called before every question to the refuter, and may raise to end the search.
-    With ``late``, what is not refuted otherwise is asked about as after a motion was sought in
-    vain, which takes long.
+    With ``late``, what is not refuted otherwise is asked about as after a search that found no
+    motion, which takes long.
     """
 
     posed: PosedTask

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 from fractions import Fraction
+from math import ceil
 from typing import TypeAlias
 
 from compiler.workspaces.polytope import polytope_of
@@ -21,6 +22,9 @@ WIDER = 30
 """By this factor relaxed ranges and bounds are wider."""
 DRIVEN = 1000
 """By this factor relaxed efforts and horizons are larger."""
+AMPLE_EFFORT, AMPLE_TIME = Fraction(10**9), Fraction(10**6)
+"""At least so large are relaxed efforts (SI), and horizons (s) of tasks without formulas: what is
+stated may be too small by any factor."""
 EVERYWHERE = "anywhere within the bounds"
 """The name of a region that no region of the language can have."""
 
@@ -47,9 +51,14 @@ def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
         case "bounds_body":
             return posed.with_task(bounds_body=False)
         case "effort":
-            return with_effort(posed, int(line.key[0]), DRIVEN)
+            bound = posed.task.effort[int(line.key[0])].bound
+            ample = AMPLE_EFFORT / bound if bound else Fraction(DRIVEN)
+            return with_effort(posed, int(line.key[0]), max(Fraction(DRIVEN), ample))
         case "horizon":
-            return posed.with_task(steps=posed.task.steps * DRIVEN)
+            steps = posed.task.steps * DRIVEN
+            if not posed.task.satisfy:
+                steps = max(steps, ceil(AMPLE_TIME / posed.task.step))
+            return posed.with_task(steps=steps)
         case "gravity":
             return posed.with_task(gravity=(Fraction(0),) * len(posed.task.gravity))
         case _:

@@ -32,7 +32,7 @@ CLEAR = 1e-9
 """By so much a box has to violate a demand, in parts of the size of the numbers it is about."""
 NEAR = 2e-9
 """A motion from a given pose may start near it: the verifier's tolerance, and a bit more."""
-MOST_LANES = 256
+MOST_IN_BATCH = 256
 """More boxes are read in blocks."""
 
 
@@ -149,7 +149,7 @@ class BoxConditions:
 
     def judged(self, low: Array, high: Array) -> Judged:
         """What is known of boxes of (q, theta) from ``low`` to ``high`` (K, n + p)."""
-        blocks = [slice(i, i + MOST_LANES) for i in range(0, max(len(low), 1), MOST_LANES)]
+        blocks = [slice(i, i + MOST_IN_BATCH) for i in range(0, max(len(low), 1), MOST_IN_BATCH)]
         with np.errstate(all="ignore"):
             parts = [self._block(low[block], high[block]) for block in blocks]
         if len(parts) == 1:

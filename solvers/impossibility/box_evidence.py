@@ -19,7 +19,7 @@ from solvers.impossibility.box_search import WITH_PROOF, BoxRefutation, box_refu
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.run_context import RunContext
 
-IN_VAIN = 5
+WITHOUT_SUCCESS = 5
 """So many searches without a result end it: each takes much longer than one with a result."""
 NONE_FOUND = ""
 
@@ -35,7 +35,7 @@ def covered(
     try:
         for candidate in candidates(family, module_bound(family, task), task.origin):
             number = candidate.number
-            if number >= len(found) or failed == IN_VAIN:
+            if number >= len(found) or failed == WITHOUT_SUCCESS:
                 break
             if found[number].verdict != "refuted" or found[number].boxes is not None:
                 continue

@@ -76,7 +76,7 @@ class Prefetch:
     ) -> None:
         self._candidates = iter(candidates)
         self._question = _Question(program, task, context.seed)
-        self._conduct = context
+        self._context = context
         self._asked = replace(context, journal=Memory())
         self._alone = isinstance(context.workers, InProcess)
         self._drawn: deque[Candidate] = deque()
@@ -117,10 +117,10 @@ class Prefetch:
             ValueError: it has none.
         """
         key = _key(candidate)
-        found = screening_of(self._conduct.journal.recall(key))
+        found = screening_of(self._context.journal.recall(key))
         if found is None:
             found = self._own(candidate) if self._alone else self._result(candidate)
-            self._conduct.journal.record(key, found.record())
+            self._context.journal.record(key, found.record())
         return found
 
     def _own(self, candidate: Candidate) -> Screening:
@@ -134,7 +134,7 @@ class Prefetch:
             return self._own(candidate)
         while True:
             if self._results is None:
-                self._results = self._conduct.workers.map(_examined, self._jobs())
+                self._results = self._context.workers.map(_examined, self._jobs())
             for number, screening in self._results:
                 self._expected.discard(number)
                 if number == candidate.number:
@@ -178,7 +178,7 @@ class Prefetch:
         if key in self._seen:
             return False
         self._seen.add(key)
-        return screening_of(self._conduct.journal.recall(_key(candidate))) is None
+        return screening_of(self._context.journal.recall(_key(candidate))) is None
 
 
 def _key(candidate: Candidate) -> str:

@@ -48,6 +48,8 @@ from solvers.verifier.claims.certificate import SeparationClaim
 OUT_OF_TIME = "the time limit was reached"
 BEGUN = "srgc was started and the spec was read"
 NOT_COVERED = f"{OUT_OF_TIME} before every refutation had a second proof"
+NUMERIC_FAULTS = (OverflowError, ZeroDivisionError, FloatingPointError, MemoryError)
+TOO_LARGE = "the numbers of the task are too large or too small for the search"
 NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
 
 
@@ -217,7 +219,10 @@ class _Run:
         """The first design in which one of the effectors starts and reaches, or why none."""
         reason = "it has no effector that the task asks for"
         for effector in effectors:
-            design, reason = search.design(effector)
+            try:
+                design, reason = search.design(effector)
+            except NUMERIC_FAULTS as fault:
+                return None, f"{TOO_LARGE} ({type(fault).__name__}: {fault})"
             if design is not None:
                 return design, "proved"
         return None, reason + (search.obstacle or search.stuck)

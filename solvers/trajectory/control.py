@@ -29,11 +29,11 @@ from solvers.trajectory.trajectory import Trajectory
 
 SMALLEST_RADIUS = 1e-4
 PROXIMAL = 2e-4
-LEAST_PROXIMAL, DEAREST = 1e-5, 10.0
+LEAST_PROXIMAL, MOST_PROXIMAL = 1e-5, 10.0
 """The range of the price of moves, per rad^2 or m^2."""
 SAMPLES = 100
 """The price is that of so many samples that move alike, whatever the grid."""
-LANDING = 100.0
+POLISHING_PROXIMAL = 100.0
 """The price of moves in a polishing step."""
 FUNNEL = 0.05
 """Defects up to this part of the effort bound are taken for good steps' own."""
@@ -51,7 +51,7 @@ NEEDED = 1e-6
 """Steps that concede more than this, relative to the effort bound or in metres, need help."""
 STUCK = 0.9
 """A step that leaves more of the unavoidable violation than this has hardly helped."""
-LANDED = 1e-9
+POLISHED_DEFECT = 1e-9
 """A defect in SI at which no polishing is needed."""
 COARSE = 1e-5
 """The accuracy of programs whose steps cause larger errors themselves; polishing steps have the
@@ -94,7 +94,7 @@ class _Iteration:
         while self.used < self.budget.iterations and self.advance():
             pass
         if self.conceded <= DEFECT:
-            self.land()
+            self.polish()
 
     def advance(self) -> bool:
         """One convex step; whether another one is due."""
@@ -133,8 +133,8 @@ class _Iteration:
 
     def hold(self) -> None:
         """Make moves dearer and shorter."""
-        dearer = min(DEAREST, 8 * self.region.proximal)
-        self.region = TrustRegion(self.region.radius / 2, dearer)
+        proximal = min(MOST_PROXIMAL, 8 * self.region.proximal)
+        self.region = TrustRegion(self.region.radius / 2, proximal)
 
     def adapt(self, after: MeasuredMotion, gained: float) -> None:
         """Price moves so that their defects come down to a level that sinks as gains get small.
@@ -148,7 +148,7 @@ class _Iteration:
         factor = next((f for times, f in PRICES if caused <= times * level), PROXIMAL_GROWTH)
         if self.used > FREE_STEPS and gained < -self.budget.tolerance:
             factor = PROXIMAL_GROWTH
-        price = min(DEAREST, max(LEAST_PROXIMAL, factor * self.region.proximal))
+        price = min(MOST_PROXIMAL, max(LEAST_PROXIMAL, factor * self.region.proximal))
         self.region = TrustRegion(self.region.radius, price)
 
     def ended(self, result: StepResult, trial: MeasuredMotion, gained: float) -> bool:
@@ -166,15 +166,15 @@ class _Iteration:
             self.quiet = 0
             return False
         self.quiet += 1
-        cheaper = max(LEAST_PROXIMAL, self.region.proximal * PROXIMAL_DECAY)
-        self.region = TrustRegion(self.region.radius, cheaper)
+        proximal = max(LEAST_PROXIMAL, self.region.proximal * PROXIMAL_DECAY)
+        self.region = TrustRegion(self.region.radius, proximal)
         return self.quiet >= self.budget.quiet
 
-    def land(self) -> None:
+    def polish(self) -> None:
         """Remove the defects that the last moves left, by steps that hardly move."""
-        region = TrustRegion(self.region.radius, LANDING)
+        region = TrustRegion(self.region.radius, POLISHING_PROXIMAL)
         for _ in range(self.budget.polish_steps):
-            if self.current.defect <= LANDED:
+            if self.current.defect <= POLISHED_DEFECT:
                 break
             result = self.solved(region, self.budget.accuracy)
             trial = None if result is None else measured(self.problem, result.trajectory)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
-from compiler.discretisation.batched_function import MOST_LANES
+from compiler.discretisation.batched_function import MOST_IN_BATCH
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.robot import RobotModel
 from compiler.tasks.word_formula import Obligation, Word
@@ -229,8 +229,8 @@ class Corridor:
 
     def positions(self, q: Array) -> Array:
         """Where the points are in poses (K, n), shape (K, m, d)."""
-        # Always as many as fill whole blocks: each number of lanes has a program of its own.
-        filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_LANES, axis=0)])
+        # Always as many as fill whole blocks: each size of a batch has a program of its own.
+        filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_IN_BATCH, axis=0)])
         found: Array = self.numeric.points(filled, self.theta).value[: len(q)]
         return found
 

@@ -176,8 +176,8 @@ class Roadmap:
         scaled = self.q * self.corridor.levers
         distance = np.linalg.norm(scaled[:, None, :] - scaled[None, :, :], axis=2)
         near = NARROW * self.corridor.extent
-        room = self.corridor.clearance.of(self.corridor.positions(self.q))
-        narrow = near / (near + np.maximum(room, 0.0))
+        clearance = self.corridor.clearance.of(self.corridor.positions(self.q))
+        narrow = near / (near + np.maximum(clearance, 0.0))
         distance = distance * (1 + np.maximum(narrow[:, None], narrow[None, :]))
         self._lengths = np.full(distance.shape, np.inf)
         self._known = np.zeros(distance.shape, dtype=bool)

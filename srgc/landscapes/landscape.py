@@ -82,7 +82,7 @@ def landscape(
         searched = last_samples(folder / "evaluations.csv", record.structure, names)
     except (OSError, ValueError) as error:
         raise UsageFault(str(error)) from None
-    path_problem = follower_of(found, record)
+    path_problem = path_problem_of(found, record)
     motion = motion_of(found, path_problem)
     points = [*product(*(axis.values for axis in axes)), *(mark.values for mark in marks)]
     seeds = [_seeds(path_problem, motion, _moved(found.theta, axes, point)) for point in points]
@@ -98,7 +98,7 @@ def landscape(
     return Landscape(axes, tuple(samples[:count]), marks, tuple(samples[count:]), searched, design)
 
 
-def follower_of(found: FoundDesign, record: FoundRecord) -> PathProblem:
+def path_problem_of(found: FoundDesign, record: FoundRecord) -> PathProblem:
     """The control problem of a design's path.
 
     Raises:

@@ -58,11 +58,6 @@ class Axis:
     discrete: bool
 
 
-def parameter_name(parameter: RobotParameter) -> str:
-    """As options and tables name it: the index of its symbol in the word, and its name."""
-    return f"{parameter.symbol}.{parameter.name}"
-
-
 def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
     """One or two axes.
 

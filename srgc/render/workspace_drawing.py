@@ -12,7 +12,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.workspaces.abstraction import Abstraction, Cell
-from compiler.workspaces.hull import around
+from compiler.workspaces.hull import around, turn
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang.ir import Workspace
 from srgc.render.axes import Plot, Scale, axes, labelled, titles
@@ -117,14 +117,10 @@ def outline(points: Array) -> Array:
 def _half(ordered: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     chain: list[tuple[float, float]] = []
     for p in ordered:
-        while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0:
+        while len(chain) > 1 and turn(chain[-2], chain[-1], p) <= 0:
             chain.pop()
         chain.append(p)
     return chain
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def shape_path(shape: WorkspaceShape, view: View) -> str:

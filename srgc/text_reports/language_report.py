@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from random import Random
@@ -270,7 +271,7 @@ def listed(
 ) -> Iterator[str]:
     """The first words."""
     family = language(grammar, program.terminals, program.modules)
-    return map(" ".join, islice(family.words(max_length=max_length), limit))
+    return map(" ".join, islice(family.words(max_length=max_length), min(limit, sys.maxsize)))
 
 
 def counted(program: ir.Program, grammar: ir.Grammar, max_length: int | None) -> Iterator[str]:

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from compiler.discretisation.batched_function import MOST_LANES, BatchedFunction
+from compiler.discretisation.batched_function import MOST_IN_BATCH, BatchedFunction
 
 
 def function() -> ca.Function:
@@ -20,7 +20,9 @@ def function() -> ca.Function:
     return ca.Function("f", [a, b, shared], [ca.densify(matrix)])
 
 
-@pytest.mark.parametrize("count", [0, 1, 5, MOST_LANES, MOST_LANES + 1, 3 * MOST_LANES - 1])
+@pytest.mark.parametrize(
+    "count", [0, 1, 5, MOST_IN_BATCH, MOST_IN_BATCH + 1, 3 * MOST_IN_BATCH - 1]
+)
 def test_all_samples_are_as_one_by_one(count: int) -> None:
     scalar, rng = function(), np.random.default_rng(count)
     batch = BatchedFunction.of(scalar)
@@ -55,7 +57,7 @@ def test_the_last_block_may_overlap() -> None:
     """More samples than batch, not a multiple of them: nothing is left out or mixed up."""
     a, shared = ca.SX.sym("a"), ca.SX.sym("s")
     batch = BatchedFunction.of(ca.Function("h", [a, shared], [a * shared]))
-    count = 2 * MOST_LANES + 3
+    count = 2 * MOST_IN_BATCH + 3
     column = np.arange(count, dtype=float)[:, None]
     found = batch((column,), np.array([3.0]))
     np.testing.assert_array_equal(found[:, 0, 0], 3 * column[:, 0])

@@ -175,7 +175,7 @@ def test_joints_bases_and_effectors_have_no_neutral_values() -> None:
         ("N.reach * (1 m + L.length) / 1 m + 1 m", "not shown"),
     ],
 )
-def test_a_number_handed_on_may_be_felt_elsewhere(reach: str, status: str) -> None:
+def test_a_copied_number_may_be_felt_elsewhere(reach: str, status: str) -> None:
     rules = f"{ROD} this.reach = {reach};"
     text = FAMILY.format(parameters="param length in [0, 5] m;", rules=rules)
     text = text.replace("this.frame = world;", "this.frame = world; this.reach = 0 m;")
@@ -204,7 +204,7 @@ def test_a_grammar_without_semantics_has_no_findings() -> None:
     assert neutral_parameters(program, program.grammars["G"]) == []
 
 
-# --- what is handed on ---------------------------------------------------------------------------
+# --- what is copied ------------------------------------------------------------------------------
 
 CROSSED = """
 module B {{ role base; }} module J {{ role joint; dof q: revolute z; }}
@@ -254,7 +254,7 @@ def crossed(
         ("this.at = N.at; this.alt = N.alt; point(frame: N.at, mass: 1 kg);", "it adds mass"),
         (
             "this.at = N.at; this.alt = N.alt; point(frame: world, mass: 1 kg/m * Z.l);",
-            "on no frame that is handed on",
+            "on no frame that is copied",
         ),
     ],
 )
@@ -279,7 +279,7 @@ def test_a_massless_point_is_named() -> None:
         "N.at * rot(z, 90 deg) * move(x, Z.l) * rot(z, -90 deg)",
     ],
 )
-def test_frames_that_are_handed_on(step: str) -> None:
+def test_frames_that_are_copied(step: str) -> None:
     found = crossed(f"this.at = {step}; this.alt = N.alt;")
     assert (found.status, found.values) == ("neutral", at(l=0))
 
@@ -320,7 +320,7 @@ def test_where_the_robot_without_the_production_is_not_known(
     ("inherited", "status"),
     [("this.up", "neutral"), ("this.up + 1 kg", "not shown")],
 )
-def test_inherited_attributes_are_handed_on_too(inherited: str, status: str) -> None:
+def test_inherited_attributes_are_copied_too(inherited: str, status: str) -> None:
     text = f"""
     module B {{ role base; }} module J {{ role joint; dof q: revolute z; }}
     module E {{ role effector; }} module Z {{ role link; param l in [0, 1] m; }}

@@ -11,7 +11,9 @@ from grammar_lang.diagnostics.render import to_text
 from grammar_lang.files.file_tree import LIMIT
 from grammar_lang.load import load_text
 from grammar_lang.parsing.parse import MAX_ERRORS
+from srgc.cli import run
 from srgc.session import Checked, check_file, check_loaded
+from tests.oracles.small_specs import SLIDER, replaced
 from tests.oracles.some_cases import examples
 from tests.oracles.survival import format_survives, sound_findings, time_bound
 
@@ -314,3 +316,37 @@ def test_an_include_that_climbs_out(path: str, tmp_path: Path) -> None:
     main = tmp_path / "inside" / "main.srg"
     main.write_text(f'include "{path}";', encoding="utf-8")
     assert errors(check_file(main)) == ["SRG0108"]
+
+
+# --- numbers that cannot be computed with ---------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        ("effort <= 10 N;", "effort <= 1e-200 N;"),
+        ("effort <= 10 N;", "effort <= 1e160 N;"),
+        ("horizon 10 steps of 0.2 s;", "horizon 10 steps of 1e250 s;"),
+        ("bounds box [-1, 4] x [-1, 1] m;", "bounds box [-1, 1e200] x [-1, 1] m;"),
+    ],
+)
+def test_numbers_whose_squares_are_no_doubles(changed: tuple[str, str]) -> None:
+    assert errors(checked(replaced(SLIDER, *changed))) == ["SRG0307"]
+
+
+def test_a_horizon_of_too_many_steps() -> None:
+    text = replaced(SLIDER, "horizon 10 steps", "horizon 1e200 steps")
+    assert errors(checked(text)) == ["SRG0703"]
+
+
+def test_a_search_whose_numbers_overflow_knows_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def overflowing(_self: object, _effector: int) -> object:
+        raise OverflowError("too large")
+
+    monkeypatch.setattr("solvers.search.structure_search.StructureSearch.design", overflowing)
+    path = tmp_path / "slider.srg"
+    path.write_text(SLIDER, encoding="utf-8")
+    assert run(["synth", str(path), "-q", "-o", str(tmp_path / "out")]) == 4
+    assert "too large or too small for the search" in capfd.readouterr().out

@@ -19,7 +19,7 @@ from solvers.explanation.run import Runs
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, task_lines
 from solvers.run_context import RunContext
-from tests.oracles.small_specs import TURNER, replaced
+from tests.oracles.small_specs import SLIDER, TURNER, replaced
 
 ONE_LINK = ("B", "eps", "JO", "eps", "L", "eps", "EN")
 TWO_LINKS = ("B", "eps", "JO", "eps", "L", "eps", "JO", "eps", "L", "eps", "EN")
@@ -109,6 +109,15 @@ def test_one_link(low: float, high: float, near: float, far: float, wanted: set[
 
 def test_two_links_are_not_refuted() -> None:
     assert conflict(lengths(0.3, 1.0, 0.5, 0.6), TWO_LINKS) is None
+
+
+@pytest.mark.parametrize("bound", ["1e-3", "1e-9", "1e-90"])
+def test_an_effort_too_small_by_any_factor_is_named(bound: str) -> None:
+    """Without it the slider is found: all other lines do not rule it out."""
+    weak = replaced(SLIDER, "effort <= 10 N;", f"effort <= {bound} N;")
+    found = conflict(weak, ("B", "eps", "P", "eps", "M", "eps", "EN"))
+    assert found is not None
+    assert "effort" in {line.kind for line in found}
 
 
 def test_a_robot_without_a_link_cannot_start() -> None:

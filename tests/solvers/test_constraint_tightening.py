@@ -22,7 +22,7 @@ def finding(margin: float, unit: str = "m", status: Status = Status.UNDECIDED) -
     return CheckedCondition("something", status, margin, unit)
 
 
-def test_the_largest_lack_counts_as_a_part_of_the_room() -> None:
+def test_the_largest_lack_counts_as_a_part_of_the_tightening() -> None:
     held = finding(0.5, status=Status.HOLDS)
     assert missing_margin([finding(-0.01), finding(-0.03), held], SPREAD) == pytest.approx(0.75)
     assert missing_margin([held], SPREAD) == 0
@@ -38,7 +38,7 @@ def test_what_the_disturbances_do_not_move_is_given_a_wider_margin() -> None:
     assert missing_margin([finding(float("-inf"), "")], none) == float("inf")
 
 
-def test_the_room_gets_as_wide_as_was_lacking() -> None:
+def test_the_tightening_gets_as_wide_as_was_lacking() -> None:
     tightening = ConstraintTightening().wider(0.75, SPREAD)
     assert tightening is not None
     assert tightening.margin == MARGINS[0]

@@ -185,7 +185,7 @@ def test_parameters_without_seeds_have_no_outcomes(monkeypatch, counts):
 
     monkeypatch.setattr(evaluation, "_hopeful", seeds)
 
-    def solved(request, _follower):
+    def solved(request, _path_problem):
         return replace(outcome, trajectory=request.start)
 
     monkeypatch.setattr(SolveRequest, "outcome", solved)

@@ -229,7 +229,7 @@ def test_dwells_are_the_shrunk_cells_at_their_samples() -> None:
         assert rows.excess(points_of(positions)).max() == pytest.approx(0.05)
 
 
-def test_room_for_disturbed_motions_is_that_of_its_sample_and_point() -> None:
+def test_tightening_for_disturbed_motions_is_that_of_its_sample_and_point() -> None:
     spread = np.random.default_rng(4).uniform(0, 0.3, (6, 2))
     dwells = (
         Dwell(1, 2, 4, OBSTACLE),
@@ -241,12 +241,14 @@ def test_room_for_disturbed_motions_is_that_of_its_sample_and_point() -> None:
     plain = PositionPlan(5, dwells, separations, 0.05).rows(here)
     np.testing.assert_array_equal(rows.sample, plain.sample)
     np.testing.assert_array_equal(rows.point, plain.point)
-    room = plain.offset - rows.offset
+    tightening = plain.offset - rows.offset
     whole = spread[rows.sample, rows.point]
     planned = slice(12, 20)  # four facets at two samples
-    np.testing.assert_allclose(room[planned], whole[planned] * np.tile([1.0, 0.0, 0.0, 1.0], 2))
     np.testing.assert_allclose(
-        np.delete(room, np.arange(12, 20)), np.delete(whole, np.arange(12, 20))
+        tightening[planned], whole[planned] * np.tile([1.0, 0.0, 0.0, 1.0], 2)
+    )
+    np.testing.assert_allclose(
+        np.delete(tightening, np.arange(12, 20)), np.delete(whole, np.arange(12, 20))
     )
 
 

@@ -1,4 +1,4 @@
-"""Motions off their start, with drives that are not exact: none has less room than was proved."""
+"""Motions off their start, with drives that are not exact: none has less margin than was proved."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def rooms(motion: SampledMotion, figures: Figures) -> dict[str, float]:
 
 
 @pytest.mark.slow
-def test_no_disturbed_motion_has_less_room_than_was_proved(made):
+def test_no_disturbed_motion_has_less_margin_than_was_proved(made):
     folder = made("robust_arm")
     report = verify_directory(folder / "out")
     assert report.outcome is Outcome.VALID
@@ -70,11 +70,11 @@ def test_no_disturbed_motion_has_less_room_than_was_proved(made):
     arm, rng = SimulatedArm(flat_arm(claim), ()), np.random.default_rng(0)
     found = [rooms(disturbed(claim, arm, figures, rng, 1.0), figures) for _ in range(100)]
     planned = rooms(disturbed(claim, arm, figures, rng, 0.0), figures)
-    for name, room in planned.items():
+    for name, margin in planned.items():
         least = min(item[name] for item in found)
         margins = [f.margin for f in report.conditions if name in f.name]
         assert margins, name
         assert least >= min(margins) - 1e-9, name
         # The disturbances are felt, and the proof does not give everything away.
-        assert least < room - 1e-5, name
+        assert least < margin - 1e-5, name
         assert min(margins) > 0.2 * least, name

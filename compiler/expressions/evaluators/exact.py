@@ -14,7 +14,6 @@ from flint import arb
 
 from compiler.expressions.evaluator import Evaluator, evaluate_expression
 from compiler.expressions.evaluators.balls import ball
-from compiler.expressions.scalars import Constant, PiConstant, evaluate_constant
 from grammar_lang import ir
 
 _COSINES = {
@@ -142,11 +141,6 @@ class ExactEvaluator(Evaluator[PiLinear]):
     def sign(self, argument: PiLinear, /) -> PiLinear:
         """Raise NotExact: a sign depends on what is around the point."""
         raise NotExact("an inexact sign")
-
-
-def exact_constant(constant: Constant | PiConstant) -> PiLinear:
-    """A constant of a graph."""
-    return evaluate_constant(constant, ExactEvaluator())
 
 
 def exact_closed(expression: ir.Expr) -> PiLinear:

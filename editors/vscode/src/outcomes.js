@@ -45,7 +45,7 @@ function synthesisOutcome(status, task) {
     default:
       return {
         level: "error",
-        text: `${task}: srgc ended with status ${status}; its terminal says more.`,
+        text: `${task}: srgc ended with status ${status}; see its terminal.`,
         actions: [],
       };
   }

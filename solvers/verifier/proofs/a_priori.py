@@ -33,9 +33,9 @@ from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, P
 
 MOST_TRIALS = 6
 COMPARISON_TERMS = 8
-FIRST_ROOM, MORE_ROOM = arb(1.25), arb(1.125)
-DEFECT_ROOM = 16
-LEAST_ROOM = arb(2) ** -200
+FIRST_INFLATION, FURTHER_INFLATION = arb(1.25), arb(1.125)
+DEFECT_INFLATION = 16
+LEAST_INFLATION = arb(2) ** -200
 """A box needs an interior, even where nothing deviates."""
 
 
@@ -126,7 +126,7 @@ def deviation(field: VectorField, near: NearPath, degree: int) -> Deviation | No
         UncertainSignError: an absolute value is not smooth enough for this degree.
     """
     radii = [
-        item * FIRST_ROOM + error for item, error in zip(near.start, _guess(near), strict=True)
+        item * FIRST_INFLATION + error for item, error in zip(near.start, _guess(near), strict=True)
     ]
     for _ in range(MOST_TRIALS):
         found = narrowed(field, near, [item.upper() for item in radii], degree)
@@ -135,19 +135,19 @@ def deviation(field: VectorField, near: NearPath, degree: int) -> Deviation | No
             return None
         if all(bool(b < r) for b, r in zip(bound, found.radii, strict=True)):
             return found
-        wider = (b * MORE_ROOM + LEAST_ROOM for b in bound)
+        wider = (b * FURTHER_INFLATION + LEAST_INFLATION for b in bound)
         radii = [b.max(r) for b, r in zip(wider, found.radii, strict=True)]
     return None
 
 
 def _guess(near: NearPath) -> list[arb]:
-    """Room for what the defect may add, of a robot of ordinary inertia."""
+    """What the defect may add at most, of a robot of ordinary inertia."""
     time = near.path.length
     worst = arb(0)
     for item in near.defect:
         worst = worst.max(item)
     size, n = len(near.start), len(near.path.middle.entries) - len(near.defect)
-    rates = worst * time * DEFECT_ROOM + LEAST_ROOM
+    rates = worst * time * DEFECT_INFLATION + LEAST_INFLATION
     return [rates * time if i < n else rates for i in range(size)]
 
 

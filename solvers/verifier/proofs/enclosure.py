@@ -57,7 +57,7 @@ SLICES = 4
 """The parts of a segment on which the closer box is computed."""
 
 ROUGH_ORDER = 2
-ROOM = 1.25
+INFLATION = 1.25
 """A path is made for so much more time than it is needed for."""
 UNKNOWN = float("inf")
 
@@ -274,7 +274,7 @@ def _next(
     """The next segment, ``rest`` of the step being left: its length in steps; None for failure."""
     for rough in (False, True):
         try:
-            wanted = ROOM * float(rest) * control.dt / control.caution
+            wanted = INFLATION * float(rest) * control.dt / control.caution
             trial = _trial(field, states, drive, accuracy, wanted, control, rough=rough)
             return (
                 None if trial is None else _longest(field, states, drive, dt, rest, trial, control)
