@@ -16,7 +16,7 @@ from PIL import Image
 
 from compiler.workspaces.map_header import MapFault, MapHeader
 from compiler.workspaces.map_server import map_server_pieces, placed, rational_rotation, rectangles
-from compiler.workspaces.pieces import Polygon, area, cross
+from compiler.workspaces.pieces import Polygon, area
 from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.ir import MapImage
 
@@ -193,17 +193,17 @@ def test_turned_obstacles_are_covered(yaw: str) -> None:
         )  # fmt: skip
         polygons, inflation = placed(rectangles(pixels, MOST), pixels, header, bits=12)
         angle = float(yaw)
-        turn = [np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle), 3, -1]
+        turned = [np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle), 3, -1]
         boxes = [
             shapely.box(c / 2, r / 2, c / 2 + 0.5, r / 2 + 0.5) for r, c in np.argwhere(pixels)
         ]
-        exact = shapely.affinity.affine_transform(shapely.unary_union(boxes), turn)
+        exact = shapely.affinity.affine_transform(shapely.unary_union(boxes), turned)
         found = shapely_of(polygons)
         assert exact.difference(found).area < 1e-12
         assert found.difference(exact.buffer(float(inflation) + 1e-12)).area < 1e-12
         assert 0 < inflation < Fraction(1, 20)
         for p in polygons:
-            assert all(cross(p[i - 2], p[i - 1], p[i]) > 0 for i in range(4))
+            assert all(turn(p[i - 2], p[i - 1], p[i]) > 0 for i in range(4))
 
 
 def test_every_turned_corner_is_within_a_rectangle_exactly() -> None:
@@ -213,12 +213,12 @@ def test_every_turned_corner_is_within_a_rectangle_exactly() -> None:
         [polygon], inflation = pieces_of(pixels, size="0.05", x="-7", y="11.5", yaw=yaw)
         assert 0 < inflation < Fraction(1, 10**12)
         with mpmath.workdps(60):
-            turn = mpmath.expj(mpmath.mpf(yaw))
+            turned = mpmath.expj(mpmath.mpf(yaw))
             for across, up in ((0, 0), (5, 0), (5, 3), (0, 3)):
-                place = mpmath.mpc("-7", "11.5") + turn * mpmath.mpc(across, up) / 20
+                place = mpmath.mpc("-7", "11.5") + turned * mpmath.mpc(across, up) / 20
                 point = (Fraction(str(place.real)), Fraction(str(place.imag)))
                 sides = zip(polygon, polygon[1:] + polygon[:1], strict=True)
-                assert all(cross(a, b, point) > 0 for a, b in sides)
+                assert all(turn(a, b, point) > 0 for a, b in sides)
 
 
 def test_neighbours_share_their_sides_where_a_map_is_turned() -> None:

@@ -11,7 +11,8 @@ from fractions import Fraction
 import pytest
 import shapely
 
-from compiler.workspaces.pieces import Corner, Polygon, apart, area, cross
+from compiler.workspaces.hull import turn
+from compiler.workspaces.pieces import Corner, Polygon, apart, area
 from compiler.workspaces.polygon_pieces import polygon_pieces
 from compiler.workspaces.rings import BadRing
 
@@ -39,7 +40,7 @@ def reflex(rings: Sequence[Ring]) -> int:
         ahead = 1 if (area(corners) > 0) == (number == 0) else -1
         for i in range(len(corners)):
             a, b, c = corners[i - 2], corners[i - 1], corners[i]
-            count += cross(a, b, c) * ahead < 0
+            count += turn(a, b, c) * ahead < 0
     return count
 
 
@@ -50,7 +51,7 @@ def checked(rings: Sequence[Ring]) -> tuple[Polygon, ...]:
     assert sum(map(area, pieces)) == sizes[0] - sum(sizes[1:])
     for piece in pieces:
         assert len(piece) >= 3
-        assert all(cross(piece[i - 2], piece[i - 1], piece[i]) > 0 for i in range(len(piece)))
+        assert all(turn(piece[i - 2], piece[i - 1], piece[i]) > 0 for i in range(len(piece)))
     if len(pieces) < 16:
         for i, piece in enumerate(pieces):
             assert all(apart(piece, other) for other in pieces[:i])
