@@ -14,9 +14,9 @@ import shapely
 from numpy.typing import NDArray
 from PIL import Image
 
+from compiler.workspaces.hull import turn
 from compiler.workspaces.map_header import MapFault, MapHeader
 from compiler.workspaces.map_server import map_server_pieces, placed, rational_rotation, rectangles
-from compiler.workspaces.hull import turn
 from compiler.workspaces.pieces import Polygon, area
 from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.ir import MapImage
