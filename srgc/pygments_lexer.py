@@ -268,11 +268,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (_word("obstacles"), Keyword, "map"),
             include("stray"),
         ],
-        "dimension": [
-            include("gap"),
-            (_word("xy", "xyz"), Keyword.Constant, "#pop"),
-            default("#pop"),
-        ],
+        "dimension": [include("gap"), (_word("xy", "xyz"), Keyword.Constant), default("#pop")],
         "region": [include("gap"), (_NAME, Name.Entity, "#pop"), default("#pop")],
         "map": [include("gap"), (_word("from"), Keyword), include("string"), default("#pop")],
         "shape": [
@@ -307,6 +303,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (_word("from"), Keyword, ("word", "reference")),
             (_word("satisfy"), Keyword, "formula"),
             (_word("robust"), Keyword, "robust"),
+            (_word("control"), Keyword, "control"),
             include("stray"),
         ],
         "start": [
@@ -365,8 +362,8 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         ],
         "robust": [
             include("gap"),
-            (_word("start"), Keyword, ("#pop", "quantities")),
-            (_word("effort"), Keyword, ("#pop", "percent", "operand")),
+            (_word("start", "measure"), Keyword, ("#pop", "quantities")),
+            (_word("effort", "mass"), Keyword, ("#pop", "percent", "operand")),
             default("#pop"),
         ],
         "quantities": [
@@ -376,7 +373,13 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (",", Punctuation),
             default("#pop"),
         ],
-        "percent": [include("gap"), ("%", Keyword.Type, "#pop"), default("#pop")],
+        "percent": [
+            include("gap"),
+            ("%", Keyword.Type),
+            (_word("of", "bound"), Keyword),
+            default("#pop"),
+        ],
+        "control": [include("gap"), (_word("open", "loop", "feedback"), Keyword), default("#pop")],
         # --- formulas -----------------------------------------------------------------------
         "formula": [
             include("gap"),

@@ -212,7 +212,7 @@ def _named(formula: SampledFormula) -> set[int]:
 
 def disturbance_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
     """Per joint's coordinate, then per rate, how far it may be from what is planned, in SI."""
-    robust = task.robust or ir.Robust()
+    radii = (task.robust or ir.Robust()).start
     turning = [dof.kind == "revolute" for dof in model.dofs]
-    places = [robust.angle if turns else robust.length for turns in turning]
-    return places + [robust.angular_rate if turns else robust.speed for turns in turning]
+    places = [radii.angle if turns else radii.length for turns in turning]
+    return places + [radii.angular_rate if turns else radii.speed for turns in turning]

@@ -86,6 +86,7 @@ class Code(Enum):
     VACUOUS_FORMULA = "SRG0705"
     TOO_FEW_MODULES = "SRG0706"
     START_OF_NO_ROBOT = "SRG0707"
+    OPEN_LOOP_MEASUREMENT = "SRG0708"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -109,7 +109,7 @@ def lower_efforts(task: t.Task, kinds: tuple[ir.DofKind, ...], sink: Sink) -> tu
     return tuple(reader.found.values())
 
 
-# --- ``robust start`` and ``robust effort``: disturbances that a motion has to bear ---------------
+# --- ``robust …``: disturbances that a motion has to bear -----------------------------------------
 
 
 Radius: TypeAlias = Literal["length", "angle", "speed", "angular_rate"]
@@ -129,6 +129,12 @@ _ARTICLED: dict[Radius, str] = {
 _HINT = (
     "write a length, an angle, a speed or an angular rate: `1 mm`, `0.1 deg`, `1 mm/s`, `1 deg/s`"
 )
+_SUBJECT = {"start": "disturbance", "measure": "measurement error"}
+_PERCENT = {
+    "effort": ("`robust effort`", "the disturbance of the efforts"),
+    "effort of bound": ("`robust effort … of bound`", "the disturbance of the efforts"),
+    "mass": ("`robust mass`", "the error of the masses"),
+}
 
 # pi = 3.14159265358979323846264338327950288419...
 _PI_BELOW = Fraction(314159265358979323846264338327950288, 10**35)
@@ -142,36 +148,41 @@ def _at_least(value: constants.Monomial) -> Fraction:
 
 
 @dataclass(slots=True)
-class _DisturbanceReader:
+class _RadiiReader:
+    """Reads the radii of all clauses ``robust start``, or of all ``robust measure``."""
+
+    subject: str
     sink: Sink
     radii: dict[Radius, tuple[Fraction, Span]] = field(
         default_factory=dict[Radius, tuple[Fraction, Span]]
     )
-    effort: tuple[Fraction, Span] | None = None
 
-    def start(self, item: t.RobustStart) -> None:
+    def read(self, item: t.RobustRadii) -> None:
         for expr in item.values:
             value = Constants(self.sink).typed(expr)
             kind = self._kind(value, expr.span)
             if kind is not None:
                 self._radius(kind, value, expr)
 
+    def found(self) -> ir.Radii:
+        return ir.Radii(**{kind: value for kind, (value, _) in self.radii.items()})
+
     def _kind(self, value: Typed, at: Span) -> Radius | None:
         if value.sort is not Sort.SCALAR:
             return None
         if value.dimension is None:
-            self.sink.error(Code.UNIT_MISMATCH, "a disturbance without a unit", at, _HINT)
+            self.sink.error(Code.UNIT_MISMATCH, f"a {self.subject} without a unit", at, _HINT)
             return None
         kind = _KINDS.get(value.dimension)
         if kind is None or (kind == "angle" and not value.angular):
-            message = f"{describe(value.dimension)} is no disturbance of a start"
+            message = f"{describe(value.dimension)} is no {self.subject} of a state"
             self.sink.error(Code.UNIT_MISMATCH, message, at, _HINT)
             return None
         return kind
 
     def _radius(self, kind: Radius, value: Typed, expr: s.Expr) -> None:
         if kind in self.radii:
-            message = f"a second disturbance by {_ARTICLED[kind]}"
+            message = f"a second {self.subject} by {_ARTICLED[kind]}"
             notes = [(self.radii[kind][1], "first here")]
             self.sink.error(Code.REPEATED_CLAUSE, message, expr.span, "remove one", notes)
             return
@@ -180,49 +191,64 @@ class _DisturbanceReader:
         if exact is None:
             not_rational(expr.span, self.sink)
         elif exact[0] <= 0:
-            message = "the disturbance is not positive"
+            message = f"the {self.subject} is not positive"
             self.sink.error(Code.BAD_VALUE, message, expr.span, "write more than zero")
         self.radii[kind] = (Fraction(0) if exact is None else _at_least(exact), expr.span)
 
-    def percent(self, item: t.RobustEffort) -> None:
-        if self.effort is not None:
-            notes = [(self.effort[1], "first here")]
-            message = "a second `robust effort`"
-            self.sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
-            return
-        value = Constants(self.sink).rational(item.percent, ONE)
-        if value is not None and not 0 < value < 100:
-            message = "the disturbance of the efforts is not between 0 % and 100 %"
-            hint = "write a percentage such as `5 %`"
-            self.sink.error(Code.BAD_VALUE, message, item.percent.span, hint)
-        self.effort = ((value or Fraction(0)) / 100, item.span)
+
+def _fraction(item: t.RobustPercent, sink: Sink) -> Fraction:
+    """The percentage as a fraction; zero where an error was reported."""
+    value = Constants(sink).rational(item.percent, ONE)
+    if value is not None and not 0 < value < 100:
+        message = f"{_PERCENT[item.of][1]} is not between 0 % and 100 %"
+        hint = "write a percentage such as `5 %`"
+        sink.error(Code.BAD_VALUE, message, item.percent.span, hint)
+    return (value or Fraction(0)) / 100
 
 
-def lower_robust(items: tuple[t.TaskItem, ...], sink: Sink) -> ir.Robust | None:
-    """What the ``robust`` clauses of a task say together; None where there is none."""
-    reader = _DisturbanceReader(sink)
-    spans: list[Span] = []
+def _check_control(items: tuple[t.TaskItem, ...], measured: Span | None, sink: Sink) -> None:
+    """Report errors of measurements where the inputs follow no measurement."""
+    controls = [item for item in items if isinstance(item, t.Control)]
+    if measured is not None and {item.loop for item in controls} == {"open loop"}:
+        message = "an open-loop controller measures nothing"
+        hint = "remove `robust measure`, or write `control feedback;`"
+        notes = [(controls[0].span, "the inputs follow no measurement")]
+        sink.error(Code.OPEN_LOOP_MEASUREMENT, message, measured, hint, notes)
+
+
+def lower_robust(items: tuple[t.TaskItem, ...], sink: Sink) -> ir.Robust:
+    """What the ``robust`` clauses of a task say together.
+
+    Args:
+        items: all clauses of the task, also the others.
+        sink: where errors go.
+    """
+    radii = {of: _RadiiReader(subject, sink) for of, subject in _SUBJECT.items()}
+    fractions: dict[str, Fraction] = {}
+    places: dict[str, Span] = {}
     for item in items:
         match item:
-            case t.RobustStart():
-                reader.start(item)
-                spans.append(item.span)
-            case t.RobustEffort():
-                reader.percent(item)
-                spans.append(item.span)
+            case t.RobustRadii():
+                radii[item.of].read(item)
+                places.setdefault(item.of, item.span)
+            case t.RobustPercent() if item.of in fractions:
+                notes = [(places[item.of], "first here")]
+                message = f"a second {_PERCENT[item.of][0]}"
+                sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
+            case t.RobustPercent():
+                fractions[item.of] = _fraction(item, sink)
+                places[item.of] = item.span
             case _:
                 pass
-    if not spans:
-        return None
-    radii = {kind: value for kind, (value, _) in reader.radii.items()}
+    _check_control(items, places.get("measure"), sink)
     none = Fraction(0)
     return ir.Robust(
-        angle=radii.get("angle", none),
-        length=radii.get("length", none),
-        angular_rate=radii.get("angular_rate", none),
-        speed=radii.get("speed", none),
-        effort=none if reader.effort is None else reader.effort[0],
-        spans=tuple(spans),
+        start=radii["start"].found(),
+        measured=radii["measure"].found(),
+        effort=fractions.get("effort", none),
+        effort_of_bound=fractions.get("effort of bound", none),
+        mass=fractions.get("mass", none),
+        clauses=places,
     )
 
 

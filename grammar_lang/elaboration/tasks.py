@@ -271,7 +271,7 @@ class _Reader:
         return lower_origin(item, self.around.modules, self.around.names, self.sink)
 
     def robust(self) -> ir.Robust | None:
-        if not any(isinstance(i, t.RobustStart | t.RobustEffort) for i in self.task.items):
+        if not any(isinstance(i, t.RobustRadii | t.RobustPercent) for i in self.task.items):
             return None
         from grammar_lang.elaboration.task_clauses import lower_robust
 
@@ -344,12 +344,13 @@ def _check_family(reader: _Reader, robot: t.Robot) -> None:
 
 
 def _places(task: t.Task) -> dict[str, Span]:
-    """Where the clauses stand that are plain numbers in the task."""
+    """Where the clauses stand that are plain values in the task."""
     kinds = {
         t.Horizon: "horizon",
         t.Gravity: "gravity",
         t.Modules: "modules",
         t.BoundsBody: "bounds_body",
+        t.Control: "control",
     }
     return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
 
@@ -372,6 +373,7 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None
     origin, robust = reader.origin(), reader.robust()
+    control = reader.one(t.Control, "control", None)
     if robot is None or place is None or start is None or not (reach or satisfy):
         return None
     return ir.Task(
@@ -393,5 +395,6 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         origin=origin,
         satisfy=satisfy,
         robust=robust,
+        control=None if control is None else control.loop,
         clauses=_places(task),
     )

@@ -191,19 +191,38 @@ class Satisfy:
 
 
 @node
-class Robust:
-    """Disturbances that the motion has to bear, each a radius about the planned value, in SI.
+class Radii:
+    """How far a state may be from another: a radius for each kind of coordinate and rate.
 
-    ``angle`` (rad) and ``length`` (m) of the initial coordinates, ``angular_rate`` (rad/s) and
-    ``speed`` (m/s) of the initial rates; ``effort`` is a fraction of each input.
+    ``angle`` (rad) and ``angular_rate`` (rad/s) of revolute degrees of freedom, ``length`` (m) and
+    ``speed`` (m/s) of prismatic ones.
     """
 
     angle: Fraction = Fraction(0)
     length: Fraction = Fraction(0)
     angular_rate: Fraction = Fraction(0)
     speed: Fraction = Fraction(0)
+
+
+@node
+class Robust:
+    """Disturbances that the motion has to bear.
+
+    ``start`` holds the radii about the planned start, ``measured`` those of what the controller
+    measures about the true state.  Each input is off by up to the fraction ``effort`` of itself and
+    the fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities and
+    inertias are multiplied by one constant within 1 +- ``mass``.
+
+    ``clauses`` are the places of the first clause of each kind: ``start``, ``measure``, ``effort``,
+    ``effort of bound`` and ``mass``.
+    """
+
+    start: Radii = Radii()
+    measured: Radii = Radii()
     effort: Fraction = Fraction(0)
-    spans: tuple[Span, ...] = field(default=(), compare=False, repr=False)
+    effort_of_bound: Fraction = Fraction(0)
+    mass: Fraction = Fraction(0)
+    clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
 
 
 @node
@@ -211,7 +230,10 @@ class Task:
     """A problem: a robot family, a workspace, and what is to be done in how many steps.
 
     ``reach`` is None only where ``satisfy`` holds a formula.  ``clauses`` are the places of those
-    clauses that are plain numbers here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``.
+    clauses that are plain values here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``,
+    ``control``.
+
+    ``control`` says whether the inputs are a fixed list or follow what is measured; None: either.
     """
 
     name: str
@@ -232,6 +254,7 @@ class Task:
     origin: Origin | None = None
     satisfy: tuple[Satisfy, ...] = ()
     robust: Robust | None = None
+    control: Literal["open loop", "feedback"] | None = None
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
 
     @property

@@ -250,6 +250,8 @@ def _habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
         return _HORIZON
     if wanted == "`(`" and tokens.at(here - 1) == "at":
         return "write coordinates of joints, as in `start at (30 deg, 0)`, or `start in` a region"
+    if wanted == "`feedback` or `open`" and tokens.at(here) == "closed":
+        return "write `control feedback` for a closed loop"
     if wanted == "`;` or `}`" and tokens.at(here) in _COMPARISONS:
         return "an inequality has two sides: write two of them, with `;` between"
     return None

@@ -175,8 +175,13 @@ _TASKS: dict[str, Builder] = {
     "from_word": lambda c, span: t.From(c[0], tuple(_present(c[1:])), span),
     "word": lambda c, _: tuple(c),
     "fixing": lambda c, span: t.Fixing(_ident(c[0]), _ident(c[1]), c[2], span),
-    "robust_start": lambda c, span: t.RobustStart(tuple(c), span),
-    "robust_effort": lambda c, span: t.RobustEffort(c[0], span),
+    "control": lambda c, span: t.Control(c[0], span),
+    "loop": lambda c, _: " ".join(token.text for token in c),
+    "robust_start": lambda c, span: t.RobustRadii("start", tuple(c), span),
+    "robust_measure": lambda c, span: t.RobustRadii("measure", tuple(c), span),
+    "robust_effort": lambda c, span: t.RobustPercent("effort", c[0], span),
+    "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span),
+    "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], span),
     "item": lambda c, _: c[0],
 }
 

@@ -307,17 +307,27 @@ class Satisfy:
 
 
 @node
-class RobustStart:
-    """``robust start 1 mm 0.1 deg;``."""
+class Control:
+    """``control open loop;`` or ``control feedback;``."""
 
+    loop: Literal["open loop", "feedback"]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class RobustRadii:
+    """``robust start 1 mm 0.1 deg;`` or ``robust measure 0.1 deg, 0.5 deg/s;``."""
+
+    of: Literal["start", "measure"]
     values: tuple[Expr, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @node
-class RobustEffort:
-    """``robust effort 0.5 %;``; the value counts hundredths."""
+class RobustPercent:
+    """``robust effort 0.5 %;``, ``… % of bound;`` or ``robust mass 5 %;``; counts hundredths."""
 
+    of: Literal["effort", "effort of bound", "mass"]
     percent: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
@@ -337,8 +347,9 @@ TaskItem: TypeAlias = (
     | BoundsBody
     | From
     | Satisfy
-    | RobustStart
-    | RobustEffort
+    | Control
+    | RobustRadii
+    | RobustPercent
 )
 
 

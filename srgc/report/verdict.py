@@ -328,28 +328,43 @@ def _limits(task: ir.Task) -> Iterator[str]:
     if any(task.gravity):
         vector = ", ".join(_value(part) for part in task.gravity)
         yield f"Gravity is ({vector}) m/s²"
+    if task.control is not None:
+        feedback = task.control == "feedback"
+        yield (
+            "The inputs follow what is measured" if feedback else "The inputs are fixed in advance"
+        )
     if task.robust is not None:
         yield f"All of this holds although {_disturbances(task.robust)}"
 
 
 def _disturbances(robust: ir.Robust) -> str:
-    amounts = (
-        (robust.angle, "°"),
-        (robust.length, " m"),
-        (robust.angular_rate, "°/s"),
-        (robust.speed, " m/s"),
-    )
     parts = []
-    start = [
+    if start := _radii(robust.start):
+        parts.append(f"the start is off by up to {start}")
+    if measured := _radii(robust.measured):
+        parts.append(f"what is measured is off by up to {measured}")
+    if robust.effort:
+        parts.append(f"every input is off by up to {_value(100 * robust.effort)} %")
+    if robust.effort_of_bound:
+        part = _value(100 * robust.effort_of_bound)
+        parts.append(f"every input is off by up to {part} % of its bound")
+    if robust.mass:
+        parts.append(f"all masses are off by up to {_value(100 * robust.mass)} % alike")
+    return " and ".join(parts) or "nothing is disturbed"
+
+
+def _radii(radii: ir.Radii) -> str:
+    amounts = (
+        (radii.angle, "°"),
+        (radii.length, " m"),
+        (radii.angular_rate, "°/s"),
+        (radii.speed, " m/s"),
+    )
+    return ", ".join(
         f"{number(degrees(amount), 6) if '°' in unit else _value(amount)}{unit}"
         for amount, unit in amounts
         if amount
-    ]
-    if start:
-        parts.append(f"the start is off by up to {', '.join(start)}")
-    if robust.effort:
-        parts.append(f"every input is off by up to {_value(100 * robust.effort)} %")
-    return " and ".join(parts) or "nothing is disturbed"
+    )
 
 
 def _short(formula: str) -> str:

@@ -24,7 +24,7 @@ from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
 from srgc.search_options import named_search, named_solver
-from srgc.session import UsageFault
+from srgc.session import UsageFault, refuse_unsupported
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +44,7 @@ def tried_folder(folder: Path) -> TriedFolder:
     Raises:
         UsageFault: there are no results, they or the spec have been altered, or they name a solver
             or a search that is not here.
+        SpecErrors: the task has a clause that is not compiled.
     """
     if not folder.is_dir():
         raise no_folder(folder)
@@ -70,6 +71,7 @@ def tried_folder(folder: Path) -> TriedFolder:
 
 def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> TriedFolder:
     task = program.tasks[content["task"]]
+    refuse_unsupported(program, task)
     posed = PosedTask(program, task)
     tried = None
     if content["verdict"] != "found":

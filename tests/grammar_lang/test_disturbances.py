@@ -1,4 +1,4 @@
-"""``robust start`` and ``robust effort``."""
+"""The ``robust`` clauses, and ``control``, which some of them need."""
 
 from __future__ import annotations
 
@@ -35,15 +35,41 @@ def robust(build: Build) -> Callable[[str], ir.Robust | None]:
 def test_each_kind(robust: Callable[[str], ir.Robust | None]) -> None:
     assert robust("") is None
     found = robust("robust start 1 mm 0.25 rad, 2 cm/s; robust start (0.5 * 3) rad/s;")
-    assert found == ir.Robust(
+    radii = ir.Radii(
         length=Fraction(1, 1000),
         angle=Fraction(1, 4),
         speed=Fraction(1, 50),
         angular_rate=Fraction(3, 2),
     )
-    assert found is not None
-    assert len(found.spans) == 2
+    assert found == ir.Robust(start=radii)
+    found = robust("robust measure 1 mm 0.25 rad; robust measure 2 cm/s, 1.5 rad/s;")
+    assert found == ir.Robust(measured=radii)
     assert robust("robust effort 2.5 %;") == ir.Robust(effort=Fraction(1, 40))
+    assert robust("robust effort 2.5 % of bound;") == ir.Robust(effort_of_bound=Fraction(1, 40))
+    assert robust("robust mass 3 %;") == ir.Robust(mass=Fraction(3, 100))
+
+
+def test_all_kinds_together(robust: Callable[[str], ir.Robust | None]) -> None:
+    clauses = {
+        "mass": "robust mass 0.5 %;",
+        "effort of bound": "robust effort (1 + 1) % of bound;",
+        "measure": "robust measure 1 mm;",
+        "start": "robust start 2 mm;",
+        "effort": "robust effort 99 %;",
+    }
+    text = " ".join([*clauses.values(), "robust start 1 m/s; robust measure 3 m/s;"])
+    found = robust(text)
+    assert found == ir.Robust(
+        start=ir.Radii(length=Fraction(1, 500), speed=Fraction(1)),
+        measured=ir.Radii(length=Fraction(1, 1000), speed=Fraction(3)),
+        effort=Fraction(99, 100),
+        effort_of_bound=Fraction(1, 50),
+        mass=Fraction(1, 200),
+    )
+    assert found is not None
+    first = min(span.start for span in found.clauses.values())
+    places = {kind: span.start - first for kind, span in found.clauses.items()}
+    assert places == {kind: text.index(clause) for kind, clause in clauses.items()}
 
 
 @pytest.mark.parametrize("text", ["180 deg", "0.1 deg", "(180 / pi) deg", "(1 / (7 * pi)) rad"])
@@ -59,8 +85,11 @@ def test_angles_are_rounded_up(text: str, robust: Callable[[str], ir.Robust | No
     }[text]
     found = robust(f"robust start {text};")
     assert found is not None
-    assert exact <= found.angle <= exact * (1 + Fraction(1, 10**30))
-    assert math.isclose(float(found.angle), float(exact))
+    assert exact <= found.start.angle <= exact * (1 + Fraction(1, 10**30))
+    assert math.isclose(float(found.start.angle), float(exact))
+    measured = robust(f"robust measure {text};")
+    assert measured is not None
+    assert measured.measured == found.start
 
 
 @pytest.mark.parametrize(
@@ -78,9 +107,55 @@ def test_angles_are_rounded_up(text: str, robust: Callable[[str], ir.Robust | No
         ("robust effort 100 %;", [("BAD_VALUE", "100")]),
         ("robust effort 1 N %;", [("UNIT_MISMATCH", "1 N")]),
         ("robust effort 1 %; robust effort 2 %;", [("REPEATED_CLAUSE", "robust effort 2 %;")]),
+        ("robust effort 0 % of bound;", [("BAD_VALUE", "0")]),
+        ("robust effort -1 % of bound;", [("BAD_VALUE", "-1")]),
+        ("robust effort 100 % of bound;", [("BAD_VALUE", "100")]),
+        (
+            "robust effort 1 % of bound; robust effort 2 %; robust effort 3 % of bound;",
+            [("REPEATED_CLAUSE", "robust effort 3 % of bound;")],
+        ),
+        ("robust mass 0 %;", [("BAD_VALUE", "0")]),
+        ("robust mass 100 %;", [("BAD_VALUE", "100")]),
+        ("robust mass 1 kg %;", [("UNIT_MISMATCH", "1 kg")]),
+        ("robust mass (sqrt(2)) %;", [("NOT_RATIONAL", "sqrt(2)")]),
+        ("robust mass 1 %; robust mass 1 %;", [("REPEATED_CLAUSE", "robust mass 1 %;")]),
+        ("robust measure 1;", [("UNIT_MISMATCH", "1")]),
+        ("robust measure 1 kg;", [("UNIT_MISMATCH", "1 kg")]),
+        ("robust measure 0 deg;", [("BAD_VALUE", "0 deg")]),
+        ("robust measure (-1) mm;", [("BAD_VALUE", "(-1) mm")]),
+        ("robust measure 1 mm; robust start 1 mm; robust measure 2 mm;",
+         [("REPEATED_CLAUSE", "2 mm")]),
+        ("control open loop; robust measure 1 mm;",
+         [("OPEN_LOOP_MEASUREMENT", "robust measure 1 mm;")]),
+        ("robust measure 1 mm; robust measure 1 deg; control open loop;",
+         [("OPEN_LOOP_MEASUREMENT", "robust measure 1 mm;")]),
+        ("control open loop; robust start 1 mm; robust effort 1 % of bound; robust mass 1 %;", []),
+        ("control feedback; robust measure 1 mm;", []),
+        ("control open loop; control feedback; robust measure 1 mm;",
+         [("REPEATED_CLAUSE", "control feedback;")]),
+        ("control feedback; control open loop;", [("REPEATED_CLAUSE", "control open loop;")]),
+        ("control feedback; control feedback;", [("REPEATED_CLAUSE", "control feedback;")]),
     ],
-)
+)  # fmt: skip
 def test_findings(
     text: str, found: list[tuple[str, str]], check_fragment: Check, build: Build
 ) -> None:
     assert check_fragment(build(task=TASK.format(text))) == found
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [("", None), ("control open loop;", "open loop"), ("control\tfeedback ;", "feedback")],
+)
+def test_control(text: str, found: str | None, build: Build) -> None:
+    program = load_text(build(task=TASK.format(text)), "t").program
+    assert program is not None
+    task = program.tasks["P"]
+    assert task.control == found
+    assert ("control" in task.clauses) == bool(found)
+
+
+def test_the_words_are_names_elsewhere() -> None:
+    words = ["control", "open", "loop", "feedback", "measure", "mass", "bound"]
+    edges = f"edge {', '.join(words)};"
+    assert load_text(edges, "t").program is not None

@@ -91,6 +91,11 @@ STATEMENTS = [
     ("task", "from B eps '[' fixed L1.length = 2 m, L2.length = -3 m;"),
     ("task", "robust start 1 mm 2, (3) deg 4;"),
     ("task", "robust effort 0.5 %;"),
+    ("task", "robust effort (1 + 1) % of bound;"),
+    ("task", "robust measure 1 mm, (3) deg 4 mm/s;"),
+    ("task", "robust mass 3 %;"),
+    ("task", "control open loop;"),
+    ("task", "control feedback;"),
     ("task", "satisfy eventually[0 s, 5 s] (A or B by effector 2);"),
     ("task", "satisfy not (not A) and always (A implies next B) until last[1 s] C;"),
 ]  # fmt: skip
@@ -138,6 +143,8 @@ SQUEEZED = [
     ("task", "satisfy always[0,1](A);", "satisfy always[0, 1] (A);"),
     ("task", "satisfy last [1] (A)and(not(B));", "satisfy last[1] (A) and (not (B));"),
     ("task", "robust effort 5%;", "robust effort 5 %;"),
+    ("task", "robust effort 5%of bound;", "robust effort 5 % of bound;"),
+    ("task", "control open\n loop;", "control open loop;"),
 ]
 
 

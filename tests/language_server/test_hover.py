@@ -81,6 +81,19 @@ def test_everything_of_the_running_example() -> None:
     assert hover(analysis, 0, analysis.sources[0].text.index("judged")) is None
 
 
+@pytest.mark.parametrize(
+    ("loop", "means"), [("open loop", "fixed in advance"), ("feedback", "follow what is measured")]
+)
+def test_the_control_of_a_task(loop: str, means: str) -> None:
+    text = (ROOT / "specs" / "planar_arm.srg").read_text(encoding="utf-8")
+    name, _, rest = text.partition("\ntask ")[2].partition(" ")
+    start = text.index(f"task {name} {rest[:8]}")
+    place = text.index("{", start) + 1
+    analysis = analyse("untitled:x", f"{text[:place]} control {loop};{text[place:]}", {})
+    assert f"- control: {loop}" in told(analysis, "task ", name)
+    assert means in told(analysis, "control ", loop)
+
+
 def test_space_has_volumes() -> None:
     text = """workspace W { space xyz; bounds box [0, 9] x [0, 9] x [0, 9] m;
     region Tetra hull (0, 0, 0), (3, 0, 0), (0, 2, 0), (0, 0, 1) m; }"""

@@ -255,6 +255,8 @@ def _task(analysis: Analysis, entity: Entity) -> str:
     if any(task.gravity):
         gravity = ", ".join(number_text(each) for each in task.gravity)
         lines.append(f"- gravity: ({gravity}) m/s^2")
+    if task.control is not None:
+        lines.append(f"- control: {task.control}")
     return "\n".join(lines)
 
 

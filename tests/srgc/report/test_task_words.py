@@ -29,6 +29,16 @@ def words(text: str, folder: Path) -> str:
         (TURNER, "O with effector", "O with effector margin 5 mm", "by at least 0.005 m"),
         (TURNER, "  reach T;", "  reach T;\n  robust start 2 deg, 3 deg/s;",
          "off by up to 2°, 3°/s"),
+        (TURNER, "  reach T;", "  reach T;\n  robust measure 2 deg, 3 deg/s;",
+         "what is measured is off by up to 2°, 3°/s"),
+        (TURNER, "  reach T;", "  reach T;\n  robust effort 2 % of bound;",
+         "every input is off by up to 2 % of its bound"),
+        (TURNER, "  reach T;", "  reach T;\n  robust mass 3 %;",
+         "all masses are off by up to 3 % alike"),
+        (TURNER, "  reach T;", "  reach T;\n  control open loop;",
+         "The inputs are fixed in advance"),
+        (TURNER, "  reach T;", "  reach T;\n  control feedback;",
+         "The inputs follow what is measured"),
     ],
 )  # fmt: skip
 def test_numbers_have_their_units(tmp_path: Path, spec: str, old: str, new: str, said: str) -> None:
