@@ -33,6 +33,7 @@ SPECS = {
     "slider": small_specs.SLIDER.encode(),
     "beyond_reach": small_specs.BEYOND_REACH.encode(),
     "good_as_it_is": small_specs.GOOD_AS_IT_IS.encode(),
+    "closed": small_specs.CLOSED.encode(),
     "without_link": small_specs.WITHOUT_LINK.encode(),
     "too_short": small_specs.TOO_SHORT.encode(),
     "spatial": SPATIAL.encode(),

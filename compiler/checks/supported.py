@@ -39,12 +39,3 @@ def _needed_by(task: ir.Task) -> tuple[tuple[Span, str], ...]:
 def _clauses(task: ir.Task) -> Iterator[tuple[str, Span]]:
     if task.avoid_self is not None:
         yield "`avoid self`", task.avoid_self.span
-    if task.control == "feedback":
-        yield "`control feedback`", task.clauses.get("control", task.span)
-    robust = task.robust or ir.Robust()
-    if robust.effort_of_bound:
-        yield "`robust effort … of bound`", robust.clauses.get("effort of bound", task.span)
-    if robust.measured != ir.Radii():
-        yield "`robust measure`", robust.clauses.get("measure", task.span)
-    if robust.mass:
-        yield "`robust mass`", robust.clauses.get("mass", task.span)

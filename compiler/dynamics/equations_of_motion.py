@@ -10,7 +10,7 @@ with the modules' own states s; together one controlled system x' = f(x, theta, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -98,6 +98,34 @@ class RobotGraph:
     hulls: tuple[tuple[int, ...], ...]
     divisors: int
     parts: _Expressions = field(repr=False)
+
+    def holding_inputs(self, *, uncertain_mass: bool = False) -> RobotGraph:
+        """The same robot whose inputs are states that do not change, disturbed by its new inputs.
+
+        ``w`` has m more entries, the inputs that are held; the inputs ``u`` (m,) are what is added
+        to them.  With an ``uncertain_mass`` there is one more: the factor of all masses.
+        """
+        p = self.parts
+        held = ca.SX.sym("held", p.u.numel())
+        added = ca.SX.sym("added", p.u.numel())
+        forces, derivatives, conditions = ca.substitute(
+            [p.forces, p.derivatives, p.conditions], [p.u], [held + added]
+        )
+        factor = ca.SX.sym("factor", 1 if uncertain_mass else 0)
+        still = ca.vertcat(held, factor)
+        parts = replace(
+            p,
+            w=ca.vertcat(p.w, still),
+            u=added,
+            forces=forces,
+            derivatives=ca.vertcat(derivatives, ca.SX(still.numel(), 1)),
+            conditions=conditions,
+        )
+        if uncertain_mass:
+            masses = (p.mass, p.regular_mass, p.gravitational)
+            mass, regular, pull = (factor * item for item in masses)
+            parts = replace(parts, mass=mass, regular_mass=regular, gravitational=pull)
+        return replace(self, parts=parts)
 
     def _function(self, name: str, inputs: Sequence[ca.SX], output: ca.SX) -> ca.Function:
         columns = [*inputs, self.parts.theta, self.parts.k]

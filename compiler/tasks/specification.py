@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import assert_never
 
 from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import input_bounds, robot_inputs
 from compiler.tasks.formula_parts import atoms
 from compiler.tasks.sampled_formula import (
     Literal,
@@ -207,12 +208,35 @@ def _named(formula: SampledFormula) -> set[int]:
     return {node.effector - 1 for node in nodes(formula) if isinstance(node, Literal)}
 
 
-# --- The radii of `robust start` by coordinate and rate -------------------------------------------
+# --- What `robust` clauses say, by coordinate, rate and input -------------------------------------
 
 
-def disturbance_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
-    """Per joint's coordinate, then per rate, how far it may be from what is planned, in SI."""
-    radii = (task.robust or ir.Robust()).start
+def joint_radii(radii: ir.Radii, model: RobotModel) -> list[Fraction]:
+    """Per joint's coordinate, then per rate, the radius that is due to its kind, in SI."""
     turning = [dof.kind == "revolute" for dof in model.dofs]
     places = [radii.angle if turns else radii.length for turns in turning]
     return places + [radii.angular_rate if turns else radii.speed for turns in turning]
+
+
+def disturbance_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
+    """Per joint's coordinate, then per rate, how far its start may be from the planned, in SI."""
+    return joint_radii((task.robust or ir.Robust()).start, model)
+
+
+def measurement_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
+    """Per joint's coordinate, then per rate, how far off it is measured at most, in SI."""
+    return joint_radii((task.robust or ir.Robust()).measured, model)
+
+
+def input_errors(task: ir.Task, model: RobotModel) -> tuple[Fraction, tuple[Fraction, ...]]:
+    """How far inputs may be from what is commanded: the part of themselves, and what comes on top.
+
+    The second entry has one value per input (m,), in its unit: a part of its bound.
+    """
+    robust = task.robust or ir.Robust()
+    most = [Fraction(0)] * len(robot_inputs(model))
+    for bound in input_bounds(model, task):
+        size = max(abs(bound.lower), abs(bound.upper))
+        for place in bound.inputs:
+            most[place] = max(most[place], robust.effort_of_bound * size)
+    return robust.effort, tuple(most)

@@ -20,6 +20,7 @@ from solvers.planner import EffectorPath
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.path_following import BEYOND, LEAST_MARGIN, SUBSTEPS, PathProblem
 from solvers.trajectory.task_limits import DisturbanceSpread
+from solvers.verifier.claims.further_claims import ControllerClaim, exact_law
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.trajectory_proof import Motion
 from solvers.verifier.proofs.tube_checks import Status
@@ -189,8 +190,9 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
     It is infinite where the enclosure ends.  What the disturbances do not move lacks none of this
     tightening, but a wider margin.
     """
-    most = {"m": spread.widest}
     states = float(np.max(spread.states, initial=0.0))
+    inputs = float(np.max(spread.inputs, initial=0.0))
+    most = {"m": spread.widest, "N*m": inputs, "N": inputs}
     lacking = [0.0]
     for condition in conditions:
         if condition.status is not Status.HOLDS and condition.margin < 0:
@@ -224,6 +226,7 @@ class Design:
     configuration: Configuration
     abstraction: Abstraction
     conditions: tuple[CheckedCondition, ...] = ()
+    controller: ControllerClaim | None = None
 
     @property
     def robustness(self) -> float:
@@ -239,4 +242,5 @@ def motion_of(design: Design) -> Motion:
         tuple(tuple(Fraction(value) for value in row) for row in design.inputs),
         design.effector,
         design.path,
+        None if design.controller is None else exact_law(design.controller),
     )

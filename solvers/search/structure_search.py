@@ -22,6 +22,7 @@ from compiler.workspaces.bisection import halving
 from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.run_context import RunContext
+from solvers.search.closed_loop import controlled, feedback_choices
 from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
@@ -46,6 +47,7 @@ from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
 from solvers.verifier.proofs.checked_condition import decisive
+from solvers.verifier.proofs.effort_bounds import planned_efforts
 from solvers.verifier.proofs.scene import Watch
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 
@@ -278,7 +280,16 @@ class StructureSearch:
         self.top = max(self.top, found.outcome.robustness)
 
     def widened(self, path_problem: PathProblem, found: Configuration) -> Attempt:
-        """A proved design from a feasible configuration, with as much tightening as that takes."""
+        """A proved design from a feasible configuration; open loop first, where that may do."""
+        attempt = Attempt(None, found.outcome.robustness)
+        for feedback in feedback_choices(path_problem, found.outcome):
+            attempt = self.with_margins(replace(path_problem, feedback=feedback), found)
+            if attempt.design is not None:
+                break
+        return attempt
+
+    def with_margins(self, path_problem: PathProblem, found: Configuration) -> Attempt:
+        """A proved design with as much tightening as that takes."""
         tightening: ConstraintTightening | None = ConstraintTightening()
         tried = ""
         while tightening is not None:
@@ -317,6 +328,9 @@ class StructureSearch:
         parameters = nearest_values(model.parameters, trajectory.theta)
         if parameters is None:
             return None
+        controller = None
+        if path_problem.feedback:
+            trajectory, controller = controlled(path_problem, trajectory)
         design = Design(
             self.derivation,
             model,
@@ -328,6 +342,7 @@ class StructureSearch:
             tuple(tuple(names) for names in path_problem.cell_names(trajectory, found.entries)),
             found,
             path_problem.abstraction,
+            controller=controller,
         )
         scene = scene_of(self.program, self.task, model, path_problem.abstraction, self.derivation)
         conditions = prove_motion(scene, motion_of(design), Watch(self.context.check_time))
@@ -337,8 +352,15 @@ class StructureSearch:
             spread = path_problem.spread
             self.lacking = 0.0 if spread is None else missing_margin(conditions, spread)
             return None
-        fine = fine_motion(path_problem.numeric, trajectory, float(self.task.step))
-        outcome = replace(found.outcome, trajectory=fine)
+        if controller is None:
+            fine = fine_motion(path_problem.numeric, trajectory, float(self.task.step))
+            outcome = replace(found.outcome, trajectory=fine)
+        else:
+            # The search's bounds were tightened by what feedback may add.
+            peak, rho = planned_efforts(model, self.task, conditions)
+            outcome = replace(
+                found.outcome, trajectory=trajectory, effort_peak=peak, robustness=rho
+            )
         configuration = replace(found, outcome=outcome)
         return replace(design, configuration=configuration, conditions=conditions)
 

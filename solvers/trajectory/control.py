@@ -24,6 +24,7 @@ from solvers.trajectory.control_problem import (
     within_bounds,
 )
 from solvers.trajectory.convex_step import StepSolver
+from solvers.trajectory.feedback import closed_motion, input_scales, regulator
 from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
 from solvers.trajectory.trajectory import Trajectory
 
@@ -220,16 +221,13 @@ def _outcome(
 ) -> ControlOutcome:
     """Close the small remaining defects by simulation, then judge."""
     defect = float(np.max(at.fictitious, initial=0.0))
-    found = None
+    found, regulated = None, False
     if at.excess <= EXCESS and defect < DEFECT * problem.scale and at.outside <= LIMIT_EXCESS:
-        found = measured(problem, _simulated(problem, at.trajectory))
-    closed = (
-        found is not None
-        and found.excess <= 3 * EXCESS
-        and found.outside <= LIMIT_EXCESS
-        and found.margin >= 0
-    )
-    if closed and found is not None:
+        found = _closed(problem, at, _simulated(problem, at.trajectory))
+        if found is None:
+            found, regulated = _closed(problem, at, _regulated(problem, at)), True
+    closed = found is not None
+    if found is not None:
         best, value = found, found.margin
     else:
         violation = defect + max(0.0, -at.margin) + problem.scale * (at.excess + at.outside)
@@ -244,7 +242,27 @@ def _outcome(
         iterations,
         status,
         at.defect,
+        regulated,
     )
+
+
+def _closed(
+    problem: ControlProblem, at: MeasuredMotion, motion: Trajectory
+) -> MeasuredMotion | None:
+    """A motion without defects, if it keeps to what binds the one that it comes from."""
+    found = measured(problem, motion)
+    if found is None or found.excess > 3 * EXCESS or found.outside > LIMIT_EXCESS:
+        return None
+    return found if found.margin >= 0 else None
+
+
+def _regulated(problem: ControlProblem, at: MeasuredMotion) -> Trajectory:
+    """The motion with feedback about the one found: an unstable one does not leave it."""
+    numeric, about = problem.numeric, at.trajectory
+    scales = input_scales(problem.groups, numeric.m)
+    gains = regulator(at.model.dynamics, 2 * numeric.n, scales)
+    first = _first(problem, about)
+    return closed_motion(numeric, first, about, gains, problem.groups, problem.dt, problem.substeps)
 
 
 def shortfall(problem: ControlProblem, outcome: ControlOutcome) -> str:
@@ -286,12 +304,18 @@ def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
 
 def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
     """The trajectory that the inputs cause from the same initial state."""
-    first = trajectory.x[0].copy()
+    first = _first(problem, trajectory)
+    u = within_bounds(problem.groups, trajectory.u)
+    states = problem.numeric.simulate(first, u, trajectory.theta, problem.dt, problem.substeps)
+    return Trajectory(states, u, trajectory.theta)
+
+
+def _first(problem: ControlProblem, trajectory: Trajectory) -> Array:
+    """The initial state (N,), with what the task fixes of it."""
+    first: Array = trajectory.x[0].copy()
     if problem.limits.start_rates == 0.0:
         first[problem.numeric.n : 2 * problem.numeric.n] = 0.0
     if problem.limits.start_values is not None:
         first[: problem.numeric.n] = problem.limits.start_values
     first[2 * problem.numeric.n :] = problem.limits.own_start
-    u = within_bounds(problem.groups, trajectory.u)
-    states = problem.numeric.simulate(first, u, trajectory.theta, problem.dt, problem.substeps)
-    return Trajectory(states, u, trajectory.theta)
+    return first

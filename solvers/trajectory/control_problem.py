@@ -74,7 +74,8 @@ class ControlOutcome:
     ``robustness`` is rho (Definition 7) where ``feasible``, else minus the largest violation in
     units of effort; ``effort_peak`` is in N m, or N.  ``fictitious`` (k,) is the largest component
     of each v_i, ``excess`` the position excess (m), ``defect`` the largest one that convex steps
-    left (SI), before the motion was simulated.
+    left (SI), before the motion was simulated.  It was simulated with feedback where it is
+    ``regulated``, as its inputs alone did not cause it.
     """
 
     trajectory: Trajectory
@@ -86,6 +87,7 @@ class ControlOutcome:
     iterations: int
     status: str
     defect: float = 0.0
+    regulated: bool = False
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:

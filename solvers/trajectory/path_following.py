@@ -27,10 +27,12 @@ from solvers.trajectory.corridor import (
     timing_of,
     word_of,
 )
+from solvers.trajectory.feedback import gains_along
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
     DisturbanceSpread,
+    InputGroup,
     MotionLimits,
     disturbance_spread,
     input_groups,
@@ -69,7 +71,8 @@ class PathProblem:
     pass them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the paths of
     other effectors in it, and ``timing`` is when the cells are entered, where smooth timing will
     not do.  ``spread`` is by how much disturbed motions tighten the constraints beyond the margins.
-    ``solver`` is the name in cvxpy of what solves the convex steps, None: our own programs.
+    With ``feedback`` a controller keeps robots near the motion.  ``solver`` is the name in cvxpy of
+    what solves the convex steps, None: our own programs.
     """
 
     numeric: NumericRobot
@@ -88,6 +91,7 @@ class PathProblem:
     others: tuple[EffectorPath, ...] = ()
     timing: Entries | None = None
     spread: DisturbanceSpread | None = None
+    feedback: bool = False
     solver: str | None = None
 
     @property
@@ -103,6 +107,14 @@ class PathProblem:
             self.numeric, self.workspace, self.task, self.abstraction, self.effector, recorded,
             self.cells,
         )  # fmt: skip
+
+    @property
+    def groups(self) -> tuple[InputGroup, ...]:
+        """The bounded inputs, narrowed by what feedback may command besides."""
+        groups = input_groups(self.model, self.task)
+        if self.spread is None or not self.spread.inputs.size:
+            return groups
+        return tuple(group.narrowed(self.spread.inputs) for group in groups)
 
     @property
     def limit_margin(self) -> float:
@@ -169,7 +181,7 @@ class PathProblem:
         """The control problem for given entry steps, or with all cells but the ends released."""
         task = self.task
         limits = self.limits
-        groups = input_groups(self.model, task)
+        groups = self.groups
         plan = self.plan(entries, released=released)
         return ControlProblem(
             self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
@@ -272,8 +284,15 @@ class PathProblem:
     def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
         """The same task, tightened by so many spreads of the disturbed motions."""
         with np.errstate(all="ignore"):
-            found = disturbance_spread(self.numeric, self.task, trajectory, self.substeps)
+            gains = self.gains(trajectory) if self.feedback else None
+            found = disturbance_spread(self.numeric, self.task, trajectory, self.substeps, gains)
         return replace(self, spread=found.scaled(factor))
+
+    def gains(self, trajectory: Trajectory) -> Array:
+        """The gains (k, m, N) of feedback about a trajectory."""
+        groups = input_groups(self.model, self.task)
+        dt = float(self.task.step)
+        return gains_along(self.numeric, trajectory, groups, dt, self.substeps)
 
     def refined(self, trajectory: Trajectory) -> PathProblem:
         """The same task with as many substeps as a motion needs to be integrated accurately.

@@ -18,7 +18,7 @@ from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.spec_copy import claimed_task, read_claim
 from solvers.verifier.proofs.deviation_flow import InitialSet
-from solvers.verifier.proofs.disturbed_proof import disturbed_start
+from solvers.verifier.proofs.disturbed_proof import disturbed_start, input_error
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
@@ -116,7 +116,8 @@ def certified_tube(folder: Path) -> CertifiedTube:
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
             try:
-                return _enclosed(driven_robot(scene, robot.motion), accuracy)
+                disturbed = scene.task.robust is not None
+                return _enclosed(driven_robot(scene, robot.motion, disturbed=disturbed), accuracy)
             except EnclosureFailure:
                 # A disturbed set grows whatever the accuracy.
                 if accuracy is ACCURACIES[-1] or scene.task.robust is not None:
@@ -127,13 +128,15 @@ def certified_tube(folder: Path) -> CertifiedTube:
 def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
     """The tube at an accuracy; from all disturbed starts where the task names disturbances."""
     task, robust = robot.scene.task, robot.scene.task.robust
-    initial, part = InitialSet(robot.state), None
+    initial, error = InitialSet(robot.state), None
     if robust is not None:
         initial = disturbed_start(robot.scene, robot.state)
-        part = ball(robust.effort) if robust.effort else None
+        error = input_error(robot.scene)
     rows = robot.scene.graph.coordinates.rows
     segments, states, points = list[TubeSegment](), list[Array](), list[Array]()
-    for segment in tube(robot.field, initial, robot.inputs, ball(task.step), accuracy, part):
+    for segment in tube(
+        robot.field, initial, robot.inputs, ball(task.step), accuracy, error, robot.law
+    ):
         half = segment.length / 2
         over = segment.at(half + SIGNED * half)
         segments.append(segment)

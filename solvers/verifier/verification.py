@@ -19,17 +19,26 @@ from compiler.words.derivation import BadDerivation, Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.verdict import Claimed
-from solvers.verifier.claims.agreement import check_efforts, disagreement, misstated_formula
+from solvers.verifier.claims.agreement import (
+    check_efforts,
+    check_planned_efforts,
+    disagreement,
+    misstated_formula,
+)
 from solvers.verifier.claims.certificate import (
     CertificateError,
     Claim,
     FoundClaim,
     ImpossibleClaim,
     claimed_values,
+    control_of,
     exact,
     verdict_of,
 )
+from solvers.verifier.claims.further_claims import exact_law, unknown_claims
 from solvers.verifier.claims.spec_copy import ClaimedTask, claimed_task, read_claim
+from solvers.verifier.proofs.checked_condition import decisive
+from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
@@ -80,13 +89,18 @@ def check_found(
     """
     claimed = claimed_robot(claim, program, task)
     model, motion = claimed.model, claimed.motion
-    conditions = [*check_efforts(claim, model, motion, task)]
+    conditions = unknown_claims(claim.claims)
+    if motion.law is None:
+        conditions += check_efforts(claim, model, motion, task)
     _claimed_path(claim, model, task)
     _path_avoids(claim, task, cells)
     if all(condition.status is Status.HOLDS for condition in conditions):
         scene = scene_of(program, task, model, cells, claimed.derivation)
         conditions += prove_motion(scene, motion, watch, refute=True)
-    return model, concluded(conditions)
+    report = concluded(conditions)
+    if motion.law is not None and report.outcome is Outcome.VALID:
+        check_planned_efforts(claim, model, task, conditions)
+    return model, report
 
 
 def _derivation(claim: FoundClaim, family: RobotFamily) -> Derivation:
@@ -132,7 +146,29 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
         tuple(tuple(exact(text) for text in row) for row in claim.inputs),
         claim.effector,
         claim.path,
+        _law(claim, n, m, task),
     )
+
+
+def _law(claim: FoundClaim, n: int, m: int, task: ir.Task) -> ControlLaw | None:
+    """The claimed law, of the right shapes."""
+    controller = claim.controller
+    # Where nothing is driven, there is nothing to control.
+    if m and task.control is not None and task.control != control_of(claim):
+        raise Refused(f"the task asks for {task.control}, the claim is {control_of(claim)}")
+    if controller is None:
+        return None
+    reference, gains = controller.reference, controller.gains
+    if len(reference) != task.steps or any(len(row) != 2 * n for row in reference):
+        raise Refused(f"the reference is not {task.steps} rows of {2 * n}")
+    if len(gains) != task.steps or any(
+        len(rows) != m or any(len(row) != 2 * n for row in rows) for rows in gains
+    ):
+        raise Refused(f"the gains are not {task.steps} times {m} rows of {2 * n}")
+    try:
+        return exact_law(controller)
+    except ValueError as error:
+        raise CertificateError(f"the certificate is malformed: {error}") from None
 
 
 def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:
@@ -282,6 +318,9 @@ def _impossible(
     # Not for `found`, whose check should not wait for it.
     from solvers.verifier.refutations.impossibility_check import check_impossible
 
+    unknown = decisive(unknown_claims(claim.claims))
+    if unknown is not None:
+        return Report(Outcome.UNDECIDED, "impossible", None, unknown.reason)
     found = check_impossible(folder, claim, program, task, trust, watch)
     if isinstance(found, str):
         return Report(Outcome.REFUTED, "impossible", None, found)

@@ -43,6 +43,25 @@ def planned_inputs(design: FoundDesign) -> Trajectory:
     return Trajectory(np.array([[*start, *own]]), inputs, design.theta)
 
 
+def planned_motion(design: FoundDesign, numeric: NumericRobot) -> Trajectory:
+    """The motion without disturbances at the samples (k + 1, N), with its inputs (k, m).
+
+    It is integrated finely; a controller keeps an unstable one to its reference.
+
+    Raises:
+        UsageFault: the numbers of the certificate do not fit the robot.
+    """
+    planned, dt, feedback = planned_inputs(design), float(design.task.step), design.feedback
+    if feedback is None:
+        return fine_motion(numeric, planned, dt)
+    states, inputs = [planned.x[0]], list[Array]()
+    for step, u in enumerate(planned.u):
+        inputs.append(feedback.commanded(step, u, states[-1]))
+        held = Trajectory(states[-1][None, :], inputs[-1][None, :], planned.theta)
+        states.append(fine_motion(numeric, held, dt).x[-1])
+    return Trajectory(np.array(states), np.array(inputs), planned.theta)
+
+
 def free_inputs(model: RobotModel) -> list[int]:
     """The column of the free input of every degree of freedom.
 
@@ -124,8 +143,8 @@ def _integrated(design: FoundDesign) -> ExportedMotion:
     numeric = NumericRobot(graph)
     planned = planned_inputs(design)
     count, n = len(planned.u), len(model.dofs)
-    moved = fine_motion(numeric, planned, float(step))
-    held = planned.u[[*range(count), count - 1]]
+    moved = planned_motion(design, numeric)
+    held = moved.u[[*range(count), count - 1]]
     rates = numeric.acceleration(moved.x, held, planned.theta)[0]
     q, v = moved.x[:, :n], moved.x[:, n : 2 * n]
     tips = numeric.points(q, planned.theta).value[:, : len(model.effectors)]
@@ -155,7 +174,7 @@ def _integrated(design: FoundDesign) -> ExportedMotion:
         v,
         rates[:, :n],
         effort,
-        planned.u,
+        moved.u,
         moved.x[:, 2 * n :],
         tips,
     )

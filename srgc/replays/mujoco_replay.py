@@ -158,8 +158,10 @@ def _simulated(
         tips.append(data.site_xpos[places.sites][:, : design.model.dimension])
 
     record(Fraction(0))
-    for number, row in enumerate(planned.u[:, free_inputs(design.model)]):
-        data.ctrl[places.motors] = row
+    feedback, columns = design.feedback, free_inputs(design.model)
+    for number, row in enumerate(planned.u):
+        held = row if feedback is None else feedback.commanded(number, row, states[-1])
+        data.ctrl[places.motors] = held[columns]
         done = 0
         for part in parts:
             mujoco.mj_step(model, data, nstep=part)

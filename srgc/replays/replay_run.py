@@ -55,7 +55,9 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
 
     within = np.linspace(0.0, float(step), INSTANTS + 1)
     times, states = [0.0], [planned.x[0]]
-    for number, u in enumerate(planned.u):
+    feedback = design.feedback
+    for number, row in enumerate(planned.u):
+        u = row if feedback is None else feedback.commanded(number, row, states[-1])
         solution = solve_ivp(
             rate, (0.0, within[-1]), states[-1], "DOP853", within[1:], args=(u,),
             rtol=RELATIVE, atol=ABSOLUTE,

@@ -14,9 +14,8 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.trajectory.fine_motion import fine_motion
 from solvers.verifier.claims.spec_copy import bounded_text
-from srgc.exports.exported_motion import planned_inputs
+from srgc.exports.exported_motion import planned_inputs, planned_motion
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
 
@@ -103,7 +102,7 @@ def planned_trajectory(found: FoundDesign) -> Trajectory:
     planned, step, n = planned_inputs(found), found.task.step, len(found.model.dofs)
     numeric = NumericRobot(robot_graph(found.model, found.task.gravity))
     with np.errstate(all="ignore"):
-        x = fine_motion(numeric, planned, float(step)).x
+        x = planned_motion(found, numeric).x
         tips = numeric.points(x[:, :n], planned.theta).value[:, : len(found.model.effectors)]
     if not (np.isfinite(x).all() and np.isfinite(tips).all()):
         raise UsageFault("the motion of the certificate cannot be simulated in doubles")

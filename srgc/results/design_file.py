@@ -35,6 +35,7 @@ from solvers.verifier.claims.certificate import (
     to_text,
 )
 from solvers.verifier.claims.spec_copy import bounded_text
+from solvers.verifier.proofs.effort_bounds import planned_efforts
 from srgc.results.result_folder import Identity
 
 
@@ -51,6 +52,9 @@ def boxes_name(index: int) -> str:
 def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
     """Peak effort and robustness as exact decimals; the norm of inputs that is none is rounded."""
     peak, margins = Fraction(0), list[Fraction]()
+    if design.controller is not None:
+        proved = planned_efforts(design.model, task, design.conditions)
+        return decimal(proved[0]), decimal(proved[1])
     inputs = [tuple(Fraction(text) for text in row) for row in design.inputs]
     for bound in input_bounds(design.model, task):
         if bound.norm2:
@@ -103,6 +107,7 @@ def certificate_text(
                 peak,
                 rho,
                 tuple(cut_claim(cut.cell, cut.half_space) for cut in design.abstraction.cuts),
+                () if design.controller is None else (design.controller,),
             )
         )
     if separation is not None:
@@ -172,6 +177,7 @@ def design_text(
         "parameters": [],
         "robustness": None,
         "effort_peak": None,
+        "control": None,
         "step": float(task.step),
         "horizon": task.steps,
         "path": [],
@@ -202,6 +208,7 @@ def design_text(
             "parameters": [value.describe() for value in design.parameters],
             "robustness": float(Fraction(rho)),
             "effort_peak": float(Fraction(peak)),
+            "control": "open loop" if design.controller is None else "feedback",
             "path": [list(names) for names in design.path],
             "leader": design.leader,
             "satisfy": satisfied_formulas(task, design.conditions),

@@ -34,12 +34,32 @@ from solvers.verifier.claims.certificate import (
     exact_cuts,
     from_text,
 )
+from solvers.verifier.claims.further_claims import exact_law
 from solvers.verifier.claims.spec_copy import bounded_text, read_copy
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
 from srgc.results.result_folder import json_object
 from srgc.session import UsageFault
 from srgc.version import VERSION
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Feedback:
+    """The controller of a design in doubles, in SI units.
+
+    Attributes:
+        reference: (k, 2n) coordinates, then rates, at each sample.
+        gains: (k, m, 2n) what a deviation from it takes away from the inputs.
+    """
+
+    reference: Array
+    gains: Array
+
+    def commanded(self, step: int, planned: Array, state: Array) -> Array:
+        """The inputs (m,) that are held in a step, by those planned and the measured state."""
+        off = state[: self.reference.shape[1]] - self.reference[step]
+        held: Array = planned - self.gains[step] @ off
+        return held
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +78,25 @@ class FoundDesign:
     def theta(self) -> Array:
         """The parameters as doubles (p,), in SI units."""
         return np.array([float(value) for value in self.parameters], dtype=np.float64)
+
+    @property
+    def feedback(self) -> Feedback | None:
+        """The controller; None for an open loop.
+
+        Raises:
+            UsageFault: it does not fit the robot, or one of its numbers is none.
+        """
+        controller = self.claim.controller
+        if controller is None:
+            return None
+        k, m, size = len(self.claim.inputs), len(robot_inputs(self.model)), 2 * len(self.model.dofs)
+        try:
+            law = exact_law(controller)
+            reference = np.array(law.reference, dtype=np.float64).reshape(k, size)
+            gains = np.array(law.gains, dtype=np.float64).reshape(k, m, size)
+        except (ValueError, TypeError, OverflowError):
+            raise UsageFault("the controller of the certificate does not fit the robot") from None
+        return Feedback(reference, gains)
 
     @property
     def stated(self) -> tuple[Fraction, ...]:

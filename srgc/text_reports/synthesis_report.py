@@ -135,6 +135,10 @@ def synthesis_text(
         if change is not None:
             lines += change_lines(change)
         lines += _inputs(design, task)
+        if design.controller is not None:
+            lines.append("control: feedback")
+        elif task.control is not None:
+            lines.append("control: open loop")
         lines += [
             f"formula: {condition.name}, robustness {condition.margin:.4g} m"
             for condition in design.conditions

@@ -34,16 +34,7 @@ def marked(clauses: str) -> list[tuple[str, str]]:
         ("from B;", []),
         ("satisfy always not C; satisfy eventually A;", []),
         ("robust start 1 mm; robust effort 5 %; control open loop;", []),
-        ("control feedback;", [("`control feedback`", "control feedback;")]),
-        (
-            "robust effort 2 % of bound; robust effort 5 %;",
-            [("`robust effort … of bound`", "robust effort 2 % of bound;")],
-        ),
-        ("robust mass 3 %;", [("`robust mass`", "robust mass 3 %;")]),
-        (
-            "robust start 1 mm; robust measure 1 deg; robust measure 1 mm;",
-            [("`robust measure`", "robust measure 1 deg;")],
-        ),
+        ("robust effort 2 % of bound; robust mass 3 %; robust measure 1 mm; control feedback;", []),
     ],
 )
 def test_clauses(clauses: str, found: list[tuple[str, str]]) -> None:

@@ -138,3 +138,15 @@ TOO_SHORT = replaced(
     "  modules <= 4;\n  from B eps JO eps L eps EN fixed L.length = 1 m;\n  horizon 10",
 )
 """The same for a robot whose only link keeps a length with which it does not get there."""
+
+CLOSED = replaced(
+    TURNER,
+    "  effort <= 10 N*m;\n",
+    "  effort <= 10 N*m;\n"
+    "  control feedback;\n"
+    "  robust start 0.5 deg, 0.5 deg/s;\n"
+    "  robust effort 1 % of bound;\n"
+    "  robust measure 0.05 deg, 0.1 deg/s;\n"
+    "  robust mass 2 %;\n",
+)
+"""The link with a controller, and with all kinds of disturbances."""

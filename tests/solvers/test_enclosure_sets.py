@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
 
@@ -24,6 +25,7 @@ from compiler.expressions.evaluators.balls import (
 from compiler.expressions.tape import tape
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_states
+from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.deviation_flow import MOST_COLUMNS, InitialSet, box, zonotope
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.vector_field import VectorField
@@ -97,6 +99,11 @@ def test_the_set_of_a_harmonic_motion_stays_near_the_true_one() -> None:
         assert len(segments) >= count
 
 
+def part_of(effort: Fraction, inputs: Sequence[Sequence[object]]) -> InputError:
+    """Inputs that are off by so large a part of themselves."""
+    return InputError(ball(effort), (arb(0),) * len(inputs[0]))
+
+
 def test_disturbed_inputs_of_a_double_integrator() -> None:
     """q'' = u with |d| <= p |u|: exactly |dq| <= p |u| t^2 / 2 and |dv| <= p |u| t are reached."""
     q, v, u = (ca.SX.sym(name) for name in "qvu")
@@ -104,7 +111,9 @@ def test_disturbed_inputs_of_a_double_integrator() -> None:
     with working_precision(64):
         field = linear_field(u * 1, q, v, u)
         inputs = [[arb(push)]] * count
-        found = tube(field, [arb(0), arb(0)], inputs, ball(step), ROUGH, effort=ball(effort))
+        found = tube(
+            field, [arb(0), arb(0)], inputs, ball(step), ROUGH, error=part_of(effort, inputs)
+        )
         for segment in found:
             for share in (Fraction(1, 3), Fraction(1)):
                 tau = share * (segment.steps[1] - segment.steps[0]) * step
@@ -129,7 +138,9 @@ def test_disturbed_inputs_of_a_harmonic_motion() -> None:
     with working_precision(64):
         field = linear_field(-q + u, q, v, u)
         inputs = [[arb(1)]] * count
-        found = tube(field, [arb(0), arb(0)], inputs, ball(step), ROUGH, effort=ball(effort))
+        found = tube(
+            field, [arb(0), arb(0)], inputs, ball(step), ROUGH, error=part_of(effort, inputs)
+        )
         for segment in found:
             end = float(segment.steps[1] * step)
             turns, rest = divmod(end, np.pi)
@@ -169,7 +180,7 @@ def test_disturbed_arms_under_gravity_stay_in_their_tube(links: int) -> None:
             (ball(radius),) * (2 * links),
         )
         rates = [[ball(x) for x in u] for u in inputs]
-        segments = list(tube(field, initial, rates, ball(DT), ROUGH, effort=ball(effort)))
+        segments = list(tube(field, initial, rates, ball(DT), ROUGH, error=part_of(effort, inputs)))
     with mp.workdps(DIGITS), working_precision(200):
         for _ in range(3 - min(links, 2)):
             signs = rng.choice([-1, 1], 2 * links)
@@ -225,7 +236,7 @@ def test_other_disturbed_robots_stay_in_their_tube(kind: str) -> None:
         field = field_of(graph, theta)
         start = [ball(x) + arb(0, 1) * ball(radius) for x in state]
         rates = [[ball(x) for x in u] for u in inputs]
-        segments = list(tube(field, start, rates, ball(DT), ROUGH, effort=ball(effort)))
+        segments = list(tube(field, start, rates, ball(DT), ROUGH, error=part_of(effort, inputs)))
     values = np.array([float(x) for x in theta])
     for _ in range(4):
         x = np.array([float(x) for x in state]) + float(radius) * rng.uniform(-1, 1, size)
@@ -270,7 +281,16 @@ def test_disturbed_inputs_need_the_slopes() -> None:
     field = linear_field(u - q, q, v, u)
     bare = VectorField(field.balance, field.variation, 1, ())
     with working_precision(64), pytest.raises(ValueError, match="slopes"):
-        list(tube(bare, [arb(0), arb(0)], [[arb(1)]], arb(1), ROUGH, effort=arb("0.1")))
+        list(
+            tube(
+                bare,
+                [arb(0), arb(0)],
+                [[arb(1)]],
+                arb(1),
+                ROUGH,
+                error=InputError(arb("0.1"), (arb(0),)),
+            )
+        )
 
 
 def test_a_plan_computes_what_its_tape_does() -> None:

@@ -255,14 +255,14 @@ def test_a_clause_that_is_not_compiled(srgc: Srgc, impossible: Path, tmp_path: P
     """Of a folder from elsewhere: `synth` writes none about such a task."""
     folder = tmp_path / "out"
     shutil.copytree(impossible, folder)
-    result_files.alter_spec(folder, "reach T;", "reach T; robust mass 3 %;", sign=False)
+    result_files.alter_spec(folder, "reach T;", "reach T; avoid self with body;", sign=False)
     (path,) = (folder / "spec").iterdir()
     content = result_files.read(folder, "design.json")
     digest = spec_digest({path.name: path.read_bytes()})
     result_files.write(folder, content | {"spec_sha256": digest}, "design.json")
     ran = srgc("why", folder)
     assert (ran.status, ran.out) == (5, "")
-    assert "error[SRG0190]: `robust mass` cannot be compiled by this version" in ran.err
+    assert "error[SRG0190]: `avoid self` cannot be compiled by this version" in ran.err
 
 
 @pytest.mark.parametrize("content", ["", "[]", "{}", '{"spec": 1, "spec_sha256": 2}', "\x00"])

@@ -23,10 +23,12 @@ from solvers.verifier.claims.certificate import (
     FoundClaim,
     ImpossibleClaim,
     claimed_values,
+    control_of,
     exact,
 )
 from solvers.verifier.claims.spec_copy import bounded_bytes
 from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.effort_bounds import bound_name, planned_efforts
 from solvers.verifier.proofs.trajectory_proof import Motion
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Refused
@@ -67,6 +69,8 @@ def disagreement(
         return "design.json is no JSON object"
     expected = _expected(claim, model) | {"cells": cells.describe()}
     expected["reconfiguration"] = _reconfiguration(claim, program, task)
+    if isinstance(claim, FoundClaim) and "control" in design:
+        expected["control"] = control_of(claim)
     for key, value in expected.items():
         if not _says(design.get(key), value):
             return f"design.json and certificate.json differ in `{key}`"
@@ -242,7 +246,7 @@ def check_efforts(
         time = float(held.step * task.step)
         all_exact = all_exact and held.exact
         status = Status.HOLDS if held.holds else Status.FAILS
-        name = f"effort ({bound.unit})" if bound.effort else bound.name
+        name = bound_name(bound)
         conditions.append(
             CheckedCondition(name, status, float(held.margin), bound.unit, time, exact=True)
         )
@@ -255,6 +259,25 @@ def check_efforts(
             if not _states(stated, true, exactly=all_exact):
                 raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
     return conditions
+
+
+def check_planned_efforts(
+    claim: FoundClaim, model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
+) -> None:
+    """The claimed peak and robustness are those proved of the planned motion of a closed loop.
+
+    Raises:
+        Refused: one of them is not, or the task leaves a free input without a bound.
+    """
+    free = unbounded_kinds(model, task)
+    if free:
+        raise Refused(f"the task bounds no effort of {' and '.join(free)} joints")
+    for name, proved in zip(
+        ("effort_peak", "robustness"), planned_efforts(model, task, conditions), strict=True
+    ):
+        stated = float(exact(getattr(claim, name)))
+        if not abs(stated - proved) <= CLOSELY * max(1.0, abs(proved)):
+            raise Refused(f"`{name}` is {proved:.17g}, not {stated:.17g}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,9 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from dataclasses import fields as dataclass_fields
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from compiler.expressions.exact_numbers import exact_number
 from compiler.robots.parameter_values import ParameterValue, stated_value
@@ -22,9 +21,16 @@ from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.files.file_tree import IMAGE_LIMIT, LIMIT, TooLarge, read_file
 from solvers.verdict import Claimed
+from solvers.verifier.claims.further_claims import (
+    ControllerClaim,
+    FurtherClaim,
+    further_claims,
+)
+from solvers.verifier.claims.json_fields import expect_keys, number, objects, rows, text, texts
 
-FORMAT = 3
-"""2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes."""
+FORMAT, WITH_CLAIMS = 3, 4
+"""2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes; 4: a
+list of further claims, such as a controller.  Verdicts without any are written in format 3."""
 
 
 class CertificateError(ValueError):
@@ -50,7 +56,8 @@ class FoundClaim:
 
     ``start`` holds the coordinates, then the rates; ``inputs`` one row per step; ``path`` the cell
     of every effector at every sample; ``effector`` (from 0) is the one that starts and reaches;
-    ``cuts`` are made in turn of the cells of the workspace to get those of ``path``.
+    ``cuts`` are made in turn of the cells of the workspace to get those of ``path``.  With a
+    controller among the ``claims``, ``inputs`` are those of the motion without deviations.
     """
 
     task: str
@@ -68,6 +75,13 @@ class FoundClaim:
     effort_peak: str
     robustness: str
     cuts: tuple[CutClaim, ...] = ()
+    claims: tuple[FurtherClaim, ...] = ()
+
+    @property
+    def controller(self) -> ControllerClaim | None:
+        """The controller; None for stated inputs without feedback."""
+        found = [claim for claim in self.claims if isinstance(claim, ControllerClaim)]
+        return found[0] if found else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,9 +126,15 @@ class ImpossibleClaim:
     modules: int | None
     structures: tuple[StructureClaim, ...]
     separation: SeparationClaim | None = None
+    claims: tuple[FurtherClaim, ...] = ()
 
 
 Claim = FoundClaim | ImpossibleClaim
+
+
+def control_of(claim: FoundClaim) -> Literal["open loop", "feedback"]:
+    """Whether a controller corrects the inputs on the way."""
+    return "open loop" if claim.controller is None else "feedback"
 
 
 def verdict_of(claim: Claim) -> Claimed:
@@ -217,7 +237,12 @@ def spec_files(folder: Path) -> dict[str, bytes]:
 
 def to_text(claim: Claim) -> str:
     """The certificate file of a claim."""
-    content = {"format": FORMAT, "kind": verdict_of(claim), **asdict(claim)}
+    fields = asdict(claim)
+    further = fields.pop("claims", ())
+    form = WITH_CLAIMS if further else FORMAT
+    content = {"format": form, "kind": verdict_of(claim), **fields}
+    if further:
+        content["claims"] = further
     content["digest"] = _digest(content)
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
@@ -238,6 +263,8 @@ def from_text(text: str) -> Claim:
     content = _checked_content(text)
     kind = content.get("kind")
     fields = {k: v for k, v in content.items() if k not in ("format", "kind", "digest")}
+    if ("claims" in fields) is not (content["format"] == WITH_CLAIMS):
+        raise CertificateError("the certificate is malformed: `claims` are those of format 4")
     try:
         if kind == "found":
             return _found(fields)
@@ -266,8 +293,8 @@ def _checked_content(text: str) -> dict[str, Any]:
             "the certificate has been altered: its digest does not match its content"
         )
     form = content.get("format")
-    if form != FORMAT or not isinstance(form, int) or isinstance(form, bool):
-        raise CertificateError(f"the certificate is not of format {FORMAT}")
+    if form not in (FORMAT, WITH_CLAIMS) or not isinstance(form, int) or isinstance(form, bool):
+        raise CertificateError(f"the certificate is not of format {FORMAT} or {WITH_CLAIMS}")
     return content
 
 
@@ -283,100 +310,62 @@ def _no_constant(name: str) -> float:
     raise ValueError(f"{name} is no JSON value")
 
 
-def _expect_keys(fields: Mapping[str, Any], kind: type) -> None:
-    names = {item.name for item in dataclass_fields(kind)}
-    for key in sorted(names - fields.keys()):
-        raise KeyError(f"the field `{key}` is missing")
-    for key in fields:
-        if key not in names:
-            raise KeyError(f"the field `{key}` is unknown")
-
-
-def _texts(items: object) -> tuple[str, ...]:
-    if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
-        raise TypeError("a list of strings is due")
-    return tuple(items)
-
-
-def _number(value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool):
-        raise TypeError("a whole number is due")
-    return value
-
-
-def _text(value: object) -> str:
-    if not isinstance(value, str):
-        raise TypeError("a string is due")
-    return value
-
-
-def _objects(items: object, kind: type) -> list[dict[str, Any]]:
-    """A list of JSON objects with exactly the fields of a dataclass."""
-    if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
-        raise TypeError("a list of objects is due")
-    for item in items:
-        _expect_keys(item, kind)
-    return items
-
-
-def _rows(items: object) -> tuple[tuple[str, ...], ...]:
-    if not isinstance(items, list):
-        raise TypeError("a list of lists of strings is due")
-    return tuple(_texts(row) for row in items)
-
-
 def _found(fields: dict[str, Any]) -> FoundClaim:
-    _expect_keys(fields, FoundClaim)
+    fields = {"claims": [], **fields}
+    expect_keys(fields, FoundClaim)
     fields["parameters"] = tuple(
-        ParameterClaim(_number(p["symbol"]), _text(p["name"]), _text(p["value"]))
-        for p in _objects(fields["parameters"], ParameterClaim)
+        ParameterClaim(number(p["symbol"]), text(p["name"]), text(p["value"]))
+        for p in objects(fields["parameters"], ParameterClaim)
     )
     for name in ("word", "derivation", "start"):
-        fields[name] = _texts(fields[name])
+        fields[name] = texts(fields[name])
     for name in ("inputs", "path"):
-        fields[name] = _rows(fields[name])
+        fields[name] = rows(fields[name])
     for name in ("task", "spec", "spec_sha256", "step", "effort_peak", "robustness"):
-        _text(fields[name])
+        text(fields[name])
     for name in ("effector", "steps"):
-        _number(fields[name])
+        number(fields[name])
     fields["cuts"] = _cuts(fields["cuts"])
+    fields["claims"] = further_claims(fields["claims"])
     return FoundClaim(**fields)
 
 
 def _cuts(items: object) -> tuple[CutClaim, ...]:
     if not isinstance(items, list) or not all(isinstance(i, list) and len(i) == 3 for i in items):
         raise TypeError("a list of cuts is due, each a cell, a normal and an offset")
-    return tuple((_number(cell), _texts(normal), _text(offset)) for cell, normal, offset in items)
+    return tuple((number(cell), texts(normal), text(offset)) for cell, normal, offset in items)
 
 
 def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
-    _expect_keys(fields, ImpossibleClaim)
+    fields = {"claims": [], **fields}
+    expect_keys(fields, ImpossibleClaim)
     fields["structures"] = tuple(
         StructureClaim(
-            _texts(s["word"]),
-            _texts(s["derivation"]),
-            None if s["evidence"] is None else _text(s["evidence"]),
-            None if s["same_robot_as"] is None else _number(s["same_robot_as"]),
-            None if s["boxes"] is None else _text(s["boxes"]),
+            texts(s["word"]),
+            texts(s["derivation"]),
+            None if s["evidence"] is None else text(s["evidence"]),
+            None if s["same_robot_as"] is None else number(s["same_robot_as"]),
+            None if s["boxes"] is None else text(s["boxes"]),
         )
-        for s in _objects(fields["structures"], StructureClaim)
+        for s in objects(fields["structures"], StructureClaim)
     )
     for name in ("task", "spec", "spec_sha256"):
-        _text(fields[name])
+        text(fields[name])
     if fields["modules"] is not None:
-        _number(fields["modules"])
+        number(fields["modules"])
     fields["separation"] = _separation(fields["separation"])
+    fields["claims"] = further_claims(fields["claims"])
     return ImpossibleClaim(**fields)
 
 
 def _separation(content: object) -> SeparationClaim | None:
     if content is None:
         return None
-    (fields,) = _objects([content], SeparationClaim)
+    (fields,) = objects([content], SeparationClaim)
     return SeparationClaim(
-        None if fields["effector"] is None else _number(fields["effector"]),
-        _text(fields["source"]),
-        _text(fields["target"]),
-        _texts(fields["avoided"]),
-        _texts(fields["cells"]),
+        None if fields["effector"] is None else number(fields["effector"]),
+        text(fields["source"]),
+        text(fields["target"]),
+        texts(fields["avoided"]),
+        texts(fields["cells"]),
     )

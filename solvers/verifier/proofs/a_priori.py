@@ -9,7 +9,7 @@ from math import ceil
 
 from flint import arb, arb_mat
 
-from compiler.expressions.evaluators.balls import SIGNS, absolute, both_signs, column
+from compiler.expressions.evaluators.balls import SIGNS, absolute, both_signs, column, stacked
 from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, Path, VectorField
 
 # --- A box that no solution leaves, by the comparison of deviations -------------------------------
@@ -73,7 +73,9 @@ class Deviation:
 
     ``radii`` is E; ``rates`` the bound J of |A|, shape (size, size); ``push`` the bound k, of which
     ``residue`` is the defect's part (without the coordinates' zeros); ``inertia`` solves with
-    N(x) for every x in the box; ``middle`` and ``over`` enclose N and R as series.
+    N(x) for every x in the box; ``middle`` and ``over`` enclose N and R as series.  What disturbed
+    inputs add by the end is ``steady`` times numbers of size 1 at most, plus what ``rest`` pushes;
+    ``steady`` (size, m) is exact, and None without disturbances.
     """
 
     radii: list[arb]
@@ -83,6 +85,8 @@ class Deviation:
     inertia: InertiaMatrix
     middle: Linearisation
     over: Linearisation
+    rest: list[arb]
+    steady: arb_mat | None = None
 
 
 def comparison(rates: arb_mat, push: Sequence[arb], start: Sequence[arb], time: arb) -> list[arb]:
@@ -164,13 +168,52 @@ def narrowed(field: VectorField, near: NearPath, radii: Sequence[arb], degree: i
     inertia = InertiaMatrix(_range(middle.inertia, over.inertia, half))
     rates = _rates(field, inertia.solve(_range(middle.slopes, over.slopes, half)))
     residue = absolute(inertia.solve(both_signs(column(near.defect))))
-    push = residue
-    if near.drive.is_disturbed:
-        state = [e[0] + SIGNS * r for e, r in zip(near.path.over.entries, radii, strict=True)]
-        gain = absolute(inertia.solve(field.input_slopes_over(state, inputs)))
-        push = push + gain * column(near.drive.disturbance)
-    pushed = [arb(0)] * n + [item.upper() for item in push.entries()]
-    return Deviation(list(radii), rates, pushed, residue.entries(), inertia, middle, over)
+    still = [arb(0)] * n
+    if not near.drive.is_disturbed:
+        pushed = still + [item.upper() for item in residue.entries()]
+        return Deviation(
+            list(radii), rates, pushed, residue.entries(), inertia, middle, over, pushed
+        )
+    state = [e[0] + SIGNS * r for e, r in zip(near.path.over.entries, radii, strict=True)]
+    slopes = inertia.solve(field.input_slopes_over(state, inputs))
+    size = column(near.drive.disturbance)
+    push = residue + absolute(slopes) * size
+    steady, rest = _steady(slopes, near, rates, residue, n)
+    return Deviation(
+        list(radii),
+        rates,
+        still + [item.upper() for item in push.entries()],
+        residue.entries(),
+        inertia,
+        middle,
+        over,
+        rest,
+        steady,
+    )
+
+
+def _steady(
+    slopes: arb_mat, near: NearPath, rates: arb_mat, residue: arb_mat, dofs: int
+) -> tuple[arb_mat, list[arb]]:
+    """What disturbed inputs add that does not depend on when they differ, and bounds of the rest.
+
+    Let G be ``slopes``, d the disturbance, G' the midpoint of G and w the integral of d.  Then
+    z = e - G' w obeys z' = A z + A G' w + defect + (G - G') d with |w(t)| <= delta t.  Half of the
+    largest |w| is enough: weights exp(J (H - t)) fall where it rises (Chebyshev's integral
+    inequality).  So e(H) is what z gets to, plus G' w(H) with |w(H)| <= delta H: an image of a box,
+    in which coordinates and rates go together, where a bound of |e| is a box.
+    """
+    length, size = near.path.length, column(near.drive.disturbance)
+    middle = slopes.mid()
+    none = arb_mat([[arb(0)] * middle.ncols() for _ in range(dofs)]) if dofs else None
+    whole = middle if none is None else stacked(none, middle)
+    pushed = residue + absolute(slopes - middle) * size
+    moved = rates * (absolute(whole) * size) * (length / 2)
+    rest = [item.upper() for item in moved.entries()]
+    rest[dofs:] = [(a + b).upper() for a, b in zip(rest[dofs:], pushed.entries(), strict=True)]
+    scales = [(item * length).upper() for item in near.drive.disturbance]
+    columns = [[whole[i, j] * s for j, s in enumerate(scales)] for i in range(whole.nrows())]
+    return arb_mat(columns), rest
 
 
 def _series(

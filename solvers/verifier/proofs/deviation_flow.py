@@ -92,11 +92,12 @@ class Flow:
         return _horner(self.powers, time - self.half)
 
     def added(self, radii: Sequence[arb]) -> list[arb]:
-        """Bounds of |Z(t)| r and what the defect and the disturbance add, at every t in [0, H].
+        """Bounds of |Z(t)| r and what the defect adds, at every t in [0, H].
 
-        Both obey the same comparison system, whose solutions may be added.
+        So is what disturbed inputs add but for their steady part.  All obey the same comparison
+        system, whose solutions may be added.
         """
-        reach, push = column(radii), column(self.deviation.push)
+        reach, push = column(radii), column(self.deviation.rest)
         more, start = (self.defect * reach + push).entries(), (self.start * reach).entries()
         return comparison(self.deviation.rates, more, start, 2 * self.half)
 
@@ -204,7 +205,7 @@ def _horner(powers: list[arb_mat], since: arb) -> arb_mat:
 # 1998).
 
 
-MOST_COLUMNS, KEPT_COLUMNS = 8, 5
+MOST_COLUMNS, KEPT_COLUMNS = 20, 15
 """Times the size of a state: when columns are replaced, and how many are left then."""
 
 Column = list[arb]
@@ -233,8 +234,19 @@ class Zonotope:
         """The smallest balls about m that hold the set."""
         return [m + SIGNS * r for m, r in zip(self.middle, self.radii, strict=True)]
 
-    def moved(self, to: Sequence[arb], matrix: arb_mat, added: Sequence[arb]) -> Zonotope:
-        """The set under x -> ``to`` + P (x - m) + d with all |d| <= ``added``."""
+    def widened(self, radii: Sequence[arb]) -> Zonotope:
+        """The set of all x + d with all |d| <= ``radii``."""
+        columns = [*self.columns, *_box(radii)]
+        return Zonotope(self.middle, _reduced(columns, len(self.middle)))
+
+    def moved(
+        self,
+        to: Sequence[arb],
+        matrix: arb_mat,
+        added: Sequence[arb],
+        steady: arb_mat | None = None,
+    ) -> Zonotope:
+        """The set under x -> ``to`` + P (x - m) + S r + d with all |d| <= ``added``, |r| <= 1."""
         middle = [item.mid() for item in to]
         rest = [abs(t - m) + a for t, m, a in zip(to, middle, added, strict=True)]
         columns: list[Column] = []
@@ -243,6 +255,10 @@ class Zonotope:
             for i, row in enumerate(image.tolist()):
                 rest[i] = sum((item.rad() for item in row), rest[i])
             columns = [list(column) for column in image.mid().transpose().tolist()]
+        if steady is not None:
+            for i, row in enumerate(steady.tolist()):
+                rest[i] = sum((item.rad() for item in row), rest[i])
+            columns += [list(column) for column in steady.mid().transpose().tolist()]
         return Zonotope(middle, _reduced([*columns, *_box(rest)], len(middle)))
 
 

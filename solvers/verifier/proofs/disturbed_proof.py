@@ -15,10 +15,12 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.tasks.specification import disturbance_radii
+from compiler.tasks.specification import disturbance_radii, input_errors
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
+from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.deviation_flow import InitialSet
+from solvers.verifier.proofs.effort_bounds import effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.start_check import at_rest
@@ -43,13 +45,13 @@ def disturbed_findings(
 
     Where the tube ends early, what has to hold until the end is not decided.
     """
-    robust = scene.task.robust or ir.Robust()
     with working_precision(accuracy.bits):
-        robot = driven_robot(scene, motion)
+        robot = driven_robot(scene, motion, disturbed=True)
         initial = disturbed_start(scene, robot.state)
-        part = ball(robust.effort) if robust.effort else None
-        followed = follow(robot, initial, part, accuracy, watch)
+        followed = follow(robot, initial, input_error(scene), accuracy, watch)
         found = followed.so_far() if followed.ended else followed.conditions()
+        if motion.law is not None:
+            found += effort_conditions(scene.model, scene.task, followed.commanded)
     told = [_told(each) for each in found]
     if followed.ended:
         told = _cut_short(scene, planned, told, followed.time)
@@ -91,7 +93,8 @@ def with_counterexample(
 ) -> tuple[CheckedCondition, ...]:
     """The conditions, with a violation by a disturbed motion where one is found of what is open."""
     worst = decisive(conditions)
-    if worst is None or worst.status is Status.FAILS:
+    # Corners are simulated in an open loop alone.
+    if worst is None or worst.status is Status.FAILS or motion.law is not None:
         return conditions
     target = _target(scene)
     for each in conditions:
@@ -119,11 +122,21 @@ def _told(condition: CheckedCondition) -> CheckedCondition:
     return replace(condition, why=why)
 
 
+def input_error(scene: Scene) -> InputError | None:
+    """How far inputs may be from what is commanded; None: not at all."""
+    part, most = input_errors(scene.task, scene.model)
+    if not part and not any(most):
+        return None
+    return InputError(ball(part), tuple(ball(value) for value in most))
+
+
 def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
     """The states in which a robot may be at first, in the graph's coordinates.
 
-    The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.
+    The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.  An
+    uncertain mass is the last entry.
     """
+    robust = scene.task.robust or ir.Robust()
     radii = disturbance_radii(scene.task, scene.model)
     n, columns = len(scene.model.dofs), list[list[Fraction]]()
     moved = [number for number, radius in enumerate(radii) if radius]
@@ -133,9 +146,12 @@ def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
         none = [Fraction(0)] * n
         whole = [*column, *none] if number < n else [*none, *column]
         columns.append([*whole, *[Fraction(0)] * (len(state) - 2 * n)])
+    lengths = [radii[number] for number in moved]
+    if robust.mass:
+        columns.append([*[Fraction(0)] * (len(state) - 1), Fraction(1)])
+        lengths.append(robust.mass)
     rows = tuple(tuple(ball(column[i]) for column in columns) for i in range(len(state)))
-    centre = tuple(state)
-    return InitialSet(centre, rows, tuple(ball(radii[number]) for number in moved))
+    return InitialSet(tuple(state), rows, tuple(ball(length) for length in lengths))
 
 
 # --- A disturbed motion that violates what could not be proved of all of them ---------------------
@@ -266,9 +282,9 @@ def _simulated(scene: Scene, motion: Motion) -> Iterator[Array]:
 
 def _measure(scene: Scene, motion: Motion, name: str) -> Measure | None:
     """The distance of a state from a violation of the condition of that name."""
-    tail = driven_robot(scene, motion).tail
-    conditions = {item.name: item for item in position_conditions(scene, tail)}
-    limits = {item.name: item for item in state_limits(scene)}
+    robot = driven_robot(scene, motion)
+    conditions = {item.name: item for item in position_conditions(scene, robot.tail)}
+    limits = {item.name: item for item in state_limits(scene, robot.field.size)}
     if name in conditions:
         condition = conditions[name]
         return Measure(lambda robot, state: float(condition.bound(_still(robot, state))[1].mid()))

@@ -22,7 +22,14 @@ from fractions import Fraction
 
 from flint import arb, arb_poly
 
-from compiler.expressions.evaluators.balls import SIGNS, UncertainSignError, ball, working_precision
+from compiler.expressions.evaluators.balls import (
+    SIGNS,
+    UncertainSignError,
+    absolute,
+    ball,
+    column_of_ones,
+    working_precision,
+)
 from solvers.verifier.proofs.a_priori import (
     LEAST_PARTS,
     LEAST_ROUGH_PARTS,
@@ -36,6 +43,7 @@ from solvers.verifier.proofs.a_priori import (
     good_length,
     narrowed,
 )
+from solvers.verifier.proofs.control_law import InputError, SampledLaw
 from solvers.verifier.proofs.deviation_flow import Flow, InitialSet, Zonotope, box, flow, zonotope
 from solvers.verifier.proofs.vector_field import (
     Coefficients,
@@ -84,6 +92,8 @@ class TubeSegment:
     steps: tuple[Fraction, Fraction]
     states: tuple[Coefficients, ...]
     end: tuple[arb, ...]
+    inputs: tuple[arb, ...] = ()
+    commanded: tuple[arb, ...] = ()
 
     @property
     def number(self) -> int:
@@ -165,7 +175,7 @@ def _attempt(
                 found = narrowed(field, near, moved.closer, trial.degree)
                 moved = _moved(field, states, near, found)
             turn = moved.flow.at(length)
-        end = states.moved(path.at(length), turn, moved.added)
+        end = states.moved(path.at(length), turn, moved.added, found.steady)
     except UncertainSignError:
         raise
     except (ZeroDivisionError, ValueError):
@@ -193,11 +203,14 @@ def _moved(field: VectorField, states: Zonotope, near: NearPath, found: Deviatio
     added = transition.added(near.start)
     if not any(bool(radius > WIDE) for radius in found.radii):
         return _Moved(transition, added, None)
-    radii = [arb(0)] * field.size
+    radii, reach = [arb(0)] * field.size, added
+    if found.steady is not None:
+        most = (absolute(found.steady) * column_of_ones(found.steady.ncols())).entries()
+        reach = [a + b for a, b in zip(added, most, strict=True)]
     for k in range(SLICES):
         time = path.length * arb(k).union(arb(k + 1)) / SLICES
         over = states.radii_under(transition.at(time))
-        radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, added, strict=True)]
+        radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, reach, strict=True)]
     # Both boxes hold, so that the smaller of each pair of bounds does.
     closer = [r.min(f) for r, f in zip(radii, found.radii, strict=True)]
     return _Moved(transition, added, closer)
@@ -209,7 +222,8 @@ def tube(
     inputs: Sequence[Sequence[arb]],
     dt: arb,
     accuracy: Accuracy,
-    effort: arb | None = None,
+    error: InputError | None = None,
+    law: SampledLaw | None = None,
 ) -> Iterator[TubeSegment]:
     """The validated solutions under inputs held for ``dt`` each, segment by segment.
 
@@ -221,26 +235,35 @@ def tube(
         inputs: the stated inputs, a row of balls per step.
         dt: the length of a step in seconds.
         accuracy: order, bits, and what a segment may add.
-        effort: at every instant an input u may be any value within ``effort`` |u| of u, however it
-            varies in time (measurably); default not at all.
+        error: how far inputs may be from those commanded, however that varies in time (measurably);
+            default not at all.
+        law: what sets the inputs that the states hold at each sample, those of the field being
+            what is added to them; default the field's inputs are those stated.
 
     Raises:
         EnclosureFailure: a segment has no validated enclosure however short.
         ValueError: inputs are disturbed, but the field has no slopes in its inputs.
     """
-    if effort is not None and field.input_slopes is None:
+    if error is not None and field.input_slopes is None:
         raise ValueError("disturbed inputs need the slopes of the field in its inputs")
     if not field.size:
         for k in range(len(inputs)):
-            yield TubeSegment(dt * k, dt, (Fraction(k), Fraction(k + 1)), (), ())
+            steps = Fraction(k), Fraction(k + 1)
+            yield TubeSegment(dt * k, dt, steps, (), (), tuple(inputs[k]), tuple(inputs[k]))
         return
     states = zonotope(initial if isinstance(initial, InitialSet) else box(initial))
     control = StepControl(float(dt))
     control.learn_degree(states.radii, [arb(0)] * field.size, accuracy.order)
     start = arb(0)
     for number, u in enumerate(inputs):
-        wander = [abs(item).upper() * effort if effort is not None else arb(0) for item in u]
-        drive = Drive(list(u), [item.upper() for item in wander])
+        if law is None:
+            commanded, stated = list(u), list(u)
+        else:
+            states = law.held(number, states)
+            commanded = states.hull()[law.place : law.place + len(u)]
+            stated = [arb(0)] * len(u)
+        added = [arb(0)] * len(u) if error is None else error.about(commanded)
+        drive = Drive(stated, added)
         first, last = Fraction(number), Fraction(number + 1)
         while first < last:
             found = _next(field, states, drive, dt, last - first, accuracy, control)
@@ -249,7 +272,10 @@ def tube(
             length, passage = found
             seconds = dt * ball(length)
             steps = first, first + length
-            yield TubeSegment(start, seconds, steps, _states(passage), tuple(passage.end.hull()))
+            yield TubeSegment(
+                start, seconds, steps, _states(passage), tuple(passage.end.hull()),
+                tuple(drive.all), tuple(commanded),
+            )  # fmt: skip
             states, first, start = passage.end, steps[1], dt * ball(steps[1])
 
 

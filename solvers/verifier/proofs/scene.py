@@ -14,6 +14,7 @@ from compiler.words.derivation import Derivation, body_symbols
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
+from solvers.verifier.proofs.control_law import ControlLaw
 
 # --- Who watches a long proof: told how far it has come, and able to end it -----------------------
 
@@ -40,7 +41,7 @@ class Motion:
     """What drives a robot: exact parameters, initial state and inputs (one row per step).
 
     ``state`` holds coordinates and rates; the spec says where modules' own states begin.  All
-    numbers are in SI units.
+    numbers are in SI units.  With a ``law``, inputs are those of the motion without deviations.
     """
 
     theta: tuple[ParameterValue, ...]
@@ -48,6 +49,7 @@ class Motion:
     inputs: tuple[tuple[Fraction, ...], ...]
     effector: int
     path: tuple[tuple[str, ...], ...]
+    law: ControlLaw | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from compiler.workspaces.abstraction import Abstraction
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
+from solvers.verifier.proofs.effort_bounds import PLANNED, effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.scene import UNWATCHED, Motion, Scene, Watch, scene_of
 from solvers.verifier.proofs.start_check import positive_mass, start_conditions, unphysical
@@ -67,7 +68,8 @@ def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[CheckedConditi
     """The conditions on the planned motion; where none decides, from the tube that got farthest."""
     decided: tuple[CheckedCondition, ...] | None = None
     farthest: tuple[CheckedCondition, ...] = ()
-    for accuracy in ACCURACIES:
+    # A controller keeps a set as small as it was: more digits do not get it any farther.
+    for accuracy in ACCURACIES if motion.law is None else ACCURACIES[:1]:
         with working_precision(accuracy.bits):
             conditions = _conditions(scene, motion, accuracy, watch)
         if any(condition.status is Status.UNDECIDED for condition in conditions):
@@ -109,6 +111,9 @@ def _conditions(
     path = cell_path(
         scene.abstraction, float(scene.task.step), motion.path, following, followed.positions()
     )
+    if motion.law is not None:
+        prefix = PLANNED if scene.task.robust is not None else ""
+        found += effort_conditions(scene.model, scene.task, followed.commanded, prefix)
     return (*found, *followed.conditions(), path)
 
 

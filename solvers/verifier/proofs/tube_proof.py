@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from textwrap import shorten
 
 from flint import arb
 
+from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import (
     BALLS,
     ball,
@@ -18,12 +19,14 @@ from compiler.expressions.evaluators.balls import (
 )
 from compiler.expressions.tape import Tape, tape
 from compiler.robots.robot import RobotModel, RodBody
-from compiler.robots.state_and_input import robot_states
+from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.tasks.formula_parts import atoms, formula_text
 from compiler.tasks.monitor import key
+from compiler.tasks.specification import measurement_radii
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside
+from solvers.verifier.proofs.control_law import InputError, SampledLaw, open_loop, sampled_law
 from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
@@ -52,15 +55,17 @@ class DrivenRobot:
     """A robot of which everything is known but where it begins, in balls.
 
     ``state`` is the planned start in the graph's coordinates, ``inputs`` the stated inputs per
-    step.
+    step.  With a ``law`` the state ends with the inputs that it holds.
     """
 
     scene: Scene
     motion: Motion
+    graph: RobotGraph
     field: VectorField
     point_map: PointMap
     state: tuple[arb, ...]
     inputs: tuple[tuple[arb, ...], ...]
+    law: SampledLaw | None = None
 
     @property
     def tail(self) -> tuple[arb, ...]:
@@ -68,27 +73,48 @@ class DrivenRobot:
         return self.field.tail
 
 
-def driven_robot(scene: Scene, motion: Motion) -> DrivenRobot:
-    """A motion in the working precision."""
-    graph = scene.graph
+def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> DrivenRobot:
+    """A motion in the working precision.
+
+    Where it is ``disturbed``, measurements have the task's errors, and the last entry of the state
+    is the factor of an uncertain mass.
+    """
+    model, task = scene.model, scene.task
+    robust = task.robust or ir.Robust()
+    weighed = disturbed and bool(robust.mass)
+    law = motion.law
+    if law is None and weighed:
+        law = open_loop(motion.inputs, 2 * len(model.dofs))
+    graph = scene.graph if law is None else scene.graph.holding_inputs(uncertain_mass=weighed)
     tail = tuple(value.ball for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
     own, n = robot_states(graph.model), len(graph.model.dofs)
-    slopes = tape(graph.input_slopes) if scene.task.robust is not None else None
-    field = VectorField(tape(graph.balance), tape(graph.variation), n, tail, len(own), slopes)
+    still = 0 if law is None else len(robot_inputs(model)) + weighed
+    slopes = tape(graph.input_slopes) if task.robust is not None else None
+    field = VectorField(
+        tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes
+    )
     point_map = PointMap(tape(graph.points), field, graph.model.dimension)
     exact = [graph.coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
     state = [ball(value) for part in exact for value in part]
     state += [arb(0) if item.initial is None else closed_ball(item.initial) for item in own]
-    inputs = tuple(tuple(ball(value) for value in step) for step in motion.inputs)
-    return DrivenRobot(scene, motion, field, point_map, tuple(state), inputs)
+    if law is None:
+        inputs = tuple(tuple(ball(value) for value in step) for step in motion.inputs)
+        return DrivenRobot(scene, motion, graph, field, point_map, tuple(state), inputs)
+    noise = measurement_radii(task, model) if disturbed else ()
+    sampled = sampled_law(law, motion.inputs, graph.coordinates.rows, noise, len(own))
+    state += [arb(0)] * (still - weighed) + [arb(1)] * weighed
+    return DrivenRobot(
+        scene, motion, graph, field, point_map, tuple(state), sampled.inputs, sampled
+    )
 
 
 @dataclass(slots=True)
 class Followed:
     """What a tube shows, as far as it goes; ``samples`` are the states at the steps.
 
-    ``ended`` says why it goes no farther than ``time``, empty where it is complete.
+    ``commanded`` are the inputs that a law commands, a row per step; none without one.  ``ended``
+    says why it goes no farther than ``time``, empty where it is complete.
     """
 
     robot: DrivenRobot
@@ -97,6 +123,7 @@ class Followed:
     defined: Defined
     formulas: FormulaProof
     samples: list[Sequence[arb]]
+    commanded: list[Sequence[arb]] = field(default_factory=list[Sequence[arb]])
     time: float = 0.0
     ended: str = ""
 
@@ -150,37 +177,39 @@ class Followed:
 def follow(
     robot: DrivenRobot,
     initial: InitialSet,
-    effort: arb | None,
+    error: InputError | None,
     accuracy: Accuracy,
     watch: Watch,
 ) -> Followed:
     """Hold the tube from a set of states against the task.
 
-    ``effort`` is the part of themselves by which inputs may differ from what is stated, None: they
-    do not.  What the ``watch`` raises ends the proof.
+    ``error`` is how far inputs may be from what is commanded, None: not at all.  What the ``watch``
+    raises ends the proof.
     """
     scene, step = robot.scene, robot.scene.task.step
-    graph = scene.graph
+    graph = robot.graph
     found = Followed(
         robot,
         position_conditions(scene, robot.tail),
-        state_limits(scene),
+        state_limits(scene, robot.field.size),
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
         _formulas(scene, robot.point_map, watch.tick),
         [],
     )
-    part = arb(0) if effort is None else effort * arb(0, 1)
-    applied = [[u + u * part for u in row] for row in robot.inputs]
     ends: dict[int, Sequence[arb]] = {0: box_of(initial)}
     try:
-        for segment in tube(robot.field, initial, robot.inputs, ball(step), accuracy, effort):
+        for segment in tube(
+            robot.field, initial, robot.inputs, ball(step), accuracy, error, robot.law
+        ):
             watch.tick()
-            inputs = applied[segment.number]
+            inputs = segment.inputs
             check_segment(robot.point_map, segment, inputs, found.constraints, found.limits)
             found.formulas.add(segment, inputs)
             if found.defined.is_needed:
                 found.defined.check(segment, inputs)
             found.time = float((segment.start + segment.length).mid())
+            if robot.law is not None and segment.number == len(found.commanded):
+                found.commanded.append(segment.commanded)
             if segment.steps[1].denominator == 1:
                 ends[int(segment.steps[1])] = segment.end
                 watch.part(int(segment.steps[1]), scene.task.steps)
@@ -328,11 +357,11 @@ def _radius(model: RobotModel, body: int, tail: Sequence[arb]) -> arb:
     return scalar_balls(model.scalars, tail)[item.radius]
 
 
-def state_limits(scene: Scene) -> list[StateLimit]:
-    """Joint limits and rate limits as balls, on the rows of q = D y."""
+def state_limits(scene: Scene, size: int) -> list[StateLimit]:
+    """Joint and rate limits as balls, on the rows of q = D y; states have ``size`` entries."""
     graph, found = scene.graph, list[StateLimit]()
     none = (0,) * len(graph.model.dofs)
-    own = (0,) * len(robot_states(graph.model))
+    own = (0,) * (size - 2 * len(graph.model.dofs))
     for number, dof in enumerate(graph.model.dofs):
         row = graph.coordinates.rows[number]
         unit = "rad" if dof.kind == "revolute" else "m"

@@ -1,0 +1,47 @@
+"""Whether a motion gets a controller, and the controller that it gets."""
+
+from __future__ import annotations
+
+from compiler.expressions.exact_numbers import decimal
+from grammar_lang import ir
+from solvers.search.path_task import WIDEST
+from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.feedback import reference_motion
+from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.task_limits import input_groups
+from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.claims.further_claims import ControllerClaim
+
+
+def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tuple[bool, ...]:
+    """Whether the motion of an outcome gets feedback: what is tried, in turn.
+
+    Open loop first, if neither the motion is unstable nor disturbances carry it away.
+    """
+    task = path_problem.task
+    robust = task.robust or ir.Robust()
+    if task.control is not None or robust.measured != ir.Radii():
+        return (task.control != "open loop",)
+    if outcome.regulated:
+        return (True,)
+    if task.robust is None:
+        return (False,)
+    spread = path_problem.spreading(outcome.trajectory, 1.0).spread
+    fits = spread is not None and spread.widest < WIDEST
+    return (False, True) if fits else (True,)
+
+
+def controlled(
+    path_problem: PathProblem, trajectory: Trajectory
+) -> tuple[Trajectory, ControllerClaim]:
+    """The motion that a controller makes of a trajectory, and the controller."""
+    numeric, task = path_problem.numeric, path_problem.task
+    gains = path_problem.gains(trajectory)
+    groups = input_groups(path_problem.model, task)
+    motion = reference_motion(
+        numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
+    )
+    size = 2 * numeric.n
+    reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
+    stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)
+    return motion, ControllerClaim(reference, stated)

@@ -1,0 +1,84 @@
+"""What a certificate of format 4 claims besides: a controller; kinds that are not known here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from compiler.expressions.exact_numbers import exact_number
+from solvers.verifier.claims.json_fields import objects, rows, text
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
+from solvers.verifier.proofs.control_law import ControlLaw
+from solvers.verifier.proofs.tube_checks import Status
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerClaim:
+    """At sample k the inputs are those stated less gains times what the state is off a reference.
+
+    ``reference`` holds coordinates, then rates, a row per step; ``gains`` a row per input and step.
+    """
+
+    reference: tuple[tuple[str, ...], ...]
+    gains: tuple[tuple[tuple[str, ...], ...], ...]
+    kind: str = "controller"
+
+
+@dataclass(frozen=True, slots=True)
+class UnknownClaim:
+    """A claim of a kind that is not known here: what rests on it is not decided."""
+
+    kind: str
+    content: Mapping[str, Any]
+
+
+def exact_law(claim: ControllerClaim) -> ControlLaw:
+    """The law that a claim states.
+
+    Raises:
+        ValueError: a number is none.
+    """
+    return ControlLaw(
+        tuple(tuple(exact_number(x) for x in row) for row in claim.reference),
+        tuple(tuple(tuple(exact_number(x) for x in row) for row in gain) for gain in claim.gains),
+    )
+
+
+FurtherClaim: TypeAlias = ControllerClaim | UnknownClaim
+
+
+def further_claims(items: object) -> tuple[FurtherClaim, ...]:
+    """Further claims; of each known kind one at most.
+
+    Raises:
+        TypeError, KeyError, ValueError: they are malformed.
+    """
+    if not isinstance(items, (list, tuple)) or not all(isinstance(item, dict) for item in items):
+        raise TypeError("a list of claims is due")
+    found: list[FurtherClaim] = []
+    for item in items:
+        kind = text(item.get("kind"))
+        if kind != "controller":
+            found.append(UnknownClaim(kind, item))
+            continue
+        (fields,) = objects([item], ControllerClaim)
+        if not isinstance(fields["gains"], list):
+            raise TypeError("a list of gains is due")
+        gains = tuple(rows(gain) for gain in fields["gains"])
+        found.append(ControllerClaim(rows(fields["reference"]), gains))
+    if sum(isinstance(claim, ControllerClaim) for claim in found) > 1:
+        raise ValueError("more than one controller is claimed")
+    return tuple(found)
+
+
+def unknown_claims(claims: Sequence[FurtherClaim]) -> list[CheckedCondition]:
+    """An open condition for each claim of a kind that is not known."""
+    return [
+        CheckedCondition(
+            f"claim `{claim.kind}`", Status.UNDECIDED, -NO_MARGIN, "",
+            why=f"the certificate claims a `{claim.kind}`, of which this verifier knows nothing",
+        )
+        for claim in claims
+        if isinstance(claim, UnknownClaim)
+    ]  # fmt: skip

@@ -1,0 +1,155 @@
+r"""The law that holds inputs from sample to sample, and what it makes of a set of states.
+
+At sample k the controller reads :math:`\hat x = x(t_k) + \nu`, coordinates and rates of the joints
+with an error that is within bounds, and holds
+
+.. math:: u_k = u^*_k - K_k (\hat x - x^*_k)
+
+until the next.  Between samples the inputs are constant, so that the set of (x, u) at a sample is
+an affine image of the set of x and of the errors: a zonotope goes to a zonotope.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb, arb_mat
+
+from compiler.expressions.evaluators.balls import ball
+from solvers.verifier.proofs.deviation_flow import Column, Zonotope
+
+
+@dataclass(frozen=True, slots=True)
+class ControlLaw:
+    """What a controller does at each sample, exactly.
+
+    Attributes:
+        reference: the planned coordinates and rates of the joints, (k, 2n), in SI units.
+        gains: the inputs that a deviation of these takes away, (k, m, 2n), in SI units.
+    """
+
+    reference: tuple[tuple[Fraction, ...], ...]
+    gains: tuple[tuple[tuple[Fraction, ...], ...], ...]
+
+
+def open_loop(inputs: Sequence[Sequence[Fraction]], size: int) -> ControlLaw:
+    """The law that holds the stated inputs (k, m) whatever it reads of the ``size`` entries."""
+    none = (Fraction(0),) * size
+    return ControlLaw(tuple(none for _ in inputs), tuple((none,) * len(row) for row in inputs))
+
+
+@dataclass(frozen=True, slots=True)
+class InputError:
+    """How far inputs may be from what is commanded, at every instant: |d| <= part |u| + most.
+
+    ``most`` has one value per input (m,), in its unit.
+    """
+
+    part: arb
+    most: tuple[arb, ...]
+
+    def about(self, commanded: Sequence[arb]) -> list[arb]:
+        """Bounds of |d| for commanded inputs (m,) given as balls."""
+        return [
+            (abs(u).upper() * self.part + most).upper()
+            for u, most in zip(commanded, self.most, strict=True)
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class SampledLaw:
+    """A law in balls, for states in the coordinates of a graph, with the held inputs behind them.
+
+    Attributes:
+        inputs: the planned inputs u*, (k, m).
+        gains: K in the coordinates of the graph, (m, 2n) each.
+        offsets: K x*, (m,) each.
+        noise: K times each error of a measurement at its bound, the columns of a set, per step.
+        place: the number of states before the held inputs.
+    """
+
+    inputs: tuple[tuple[arb, ...], ...]
+    gains: tuple[arb_mat, ...]
+    offsets: tuple[tuple[arb, ...], ...]
+    noise: tuple[tuple[tuple[arb, ...], ...], ...]
+    place: int
+
+    def held(self, step: int, states: Zonotope) -> Zonotope:
+        """The states at a sample with the inputs that the law then holds."""
+        gain, size = self.gains[step], len(states.middle)
+        m, width = gain.nrows(), gain.ncols()
+        after = range(self.place, self.place + m)
+        taken = (gain * arb_mat([[x] for x in states.middle[:width]])).entries()
+        wanted = [
+            u + offset - item
+            for u, offset, item in zip(self.inputs[step], self.offsets[step], taken, strict=True)
+        ]
+        middle = list(states.middle)
+        rest = [arb(0)] * size
+        for i, value in zip(after, wanted, strict=True):
+            middle[i], rest[i] = value.mid(), value.rad()
+        columns: list[Column] = []
+        if states.columns:
+            moved = gain * arb_mat([column[:width] for column in states.columns]).transpose()
+            for j, column in enumerate(states.columns):
+                own = [-moved[i, j] for i in range(m)]
+                columns.append(_with(column, after, own, rest))
+        still = [arb(0)] * size
+        columns += [_with(still, after, errors, rest) for errors in self.noise[step]]
+        return Zonotope(middle, columns).widened(rest)
+
+
+def _with(column: Column, places: range, values: Sequence[arb], rest: list[arb]) -> Column:
+    """A column with other entries at some places; what rounding takes off goes to ``rest``."""
+    found = list(column)
+    for i, value in zip(places, values, strict=True):
+        found[i] = value.mid()
+        rest[i] = rest[i] + value.rad()
+    return found
+
+
+def sampled_law(
+    law: ControlLaw,
+    inputs: Sequence[Sequence[Fraction]],
+    rows: Sequence[Sequence[int]],
+    noise: Sequence[Fraction],
+    own: int,
+) -> SampledLaw:
+    """A law in the working precision.
+
+    Args:
+        law: reference and gains, of the joints' own coordinates.
+        inputs: the planned inputs, (k, m).
+        rows: D of q = D y, the joints' coordinates by those of the graph.
+        noise: bounds of the errors of what is measured, (2n,).
+        own: the number of the modules' own states.
+    """
+    n = len(rows)
+    gains, offsets, errors = [], [], []
+    for reference, gain in zip(law.reference, law.gains, strict=True):
+        turned = [
+            [
+                ball(sum((row[part + i] * rows[i][j] for i in range(n)), Fraction(0)))
+                for part in (0, n)
+                for j in range(n)
+            ]
+            for row in gain
+        ]
+        gains.append(arb_mat(len(gain), 2 * n, [item for row in turned for item in row]))
+        offsets.append(
+            tuple(
+                ball(sum((k * x for k, x in zip(row, reference, strict=True)), Fraction(0)))
+                for row in gain
+            )
+        )
+        errors.append(
+            tuple(
+                tuple(ball(row[i] * bound) for row in gain)
+                for i, bound in enumerate(noise)
+                if bound
+            )
+        )
+    planned = tuple(tuple(ball(value) for value in row) for row in inputs)
+    return SampledLaw(planned, tuple(gains), tuple(offsets), tuple(errors), 2 * n + own)

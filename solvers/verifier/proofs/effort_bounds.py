@@ -1,0 +1,81 @@
+"""Whether all inputs that a controller may command keep the bounds of a task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+
+from flint import arb
+
+from compiler.expressions.evaluators.balls import ball
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import InputBound, input_bounds
+from grammar_lang import ir
+from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.tube_checks import Status
+
+PLANNED = "planned "
+"""So begins the name of a bound on the planned motion where disturbed ones have bounds, too."""
+
+
+def bound_name(bound: InputBound) -> str:
+    """What a condition on a bound is called."""
+    return f"effort ({bound.unit})" if bound.effort else bound.name
+
+
+def effort_conditions(
+    model: RobotModel, task: ir.Task, commanded: Sequence[Sequence[arb]], prefix: str = ""
+) -> list[CheckedCondition]:
+    """One condition per bound: it holds for all inputs that a tube commands.
+
+    Args:
+        model: the robot.
+        task: the task, whose step is in seconds.
+        commanded: enclosures of the inputs, a row (m,) per step.
+        prefix: begins the names.
+    """
+    found = []
+    for bound in input_bounds(model, task):
+        status, margin, worst = Status.HOLDS, inf, 0
+        for step, row in enumerate(commanded):
+            gap = _gap(bound, row)
+            lower = float(gap.lower())
+            if bool(gap < 0):
+                status = Status.FAILS
+            elif not lower >= 0 and status is Status.HOLDS:
+                status = Status.UNDECIDED
+            if not lower >= margin:
+                margin, worst = lower, step
+        name, time = f"{prefix}{bound_name(bound)}", float(worst * task.step)
+        found.append(CheckedCondition(name, status, margin, bound.unit, time))
+    return found
+
+
+def planned_efforts(
+    model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
+) -> tuple[float, float]:
+    """Bounds of the largest effort and of the robustness of the planned motion, as was proved.
+
+    Both in the inputs' units; the robustness is the least margin of all bounds (Definition 7).
+    """
+    margins = {each.name: each.margin for each in conditions}
+    peak, robustness = 0.0, inf
+    for bound in input_bounds(model, task):
+        name = bound_name(bound)
+        margin = margins.get(f"{PLANNED}{name}", margins.get(name, inf))
+        robustness = min(robustness, margin)
+        if bound.effort:
+            peak = max(peak, float(bound.upper) - margin)
+    return peak, robustness if robustness < inf else 0.0
+
+
+def _gap(bound: InputBound, row: Sequence[arb]) -> arb:
+    """The distance of inputs from a bound; negative beyond it."""
+    own = [row[i] for i in bound.inputs]
+    upper = ball(bound.upper)
+    if bound.norm2:
+        return upper - sum((item * item for item in own), arb(0)).sqrt()
+    gap = arb("inf")
+    for item in own:
+        gap = gap.min(item - ball(bound.lower)).min(upper - item)
+    return gap

@@ -1,0 +1,190 @@
+"""Claims of a controller, true ones and altered ones, each judged right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from solvers.verifier.verification import Outcome, verify_directory
+from tests.oracles.result_files import alter, alter_spec, read
+
+Content = dict[str, Any]
+Change = Callable[[Content], None]
+
+
+def law(content: Content) -> Content:
+    (found,) = content["claims"]
+    assert found["kind"] == "controller"
+    assert isinstance(found, dict)
+    return found
+
+
+@pytest.fixture
+def folder(result: Callable[[str], Path]) -> Path:
+    found = result("closed")
+    (found / "design.json").unlink()
+    return found
+
+
+def judged(folder: Path, change: Change) -> tuple[Outcome, str]:
+    alter(folder, change, sign=True)
+    report = verify_directory(folder)
+    return report.outcome, report.reason or ""
+
+
+def test_the_closed_loop_is_proved(made: Callable[[str], Path]) -> None:
+    folder = made("closed") / "out"
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.VALID
+    names = {condition.name: condition.margin for condition in report.conditions}
+    # All that is commanded has less margin than the planned motion.
+    assert 0 < names["effort (N*m)"] < names["planned effort (N*m)"] < 10
+    content = read(folder)
+    assert content["format"] == 4
+    assert read(folder, "design.json")["control"] == "feedback"
+    assert "control: feedback" in (made("closed") / "stdout").read_text(encoding="utf-8")
+
+
+def short_gains(content: Content) -> None:
+    law(content)["gains"].pop()
+
+
+def wide_gains(content: Content) -> None:
+    law(content)["gains"][0][0].append("0")
+
+
+def short_reference(content: Content) -> None:
+    law(content)["reference"][3].pop()
+
+
+def no_number(content: Content) -> None:
+    law(content)["gains"][2][0][0] = "NaN"
+
+
+def infinite(content: Content) -> None:
+    law(content)["reference"][2][0] = "Infinity"
+
+
+def two_controllers(content: Content) -> None:
+    content["claims"] *= 2
+
+
+def no_list(content: Content) -> None:
+    content["claims"] = {"kind": "controller"}
+
+
+def unknown_field(content: Content) -> None:
+    law(content)["delay"] = "0.1"
+
+
+def earlier_format(content: Content) -> None:
+    content["format"] = 3
+
+
+def robustness(content: Content) -> None:
+    content["robustness"] = str(Decimal(content["robustness"]) + Decimal("1e-6"))
+
+
+def peak(content: Content) -> None:
+    content["effort_peak"] = str(Decimal(content["effort_peak"]) - Decimal("1e-6"))
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (short_gains, "the gains are not 10 times 1 rows of 2"),
+        (wide_gains, "the gains are not 10 times 1 rows of 2"),
+        (short_reference, "the reference is not 10 rows of 2"),
+        (no_number, "malformed"),
+        (infinite, "malformed"),
+        (two_controllers, "more than one controller"),
+        (no_list, "a list of claims is due"),
+        (unknown_field, "`delay` is unknown"),
+        (earlier_format, "`claims` are those of format 4"),
+        (robustness, "`robustness` is"),
+        (peak, "`effort_peak` is"),
+    ],
+)
+def test_what_is_false_or_malformed_is_refuted(folder: Path, change: Change, reason: str) -> None:
+    outcome, said = judged(folder, change)
+    assert outcome is Outcome.REFUTED
+    assert reason in said
+
+
+def test_a_kind_that_is_not_known_is_undecided(folder: Path) -> None:
+    outcome, said = judged(folder, lambda content: content["claims"].append({"kind": "oracle"}))
+    assert outcome is Outcome.UNDECIDED
+    assert "`oracle`" in said
+
+
+def test_a_law_without_gains_proves_nothing_of_such_disturbances(folder: Path) -> None:
+    def without(content: Content) -> None:
+        gains = law(content)["gains"]
+        law(content)["gains"] = [[["0"] * len(row) for row in step] for step in gains]
+        for item in content["claims"]:
+            item["gains"] = [[["0"] * len(row) for row in step] for step in gains]
+
+    outcome, _ = judged(folder, without)
+    assert outcome is Outcome.UNDECIDED
+
+
+def test_gains_of_the_wrong_sign_are_not_valid(folder: Path) -> None:
+    def turned(content: Content) -> None:
+        for item in content["claims"]:
+            item["gains"] = [
+                [[str(-Decimal(x)) for x in row] for row in step] for step in item["gains"]
+            ]
+
+    assert judged(folder, turned)[0] is not Outcome.VALID
+
+
+def test_a_reference_that_is_somewhere_else_is_not_valid(folder: Path) -> None:
+    def moved(content: Content) -> None:
+        for item in content["claims"]:
+            item["reference"][5][0] = str(Decimal(item["reference"][5][0]) + 1)
+
+    assert judged(folder, moved)[0] is not Outcome.VALID
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("robust measure 0.05 deg, 0.1 deg/s", "robust measure 5 deg, 10 deg/s"),
+        ("robust mass 2 %", "robust mass 60 %"),
+        ("robust effort 1 % of bound", "robust effort 30 % of bound"),
+        ("robust start 0.5 deg, 0.5 deg/s", "robust start 90 deg, 0.5 deg/s"),
+    ],
+)
+def test_larger_disturbances_are_not_what_was_proved(folder: Path, old: str, new: str) -> None:
+    alter_spec(folder, old, new, sign=True)
+    assert verify_directory(folder).outcome is not Outcome.VALID
+
+
+def test_a_task_that_asks_for_an_open_loop(folder: Path) -> None:
+    alter_spec(folder, "control feedback;", "control open loop;", sign=False)
+    alter_spec(folder, "  robust measure 0.05 deg, 0.1 deg/s;\n", "", sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert report.reason == "the task asks for open loop, the claim is feedback"
+
+
+def test_a_task_that_asks_for_feedback(result: Callable[[str], Path]) -> None:
+    folder = result("turner")
+    (folder / "design.json").unlink()
+    alter_spec(folder, "  effort <= 10 N*m;", "  effort <= 10 N*m; control feedback;", sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert report.reason == "the task asks for feedback, the claim is open loop"
+
+
+def test_design_json_says_the_same(result: Callable[[str], Path]) -> None:
+    folder = result("closed")
+    text = (folder / "design.json").read_text(encoding="utf-8")
+    changed = text.replace('"control": "feedback"', '"control": "open loop"')
+    assert changed != text
+    (folder / "design.json").write_text(changed, encoding="utf-8")
+    assert verify_directory(folder).outcome is Outcome.REFUTED
