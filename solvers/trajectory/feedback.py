@@ -102,10 +102,8 @@ def gains_along(
     with np.errstate(all="ignore"):
         steps = numeric.step(trajectory.x[:-1], trajectory.u, trajectory.theta, dt, substeps)
     gains = regulator(steps, 2 * numeric.n, input_scales(groups, numeric.m))
-    with np.errstate(divide="ignore"):
-        size = np.floor(np.log10(np.abs(gains), where=gains != 0, out=np.zeros_like(gains)))
-    unit = 10.0 ** (size - DIGITS + 1)
-    return np.round(gains / unit) * unit
+    few = [float(f"{value:.{DIGITS}g}") for value in gains.ravel().tolist()]
+    return np.array(few).reshape(gains.shape)
 
 
 def reference_motion(

@@ -11,6 +11,7 @@ from srgc.exports.exported_motion import ExportedMotion, exported_motion
 from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
 from srgc.exports.mjcf import mjcf_text
 from srgc.exports.motion_formats import (
+    gain_table,
     joint_trajectory,
     torque_table,
     trajectory_arrays,
@@ -37,11 +38,11 @@ FILE_NAMES = {
     "ros2": "trajectory.yaml",
     "npz": "trajectory.npz",
 }
-TORQUES, SCRIPT = "torques.csv", "replay.py"
+TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
 FORMS = (*ROBOTS, *MOTIONS)
 FOLDERS = ("mujoco", "all")
 BINARY = ("npz",)
-FOLDER_FILES = (*FILE_NAMES.values(), TORQUES, SCRIPT)
+FOLDER_FILES = (*FILE_NAMES.values(), TORQUES, GAINS, SCRIPT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,9 @@ def mujoco_text(design: FoundDesign) -> str:
 
 
 def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
-    return {
+    gains = gain_table(motion)
+    fed_back = {} if gains is None else {GAINS: gains.encode()}
+    return fed_back | {
         FILE_NAMES["mjcf"]: mujoco_text(design).encode(),
         FILE_NAMES["csv"]: trajectory_table(motion).encode(),
         TORQUES: torque_table(motion).encode(),

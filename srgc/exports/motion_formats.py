@@ -20,7 +20,7 @@ from compiler.expressions.exact_numbers import decimal
 from compiler.rigid_links.ball_pose import nearest
 from compiler.rigid_links.rigid_tree import PRECISION
 from grammar_lang import ir
-from srgc.exports.exported_motion import ExportedMotion, Quantity
+from srgc.exports.exported_motion import ExportedMotion, Quantity, free_inputs
 from srgc.exports.exported_robot import motor_bound, origin, remarks
 from srgc.exports.xml_lines import plain_line
 from srgc.faults import UsageFault
@@ -127,6 +127,25 @@ def torque_table(motion: ExportedMotion) -> str:
     rows = (
         [decimal(float(time)), *(decimal(value) for value in row)]
         for time, row in zip(motion.times[:-1], motion.effort, strict=False)
+    )
+    return csv_text([head, *rows])
+
+
+def gain_table(motion: ExportedMotion) -> str | None:
+    """What feedback takes away from each torque by deviations from the planned motion.
+
+    A row per step; a column per position or velocity and torque. None for an open loop.
+    """
+    feedback = motion.design.feedback
+    if feedback is None:
+        return None
+    names = [joint.name for joint in motion.joints]
+    kinds = [f"{kind}.{name}" for kind in ("position", "velocity") for name in names]
+    columns = free_inputs(motion.design.model)
+    head = ["t", *(f"{kind} to {name}" for name in names for kind in kinds)]
+    rows = (
+        [decimal(float(time)), *(decimal(value) for value in gains[columns].ravel())]
+        for time, gains in zip(motion.times[:-1], feedback.gains, strict=True)
     )
     return csv_text([head, *rows])
 

@@ -1,4 +1,4 @@
-"""Hold the planned torques in MuJoCo, and compare with the planned motion.
+"""Hold the planned torques in MuJoCo, with the controller's gains, and compare with the plan.
 
 It needs the files that were exported with it, in its own folder, and MuJoCo (pip install mujoco):
 
@@ -43,16 +43,33 @@ def rows(name: str, *columns: str) -> list[dict[str, float]]:
     return table
 
 
+def columns(model: mujoco.MjModel) -> list[str]:
+    """The names of positions, then of velocities."""
+    joints = [model.joint(i).name for i in range(model.njnt)]
+    return [f"{kind}.{joint}" for kind in ("position", "velocity") for joint in joints]
+
+
 def planned(model: mujoco.MjModel) -> list[dict[str, float]]:
     """The samples of the planned motion."""
-    joints = [model.joint(i).name for i in range(model.njnt)]
-    kinds = [f"{kind}.{joint}" for kind in ("position", "velocity") for joint in joints]
-    return rows("trajectory.csv", "t", *kinds)
+    return rows("trajectory.csv", "t", *columns(model))
 
 
 def torques(model: mujoco.MjModel) -> list[dict[str, float]]:
     """What is held in each step."""
     return rows("torques.csv", *(model.actuator(i).name for i in range(model.nu)))
+
+
+def gains(model: mujoco.MjModel) -> list[dict[str, float]]:
+    """Per step what feedback takes away from torques by deviations; nothing for an open loop."""
+    if not (FOLDER / "gains.csv").exists():
+        return []
+    motors = [model.actuator(i).name for i in range(model.nu)]
+    found = rows(
+        "gains.csv", *(f"{name} to {motor}" for name in columns(model) for motor in motors)
+    )
+    if len(found) != len(torques(model)):
+        sys.exit("gains.csv does not have a row for every row of torques.csv")
+    return found
 
 
 def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
@@ -81,9 +98,17 @@ def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
 
 def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[None]:
     """Hold every row of torques for its step; stop after every step of the simulation."""
-    for row in torques(model):
+    samples, taken = planned(model), gains(model)
+    for step, row in enumerate(torques(model)):
+        off = {
+            f"{kind}.{joint.name}": float(value[0]) - samples[step][f"{kind}.{joint.name}"]
+            for joint in map(data.joint, range(model.njnt))
+            for kind, value in (("position", joint.qpos), ("velocity", joint.qvel))
+        }
         for i in range(model.nu):
-            data.ctrl[i] = row[model.actuator(i).name]
+            motor, gain = model.actuator(i).name, taken[step] if taken else {}
+            less = sum(gain.get(f"{name} to {motor}", 0.0) * value for name, value in off.items())
+            data.ctrl[i] = row[motor] - less
         for _ in range(steps):
             mujoco.mj_step(model, data)
             yield

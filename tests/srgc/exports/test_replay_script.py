@@ -62,6 +62,31 @@ def replayed(bundle: Path, place: Path, *arguments: str) -> dict[str, float]:
     return found
 
 
+def test_the_script_runs_the_closed_loop(
+    srgc: Export, made: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """From a start that is off, too: it is what the law makes of it, to first order."""
+    folder, bundle = made("closed") / "out", tmp_path / "arm"
+    assert srgc("export", folder, "--to", "mujoco", "-o", bundle).status == 0
+    assert max(replayed(bundle, tmp_path)[word] for word in WORDS) < 1e-7
+    claim = result_files.read(folder)
+    with (bundle / "gains.csv").open(encoding="utf-8", newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head == ["t", "position.JO_2 to JO_2", "velocity.JO_2 to JO_2"]
+    stated = [[float(x) for row in step for x in row] for step in claim["claims"][0]["gains"]]
+    np.testing.assert_array_equal([[float(x) for x in row[1:]] for row in rows], stated)
+    script = runpy.run_path(str(bundle / "replay.py"))
+    model, data, steps = script["start"](None)
+    data.qpos[0] += 0.1
+    apart = [
+        data.qpos[0] - float(claim["claims"][0]["reference"][number // steps][0])
+        for number, _ in enumerate(script["moved"](model, data, steps))
+        if number % steps == 0
+    ]
+    assert apart[0] == pytest.approx(0.1, abs=0.01)
+    assert abs(apart[-1]) < 0.01
+
+
 def test_the_script_replays_the_plan(bundle: Path, tmp_path: Path, driven: Driven) -> None:
     fine = replayed(bundle, tmp_path)
     assert fine["step"] <= 1e-3
