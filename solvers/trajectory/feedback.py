@@ -13,6 +13,8 @@ Control: Linear Quadratic Methods* (1990).
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from compiler.arrays import Array
@@ -20,8 +22,11 @@ from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
 
-COORDINATE, RATE = 0.1, 0.5
-"""Deviations, in rad or m (/s), that count as much as an input at its bound."""
+Sizes: TypeAlias = tuple[float, float]
+SIZES: tuple[Sizes, ...] = ((0.1, 0.5), (0.05, 1.0), (0.02, 1.0), (0.3, 1.5))
+"""Deviations of coordinates and rates, in rad or m (/s), that count as much as an input at its
+bound.  Which are best depends on the robot and its disturbances; states that are not measured ask
+for small gains."""
 
 
 def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
@@ -32,7 +37,7 @@ def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
     return scales
 
 
-def regulator(steps: Linearisation, measured: int, scales: Array) -> Array:
+def regulator(steps: Linearisation, measured: int, scales: Array, sizes: Sizes = SIZES[0]) -> Array:
     """Gains (k, m, N) along linearised steps; only the first ``measured`` entries are fed back.
 
     ``scales`` (m,) are the sizes of inputs, in their units.  Gains are zero where the equations
@@ -40,7 +45,7 @@ def regulator(steps: Linearisation, measured: int, scales: Array) -> Array:
     """
     count, size = steps.state.shape[:2]
     weight = np.zeros(size)
-    weight[: measured // 2], weight[measured // 2 : measured] = COORDINATE**-2.0, RATE**-2.0
+    weight[: measured // 2], weight[measured // 2 : measured] = sizes[0] ** -2, sizes[1] ** -2
     cost, price = np.diag(weight), np.diag(scales**-2.0)
     gains = np.zeros((count, len(scales), size))
     ahead = cost
@@ -97,11 +102,12 @@ def gains_along(
     groups: tuple[InputGroup, ...],
     dt: float,
     substeps: int,
+    sizes: Sizes = SIZES[0],
 ) -> Array:
     """The regulator's gains (k, m, N) along a trajectory, of few digits."""
     with np.errstate(all="ignore"):
         steps = numeric.step(trajectory.x[:-1], trajectory.u, trajectory.theta, dt, substeps)
-    gains = regulator(steps, 2 * numeric.n, input_scales(groups, numeric.m))
+    gains = regulator(steps, 2 * numeric.n, input_scales(groups, numeric.m), sizes)
     few = [float(f"{value:.{DIGITS}g}") for value in gains.ravel().tolist()]
     return np.array(few).reshape(gains.shape)
 

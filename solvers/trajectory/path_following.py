@@ -27,7 +27,7 @@ from solvers.trajectory.corridor import (
     timing_of,
     word_of,
 )
-from solvers.trajectory.feedback import gains_along
+from solvers.trajectory.feedback import SIZES, gains_along, input_scales
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
@@ -289,10 +289,23 @@ class PathProblem:
         return replace(self, spread=found.scaled(factor))
 
     def gains(self, trajectory: Trajectory) -> Array:
-        """The gains (k, m, N) of feedback about a trajectory."""
-        groups = input_groups(self.model, self.task)
-        dt = float(self.task.step)
-        return gains_along(self.numeric, trajectory, groups, dt, self.substeps)
+        """The gains (k, m, N) of feedback about a trajectory.
+
+        Of several sizes of deviations those are taken that let disturbed motions spread least, and
+        command little.
+        """
+        numeric, task, groups = self.numeric, self.task, input_groups(self.model, self.task)
+        scales, dt = input_scales(groups, numeric.m), float(task.step)
+
+        def cost(gains: Array) -> float:
+            spread = disturbance_spread(numeric, task, trajectory, self.substeps, gains)
+            return spread.widest * (1 + float(np.max(spread.inputs / scales, initial=0.0)))
+
+        found = [
+            gains_along(numeric, trajectory, groups, dt, self.substeps, sizes)
+            for sizes in (SIZES if task.robust is not None else SIZES[:1])
+        ]
+        return found[0] if len(found) == 1 else min(found, key=cost)
 
     def refined(self, trajectory: Trajectory) -> PathProblem:
         """The same task with as many substeps as a motion needs to be integrated accurately.

@@ -13,8 +13,7 @@ from scipy.linalg import solve_discrete_are
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.trajectory.feedback import (
-    COORDINATE,
-    RATE,
+    SIZES,
     closed_motion,
     gains_along,
     reference_motion,
@@ -42,7 +41,7 @@ def test_the_first_gain_of_a_long_motion_is_that_of_the_algebraic_riccati_equati
     a = np.array([[1.0, 0.0, h, 0.0], [0.0, 1.0, 0.0, h], [0.3, 0.0, 1.02, 0.0], [0, 0.1, 0, 1]])
     b = np.array([[h * h / 2, 0.0], [0.0, h * h], [h, 0.02], [0.0, 2 * h]])
     scales = np.array([10.0, 3.0])
-    q = np.diag([COORDINATE**-2] * 2 + [RATE**-2] * 2)
+    q = np.diag([SIZES[0][0] ** -2] * 2 + [SIZES[0][1] ** -2] * 2)
     r = np.diag(scales**-2)
     p = solve_discrete_are(a, b, q, r)
     expected = np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a)
