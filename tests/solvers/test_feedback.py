@@ -12,6 +12,7 @@ from scipy.linalg import solve_discrete_are
 
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.state_and_input import InputBound
 from solvers.trajectory.feedback import (
     SIZES,
     closed_motion,
@@ -21,6 +22,7 @@ from solvers.trajectory.feedback import (
 )
 from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.proofs import effort_bounds
 from solvers.verifier.proofs.control_law import ControlLaw, InputError, open_loop, sampled_law
 from solvers.verifier.proofs.deviation_flow import Zonotope
 from tests.oracles.robots import rod_chain
@@ -154,3 +156,21 @@ def test_errors_of_inputs_add_up() -> None:
     first, second = error.about([arb(-4), arb(0, 2)])
     assert float(first) == pytest.approx(3, rel=1e-8)
     assert float(second) == pytest.approx(1, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("commanded", "holds", "margin"),
+    [
+        ([(0, 2), (0, 1)], True, 3 - 5**0.5),
+        ([(3, 0.1), (0, 0)], False, -0.1),
+        ([(0, 4), (0, 0)], False, -1),
+    ],
+)
+def test_a_norm_of_inputs_about_zero(
+    commanded: list[tuple[float, float]], holds: bool, margin: float
+) -> None:
+    """A ball about 0 has a square whose ball holds negative numbers."""
+    bound = InputBound((0, 1), Fraction(-3), Fraction(3), "N*m", "effort", norm2=True)
+    gap = effort_bounds._gap(bound, [arb(*pair) for pair in commanded])
+    assert bool(gap > 0) is holds
+    assert float(gap.lower()) == pytest.approx(margin, abs=1e-6)

@@ -74,7 +74,10 @@ def _gap(bound: InputBound, row: Sequence[arb]) -> arb:
     own = [row[i] for i in bound.inputs]
     upper = ball(bound.upper)
     if bound.norm2:
-        return upper - sum((item * item for item in own), arb(0)).sqrt()
+        # The ball of a square may hold negative numbers, which have no root.
+        ends = ([abs(item).lower() for item in own], [abs(item).upper() for item in own])
+        least, most = (sum((x.max(arb(0)) ** 2 for x in end), arb(0)).sqrt() for end in ends)
+        return upper - least.union(most)
     gap = arb("inf")
     for item in own:
         gap = gap.min(item - ball(bound.lower)).min(upper - item)
