@@ -11,7 +11,7 @@ from compiler.descriptions.model_symbols import closed_text
 from compiler.robots.state_and_input import EFFORT_UNITS
 from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
-from solvers.verifier.claims.certificate import ImpossibleClaim
+from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, number, text, with_unit
@@ -145,6 +145,12 @@ def _proved_motion(evidence: Evidence) -> Iterator[str]:
         "motion in ball arithmetic, which rounds outwards, and showed "
         f"{many(count, 'condition')}, which are below with their margins.{disturbed}"
     )
+    if isinstance(evidence.claim, FoundClaim) and evidence.claim.controller is not None:
+        yield (
+            "At every step its controller measures coordinates and rates, and corrects the inputs "
+            "by what they are off from its reference. What was followed is this closed loop; the "
+            "bounds of the inputs hold for all that it commands."
+        )
     yield (
         "It was checked again when this page was made, from the specification and the certificate "
         f"alone; the search is not believed. {MODEL}"
@@ -201,6 +207,8 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
     for each in used:
         if not each.effort:
             yield each.name, f"{number(each.low)} to {with_unit(each.high, each.unit)}"
+    if found.claim.controller is not None:
+        yield "control", "feedback"
     least = min(used, key=lambda each: each.margin, default=None)
     if least is not None:
         yield "robustness", with_unit(design["robustness"], least.unit)
