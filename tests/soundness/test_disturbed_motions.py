@@ -75,6 +75,6 @@ def test_no_disturbed_motion_has_less_margin_than_was_proved(made):
         margins = [f.margin for f in report.conditions if name in f.name]
         assert margins, name
         assert least >= min(margins) - 1e-9, name
-        # The disturbances are felt, and the proof does not give everything away.
+        # The disturbances are felt, and the proof allows for few times what a hundred corners show.
         assert least < margin - 1e-5, name
-        assert min(margins) > 0.2 * least, name
+        assert margin - min(margins) < 6 * (margin - least), name
