@@ -188,3 +188,18 @@ def test_design_json_says_the_same(result: Callable[[str], Path]) -> None:
     assert changed != text
     (folder / "design.json").write_text(changed, encoding="utf-8")
     assert verify_directory(folder).outcome is Outcome.REFUTED
+
+
+def test_a_kind_that_is_not_known_leaves_an_impossible_verdict_undecided(
+    result: Callable[[str], Path],
+) -> None:
+    folder = result("beyond_reach")
+    (folder / "design.json").unlink()
+
+    def with_lemma(content: Content) -> None:
+        content["format"] = 4
+        content["claims"] = [{"kind": "lemma", "word": ["B"]}]
+
+    outcome, said = judged(folder, with_lemma)
+    assert outcome is Outcome.UNDECIDED
+    assert "`lemma`" in said
