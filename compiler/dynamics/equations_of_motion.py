@@ -99,33 +99,29 @@ class RobotGraph:
     divisors: int
     parts: _Expressions = field(repr=False)
 
-    def holding_inputs(self, *, uncertain_mass: bool = False) -> RobotGraph:
+    @cached_property
+    def holding_inputs(self) -> RobotGraph:
         """The same robot whose inputs are states that do not change, disturbed by its new inputs.
 
         ``w`` has m more entries, the inputs that are held; the inputs ``u`` (m,) are what is added
-        to them.  With an ``uncertain_mass`` there is one more: the factor of all masses.
+        to them.
         """
         p = self.parts
-        held = ca.SX.sym("held", p.u.numel())
-        added = ca.SX.sym("added", p.u.numel())
+        held, added = (ca.SX.sym(name, p.u.numel()) for name in ("held", "added"))
         forces, derivatives, conditions = ca.substitute(
             [p.forces, p.derivatives, p.conditions], [p.u], [held + added]
         )
-        factor = ca.SX.sym("factor", 1 if uncertain_mass else 0)
-        still = ca.vertcat(held, factor)
-        parts = replace(
-            p,
-            w=ca.vertcat(p.w, still),
-            u=added,
-            forces=forces,
-            derivatives=ca.vertcat(derivatives, ca.SX(still.numel(), 1)),
-            conditions=conditions,
-        )
-        if uncertain_mass:
-            masses = (p.mass, p.regular_mass, p.gravitational)
-            mass, regular, pull = (factor * item for item in masses)
-            parts = replace(parts, mass=mass, regular_mass=regular, gravitational=pull)
-        return replace(self, parts=parts)
+        parts = replace(p, u=added, forces=forces, derivatives=derivatives, conditions=conditions)
+        return replace(self, parts=_with_still(parts, held))
+
+    @cached_property
+    def weighed(self) -> RobotGraph:
+        """The same robot with all masses times a factor, which is the last entry of ``w``."""
+        factor = ca.SX.sym("factor")
+        p = self.parts
+        mass, regular, pull = (factor * x for x in (p.mass, p.regular_mass, p.gravitational))
+        parts = replace(p, mass=mass, regular_mass=regular, gravitational=pull)
+        return replace(self, parts=_with_still(parts, factor))
 
     def _function(self, name: str, inputs: Sequence[ca.SX], output: ca.SX) -> ca.Function:
         columns = [*inputs, self.parts.theta, self.parts.k]
@@ -272,6 +268,15 @@ def robot_graph(
     divisors = len(constants.conditions.divisors)
     symbols = tuple(constants.symbols)
     return RobotGraph(model, gravity, coordinates, symbols, tuple(hulls), divisors, parts)
+
+
+def _with_still(parts: _Expressions, entries: ca.SX) -> _Expressions:
+    """With more entries of the modules' own states, which do not change."""
+    return replace(
+        parts,
+        w=ca.vertcat(parts.w, entries),
+        derivatives=ca.vertcat(parts.derivatives, ca.SX(entries.numel(), 1)),
+    )
 
 
 def _unfolded(matrix: ca.SX, constants: SymbolicEvaluator) -> ca.SX:

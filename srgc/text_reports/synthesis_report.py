@@ -10,7 +10,7 @@ import numpy as np
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import input_bounds
+from compiler.robots.state_and_input import input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
 from solvers.search.path_task import Design
@@ -137,7 +137,7 @@ def synthesis_text(
         lines += _inputs(design, task)
         if design.controller is not None:
             lines.append("control: feedback")
-        elif task.control is not None:
+        elif task.control is not None and robot_inputs(design.model):
             lines.append("control: open loop")
         lines += [
             f"formula: {condition.name}, robustness {condition.margin:.4g} m"

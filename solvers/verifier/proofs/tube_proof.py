@@ -85,7 +85,8 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
     law = motion.law
     if law is None and weighed:
         law = open_loop(motion.inputs, 2 * len(model.dofs))
-    graph = scene.graph if law is None else scene.graph.holding_inputs(uncertain_mass=weighed)
+    graph = scene.graph if law is None else scene.graph.holding_inputs
+    graph = graph.weighed if weighed else graph
     tail = tuple(value.ball for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
     own, n = robot_states(graph.model), len(graph.model.dofs)
