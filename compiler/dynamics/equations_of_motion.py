@@ -187,6 +187,26 @@ class RobotGraph:
         return self._function("variation", [p.q, p.w, a, p.u], ca.vec(ca.densify(jacobian)))
 
     @cached_property
+    def curvature(self) -> tuple[ca.Function, tuple[tuple[int, int, int], ...]]:
+        """Second derivatives of what is balanced that are not zero, and where they belong.
+
+        The places (i, j, k), j >= k: output i, entries j and k of (q, w, a).
+        """
+        p, a = self.parts, ca.SX.sym("a", len(self.model.dofs))
+        residual = ca.vertcat(self._drive - p.mass @ a, p.derivatives)
+        entries = ca.vertcat(p.q, p.w, a)
+        first = ca.jacobian(residual, entries)
+        second = ca.jacobian(first.nz[:], entries)
+        rows, columns = first.sparsity().get_triplet()
+        places, kept = [], []
+        for number, (entry, k) in enumerate(zip(*second.sparsity().get_triplet(), strict=True)):
+            if columns[entry] >= k:
+                places.append((rows[entry], columns[entry], k))
+                kept.append(number)
+        values = second.nz[kept] if kept else ca.SX(0, 1)
+        return self._function("curvature", [p.q, p.w, a, p.u], ca.vertcat(values)), tuple(places)
+
+    @cached_property
     def input_slopes(self) -> ca.Function:
         """The Jacobian in the inputs of what drives the robot."""
         p = self.parts

@@ -28,7 +28,7 @@ from compiler.robots.state_and_input import robot_states
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.deviation_flow import MOST_COLUMNS, InitialSet, box, zonotope
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
-from solvers.verifier.proofs.vector_field import VectorField
+from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain
@@ -39,6 +39,7 @@ DT = Fraction(1, 10)
 
 def field_of(graph: RobotGraph, theta: list[Fraction]) -> VectorField:
     tail = (*map(ball, theta), *map(constant_ball, graph.constants))
+    second, places = graph.curvature
     return VectorField(
         tape(graph.balance),
         tape(graph.variation),
@@ -46,6 +47,7 @@ def field_of(graph: RobotGraph, theta: list[Fraction]) -> VectorField:
         tail,
         len(robot_states(graph.model)),
         tape(graph.input_slopes),
+        Curvature(tape(second), places),
     )
 
 

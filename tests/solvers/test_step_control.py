@@ -12,8 +12,8 @@ from flint import arb
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
 from compiler.expressions.tape import tape
-from solvers.verifier.proofs.a_priori import good_length
 from solvers.verifier.proofs.enclosure import tube
+from solvers.verifier.proofs.step_control import good_length
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
 from solvers.verifier.proofs.vector_field import VectorField
 from tests.oracles.robots import rod_chain

@@ -206,6 +206,27 @@ def _constant_series(value: Fraction | int) -> arb_series:
     return arb_series([value if isinstance(value, int) else ball(value)])
 
 
+def _smooth_absolute(a: arb) -> arb:
+    return a * _smooth_sign(a)
+
+
+def _smooth_sign(a: arb) -> arb:
+    sign = sign_ball(a)
+    if not sign.is_exact():
+        raise UncertainSignError("the sign under an absolute value is not certain")
+    return sign
+
+
+class SmoothBallEvaluator(BallEvaluator):
+    """Balls on which every absolute value is smooth, or ``UncertainSignError``."""
+
+    fabs: ClassVar[Any] = staticmethod(_smooth_absolute)
+    sign: ClassVar[Any] = staticmethod(_smooth_sign)
+
+
+SMOOTH_BALLS = SmoothBallEvaluator()
+
+
 class SeriesEvaluator(_Operators[arb_series]):
     """Values are series truncated at the working length, with balls as coefficients.
 

@@ -21,8 +21,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import comb
 
+import numpy as np
 from flint import arb, arb_mat
 
+from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import (
     SIGNS,
     absolute,
@@ -33,7 +35,7 @@ from compiler.expressions.evaluators.balls import (
     rows,
     stacked,
 )
-from solvers.verifier.proofs.a_priori import Deviation, comparison
+from solvers.verifier.proofs.a_priori import LinearPart, comparison
 from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, VectorField
 
 # --- A set of initial states: a point, a box, or an affine image of a box -------------------------
@@ -85,32 +87,31 @@ class Flow:
     half: arb
     defect: arb_mat
     start: arb_mat
-    deviation: Deviation
+    rates: arb_mat
 
     def at(self, time: arb) -> arb_mat:
         """P(time)."""
         return _horner(self.powers, time - self.half)
 
-    def added(self, radii: Sequence[arb]) -> list[arb]:
-        """Bounds of |Z(t)| r and what the defect adds, at every t in [0, H].
+    def added(self, radii: Sequence[arb], push: Sequence[arb]) -> list[arb]:
+        """Bounds of |Z(t)| r and what ``push`` adds, at every t in [0, H].
 
-        So is what disturbed inputs add but for their steady part.  All obey the same comparison
-        system, whose solutions may be added.
+        Both obey the same comparison system, whose solutions may be added.
         """
-        reach, push = column(radii), column(self.deviation.rest)
-        more, start = (self.defect * reach + push).entries(), (self.start * reach).entries()
-        return comparison(self.deviation.rates, more, start, 2 * self.half)
+        reach = column(radii)
+        more = (self.defect * reach + column(push)).entries()
+        return comparison(self.rates, more, (self.start * reach).entries(), 2 * self.half)
 
 
-def flow(field: VectorField, half: arb, deviation: Deviation) -> Flow:
-    """P of the degree of the series in ``deviation``, but at least 1.
+def flow(field: VectorField, half: arb, linear: LinearPart) -> Flow:
+    """P of the degree of the series in ``linear``, but at least 1.
 
     Raises:
         ZeroDivisionError: P is singular.
     """
-    middle, over = deviation.middle, deviation.over
+    middle, over = linear.middle, linear.over
     powers = _powers(field, middle if middle.slopes else over, half)
-    return _checked(field, powers, half, deviation)
+    return _checked(field, powers, half, linear)
 
 
 def _powers(field: VectorField, linear: Linearisation, half: arb) -> list[arb_mat]:
@@ -132,9 +133,9 @@ def _powers(field: VectorField, linear: Linearisation, half: arb) -> list[arb_ma
     return [(power * turn).mid() for power in powers]
 
 
-def _checked(field: VectorField, powers: list[arb_mat], half: arb, deviation: Deviation) -> Flow:
+def _checked(field: VectorField, powers: list[arb_mat], half: arb, linear: LinearPart) -> Flow:
     """The bounds of a P."""
-    middle, over = deviation.middle, deviation.over
+    middle, over = linear.middle, linear.over
     n, degree, last = field.dofs, len(powers) - 1, len(over.slopes) - 1
     lower = absolute(_residual(field, over, _over_interval(powers, half), last)) * half**last
     for j in range(last):
@@ -143,13 +144,13 @@ def _checked(field: VectorField, powers: list[arb_mat], half: arb, deviation: De
     for j in range(degree):
         term = rows(powers[j], n, 2 * n) - rows(powers[j + 1], 0, n) * (j + 1)
         upper = upper + absolute(term) * half**j
-    solved = deviation.inertia.solve(both_signs(absolute(lower)))
+    solved = linear.inertia.solve(both_signs(absolute(lower)))
     return Flow(
         powers,
         half,
         stacked(absolute(upper), absolute(solved)),
         absolute(_horner(powers, -half) - identity(field.size)),
-        deviation,
+        linear.rates,
     )
 
 
@@ -198,14 +199,14 @@ def _horner(powers: list[arb_mat], since: arb) -> arb_mat:
 # .. math:: m' \approx p, \qquad G' \approx (P G,\ D), \qquad
 #     D = \operatorname{diag}\bigl(|p - m'| + |Z (x - m)| + |P G - G'| 1 + |d|\bigr),
 #
-# so that no rounding of m' and G' can lose a state.  Where there are too many columns, those
-# nearest to being along an axis are replaced by the box that holds them (Girard, *Reachability of
-# uncertain linear systems using zonotopes*, 2005); long ones stay, so that wrapping does not feed
-# on itself (Kuhn, *Rigorously computed orbits of dynamical systems without the wrapping effect*,
-# 1998).
+# so that no rounding of m' and G' can lose a state.  Where there are too many columns, the shortest
+# are replaced by the box along their principal axes that holds them (Girard, *Reachability of
+# uncertain linear systems using zonotopes*, 2005; Kopetzki, Schuermann & Althoff, *Methods for
+# order reduction of zonotopes*, 2017); long ones stay, so that wrapping does not feed on itself
+# (Kuhn, *Rigorously computed orbits of dynamical systems without the wrapping effect*, 1998).
 
 
-MOST_COLUMNS, KEPT_COLUMNS = 20, 15
+MOST_COLUMNS, KEPT_COLUMNS = 30, 25
 """Times the size of a state: when columns are replaced, and how many are left then."""
 
 Column = list[arb]
@@ -238,6 +239,10 @@ class Zonotope:
         """The set of all x + d with all |d| <= ``radii``."""
         columns = [*self.columns, *_box(radii)]
         return Zonotope(self.middle, _reduced(columns, len(self.middle)))
+
+    def reduced(self, columns: int) -> Zonotope:
+        """A set that holds this one, of at most so many ``columns`` times the size of a state."""
+        return Zonotope(self.middle, _reduced(self.columns, len(self.middle), columns, columns))
 
     def moved(
         self,
@@ -295,16 +300,41 @@ def _box(radii: Sequence[arb]) -> list[Column]:
     ]
 
 
-def _reduced(columns: list[Column], size: int) -> list[Column]:
-    """No more than ``MOST_COLUMNS`` times the size."""
-    if len(columns) <= MOST_COLUMNS * size:
+def _reduced(
+    columns: list[Column], size: int, most: int = MOST_COLUMNS, kept: int = KEPT_COLUMNS
+) -> list[Column]:
+    """The columns, or ``kept`` times the size of them where there are more than ``most`` times."""
+    if len(columns) <= most * size:
         return columns
-    scales = [float(item) or 1.0 for item in _sizes(columns, size)]
+    scales = np.array([float(item) or 1.0 for item in _sizes(columns, size)])
+    shares = np.array([[float(x) for x in column] for column in columns]) / scales
+    ordered = np.argsort((shares**2).sum(axis=1), kind="stable").tolist()
+    count = len(columns) - (kept - 1) * size
+    short = ordered[:count]
+    return [
+        *(columns[i] for i in ordered[count:]),
+        *_aligned_box([columns[i] for i in short], shares[short], scales),
+    ]
 
-    def loss(column: Column) -> float:
-        shares = [abs(float(x)) / scale for x, scale in zip(column, scales, strict=True)]
-        return sum(shares) - max(shares)
 
-    ordered = sorted(columns, key=loss)
-    count = len(columns) - (KEPT_COLUMNS - 1) * size
-    return [*ordered[count:], *_box(_sizes(ordered[:count], size))]
+def _aligned_box(columns: Sequence[Column], shares: Array, scales: Array) -> list[Column]:
+    """The columns of a box that holds the set of ``columns``, along their principal axes.
+
+    ``shares`` (columns, size) are about their entries over ``scales``: they decide which box it is,
+    and not whether it holds the set.
+    """
+    size, matrix = len(scales), _matrix(columns)
+    try:
+        axes = np.linalg.eigh(shares.T @ shares)[1]
+        turn = arb_mat(size, size, [arb(x) for x in axes.ravel().tolist()])
+        stretch = [arb(x) for x in scales.tolist()]
+        back = [[x / s for x, s in zip(row, stretch, strict=True)] for row in turn.inv().tolist()]
+        lengths = absolute(arb_mat(back) * matrix) * column_of_ones(len(columns))
+        pairs = zip(turn.tolist(), stretch, strict=True)
+        found = arb_mat(
+            [[x * s * w for x, w in zip(row, lengths.entries(), strict=True)] for row, s in pairs]
+        )
+    except (ArithmeticError, ValueError):
+        return _box(_sizes(columns, size))
+    rest = [sum((item.rad() for item in row), arb(0)) for row in found.tolist()]
+    return [*(list(each) for each in found.mid().transpose().tolist()), *_box(rest)]

@@ -25,26 +25,21 @@ from flint import arb, arb_poly
 from compiler.expressions.evaluators.balls import (
     SIGNS,
     UncertainSignError,
-    absolute,
     ball,
-    column_of_ones,
     working_precision,
 )
-from solvers.verifier.proofs.a_priori import (
+from solvers.verifier.proofs.a_priori import Deviation, Drive, NearPath, deviation, narrowed
+from solvers.verifier.proofs.control_law import InputError, SampledLaw
+from solvers.verifier.proofs.deviation_flow import Flow, InitialSet, Zonotope, box, flow, zonotope
+from solvers.verifier.proofs.second_order import Added, added_by_forms
+from solvers.verifier.proofs.step_control import (
     LEAST_PARTS,
     LEAST_ROUGH_PARTS,
     WIDE,
-    Deviation,
-    Drive,
-    NearPath,
     OrderChoice,
     StepControl,
-    deviation,
     good_length,
-    narrowed,
 )
-from solvers.verifier.proofs.control_law import InputError, SampledLaw
-from solvers.verifier.proofs.deviation_flow import Flow, InitialSet, Zonotope, box, flow, zonotope
 from solvers.verifier.proofs.vector_field import (
     Coefficients,
     Path,
@@ -147,6 +142,7 @@ class _Passage:
     radii: Sequence[arb]
     end: Zonotope
     added: Sequence[arb]
+    growth: float
 
 
 def _attempt(
@@ -170,50 +166,68 @@ def _attempt(
             excess = added / trial.tolerance
             if not excess <= 1:
                 return excess, None
-            moved = _moved(field, states, near, found)
-            if moved.closer is not None:
-                found = narrowed(field, near, moved.closer, trial.degree)
-                moved = _moved(field, states, near, found)
+            moved = _moved(field, states, near, found, trial.degree)
             turn = moved.flow.at(length)
-        end = states.moved(path.at(length), turn, moved.added, found.steady)
+        to = [x + s for x, s in zip(path.at(length), moved.added.shift, strict=True)]
+        end = states.moved(to, turn, moved.added.box, moved.added.steady)
     except UncertainSignError:
         raise
     except (ZeroDivisionError, ValueError):
         # A denominator's ball contains zero: the box is too wide, not the robot at fault.
         return UNKNOWN, None
-    radii = found.radii if moved.closer is None else moved.closer
-    if not all(item.is_finite() for item in (*radii, *end.radii)):
+    if not all(item.is_finite() for item in (*moved.radii, *end.radii)):
         return UNKNOWN, None
-    return excess, _Passage(path, radii, end, moved.added)
+    return excess, _Passage(path, moved.radii, end, moved.added.box, moved.growth)
 
 
 @dataclass(frozen=True, slots=True)
 class _Moved:
-    """The flow on a segment, what is added to the moved set, and a closer box for wide ones."""
+    """The flow on a segment, what is added to the moved set, and a box of all deviations."""
 
     flow: Flow
-    added: list[arb]
-    closer: list[arb] | None
+    added: Added
+    radii: Sequence[arb]
+    growth: float = 1.0
 
 
-def _moved(field: VectorField, states: Zonotope, near: NearPath, found: Deviation) -> _Moved:
+def _moved(
+    field: VectorField, states: Zonotope, near: NearPath, found: Deviation, degree: int
+) -> _Moved:
     """How the set moves on [0, H], by the bounds that hold in a box."""
-    path = near.path
-    transition = flow(field, path.length / 2, found)
-    added = transition.added(near.start)
-    if not any(bool(radius > WIDE) for radius in found.radii):
-        return _Moved(transition, added, None)
-    radii, reach = [arb(0)] * field.size, added
-    if found.steady is not None:
-        most = (absolute(found.steady) * column_of_ones(found.steady.ncols())).entries()
-        reach = [a + b for a, b in zip(added, most, strict=True)]
+    wide = any(bool(radius > WIDE) for radius in found.radii)
+    closer = added_by_forms(field, states, near, found, degree) if wide else None
+    if closer is not None:
+        radii = _closer(states, near, found, *closer)
+        pairs = zip(found.radii, radii, strict=True)
+        growth = max(float(f) / float(r) for f, r in pairs if r > 0)
+        return _Moved(*closer, radii, growth)
+    moved = _by_box(field, near, found)
+    if not wide:
+        return moved
+    radii = _closer(states, near, found, moved.flow, moved.added)
+    found = narrowed(field, near, radii, degree)
+    moved = _by_box(field, near, found)
+    return _Moved(moved.flow, moved.added, _closer(states, near, found, moved.flow, moved.added))
+
+
+def _by_box(field: VectorField, near: NearPath, found: Deviation) -> _Moved:
+    """The flow of all deviations in a box."""
+    transition = flow(field, near.path.length / 2, found.linear)
+    box = transition.added(near.start, found.rest)
+    return _Moved(transition, Added(box, found.steady, [arb(0)] * field.size), found.radii)
+
+
+def _closer(
+    states: Zonotope, near: NearPath, found: Deviation, transition: Flow, added: Added
+) -> list[arb]:
+    """A closer box of all deviations than that in which they were found to stay."""
+    radii = [arb(0)] * len(added.box)
     for k in range(SLICES):
-        time = path.length * arb(k).union(arb(k + 1)) / SLICES
+        time = near.path.length * arb(k).union(arb(k + 1)) / SLICES
         over = states.radii_under(transition.at(time))
-        radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, reach, strict=True)]
+        radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, added.reach, strict=True)]
     # Both boxes hold, so that the smaller of each pair of bounds does.
-    closer = [r.min(f) for r, f in zip(radii, found.radii, strict=True)]
-    return _Moved(transition, added, closer)
+    return [r.min(f) for r, f in zip(radii, found.radii, strict=True)]
 
 
 def tube(
@@ -364,6 +378,9 @@ def _longest(
             length = length / 4
             continue
         share = control.learn(length, guess, excess, order)
+        if passage is not None and not control.close_enough(length, passage.growth):
+            length = control.first(length, guess)
+            continue
         if passage is not None:
             if not trial.rough:
                 control.learn_degree(states.radii, passage.added, trial.order)

@@ -44,7 +44,7 @@ from solvers.verifier.proofs.tube_checks import (
     close_margins,
     rows_of,
 )
-from solvers.verifier.proofs.vector_field import VectorField
+from solvers.verifier.proofs.vector_field import Curvature, VectorField
 
 LONGEST_TEXT = 72
 """Characters of a formula in a report."""
@@ -92,8 +92,12 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
     own, n = robot_states(graph.model), len(graph.model.dofs)
     still = 0 if law is None else len(robot_inputs(model)) + weighed
     slopes = tape(graph.input_slopes) if task.robust is not None else None
+    curvature = None
+    if task.robust is not None:
+        second, places = graph.curvature
+        curvature = Curvature(tape(second), places)
     field = VectorField(
-        tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes
+        tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes, curvature
     )
     point_map = PointMap(tape(graph.points), field, graph.model.dimension)
     exact = [graph.coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]

@@ -34,6 +34,17 @@ class Linearisation:
     slopes: list[arb_mat]
 
 
+@dataclass(frozen=True, slots=True)
+class Curvature:
+    """Second derivatives: ``places`` (i, j, k) of the outputs of a tape, j >= k; others are zero.
+
+    That of output i of (b - M a, d) in the entries j and k of (q, v, s, a), at (q, v, s, a, u).
+    """
+
+    tape: Tape
+    places: tuple[tuple[int, int, int], ...]
+
+
 @dataclass(frozen=True)
 class VectorField:
     """q' = v, M(q) v' = b, s' = d with b, d of (q, v, s, u), as series with ball coefficients.
@@ -49,6 +60,7 @@ class VectorField:
     tail: tuple[arb, ...]
     own: int = 0
     input_slopes: Tape | None = None
+    curvature: Curvature | None = None
 
     @cached_property
     def has_kinks(self) -> bool:

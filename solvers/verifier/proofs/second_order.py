@@ -1,0 +1,356 @@
+r"""What is of second order in deviations from a path, bounded over the set they are in.
+
+Let F(x, a, u) = (b - M a, d), which is zero along solutions with a = (v', s'), and let e and e_a be
+how far a solution and its derivative are from the path p with defect rho.  By Taylor's theorem
+
+.. math::
+    N(p)\,e_a = R(p)\,e + B\,d + \rho + \tfrac12 \bigl(z^T H_i(\xi)\,z\bigr)_i, \qquad z = (e, e_a),
+
+where H_i is the Hessian of F_i somewhere between the path and the solution.  N and R are along the
+path alone here: they do not vary with the set.  What is left is of second order.  A bound of it by
+a box would forget that the entries of e go together, as feedback makes them; so
+
+.. math::
+    e(t) \in P(t)\,G\,[-1, 1]^c \pm y, \qquad e_a = A e + N^{-1}(B d + \rho + \dots), \qquad
+    z = V r, \quad |r_j| \le 1,
+
+and the form is that of Q = V^T H V, of which the diagonal is one-sided:
+
+.. math::
+    \tfrac12 r^T Q r \in \tfrac14 \sum_j Q_{jj} \pm \Bigl(\tfrac14 \sum_j |Q_{jj}|
+        + \tfrac12 \sum_{j \ne k} |Q_{jk}|\Bigr).
+
+The form acts as a disturbance does that pushes the robot with these forces (``a_priori.py``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from flint import arb, arb_mat
+
+from compiler.arrays import Array
+from compiler.expressions.evaluators.balls import (
+    SIGNS,
+    SMOOTH_BALLS,
+    UncertainSignError,
+    absolute,
+    both_signs,
+    column,
+    column_of_ones,
+    stacked,
+)
+from solvers.verifier.proofs.a_priori import (
+    Deviation,
+    LinearPart,
+    NearPath,
+    input_slopes,
+    linear_part,
+    steady_part,
+)
+from solvers.verifier.proofs.deviation_flow import Flow, Zonotope, flow
+from solvers.verifier.proofs.vector_field import Curvature, VectorField
+
+SLICES = 4
+"""The parts of a segment on which forms are bounded."""
+ROUNDS = 6
+LEAST_GAIN = 0.95
+"""Bounds are taken to be final when a round makes them no smaller than that."""
+PARTS = 8
+"""The parts of the way from the path to a solution on which second derivatives are enclosed."""
+KEPT = 12
+"""Times the size of a state: the columns of the set of which forms are bounded."""
+BITS = 18
+"""Forms are summed in integers of so many bits, exactly; products of three fit into 64."""
+LEAST = 2.0**-300
+"""What is smaller is bounded by boxes."""
+MOST_ENTRIES = 40
+"""Of z, so that no sum of integers leaves 64 bits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Added:
+    """What a set gains on a segment: a box, an image of the unit box, and a shift."""
+
+    box: list[arb]
+    steady: arb_mat | None
+    shift: list[arb]
+
+    @property
+    def reach(self) -> list[arb]:
+        """Bounds of what is added at every t in [0, H]."""
+        found = [(b + abs(s)).upper() for b, s in zip(self.box, self.shift, strict=True)]
+        if self.steady is None:
+            return found
+        most = (absolute(self.steady) * column_of_ones(self.steady.ncols())).entries()
+        return [(a + b).upper() for a, b in zip(found, most, strict=True)]
+
+
+def added_by_forms(
+    field: VectorField, states: Zonotope, near: NearPath, found: Deviation, degree: int
+) -> tuple[Flow, Added] | None:
+    """How a set moves on [0, H], all deviations being within ``found.radii``; None: not known.
+
+    Raises:
+        ZeroDivisionError: M may be singular along the path.
+        UncertainSignError: an absolute value is not smooth enough for this degree.
+    """
+    curvature = field.curvature
+    if curvature is None or field.size + field.dofs > MOST_ENTRIES:
+        return None
+    linear = linear_part(field, near, [arb(0)] * field.size, degree)
+    transition = flow(field, near.path.length / 2, linear)
+    slopes = input_slopes(field, near, found.radii) if near.drive.is_disturbed else None
+    lower = arb_mat(linear.lower.tolist()[: field.dofs])
+    moving: list[arb_mat] | None = None
+    # First of the box that no deviation leaves, then of closer sets.
+    pull = (found.linear.rates * column(found.radii) + column(found.push)).entries()
+    most = [*found.radii, *(item.upper() for item in pull[field.dofs : 2 * field.dofs])]
+    parts = [_Columns.of(_diagonal(most))]
+    forms: _Forms | None = None
+    added = None
+    for _ in range(ROUNDS):
+        most = [m.min(w) for m, w in zip(most, _widest(parts), strict=True)]
+        hessians = _hessians(field, curvature, near, most)
+        if hessians is None:
+            return None
+        closer = _hull([_forms(hessians, part) for part in parts])
+        if forms is not None and not _smaller(closer, forms):
+            break
+        forms = closer
+        added = _added(near, transition, linear, slopes, forms)
+        if moving is None:
+            small = states.reduced(KEPT)
+            moving = []
+            for k in range(SLICES):
+                time = near.path.length * arb(k).union(arb(k + 1)) / SLICES
+                places = transition.at(time) * arb_mat(small.columns).transpose()
+                moving.append(stacked(places, lower * places))
+        rest = _accelerations(field, linear, near, slopes, forms)
+        own = _own_columns(field, lower, added.reach, rest)
+        parts = [_Columns.of(_beside(part, own)) for part in moving]
+    return None if added is None else (transition, added)
+
+
+def _beside(left: arb_mat, right: arb_mat) -> arb_mat:
+    return arb_mat([a + b for a, b in zip(left.tolist(), right.tolist(), strict=True)])
+
+
+def _diagonal(entries: Sequence[arb]) -> arb_mat:
+    size = len(entries)
+    return arb_mat([[entries[i] if i == j else arb(0) for j in range(size)] for i in range(size)])
+
+
+def _own_columns(
+    field: VectorField, lower: arb_mat, box: Sequence[arb], rest: Sequence[arb]
+) -> arb_mat:
+    """The columns of V that are not images of the set's: a box of e, and one of e_a - A e."""
+    n = field.dofs
+    places, none = _diagonal(box), arb_mat(field.size, n, [arb(0)] * (field.size * n))
+    return stacked(_beside(places, none), _beside(lower * places, _diagonal(rest)))
+
+
+def _accelerations(
+    field: VectorField, linear: LinearPart, near: NearPath, slopes: arb_mat | None, forms: _Forms
+) -> list[arb]:
+    """Bounds of the joints' part of e_a - A e."""
+    solve = linear.inertia.solve
+    most = [abs(c) + r for c, r in zip(forms.centre, forms.radii, strict=True)]
+    pushed = [(a + b).upper() for a, b in zip(most, near.defect, strict=True)]
+    total = absolute(solve(both_signs(column(pushed))))
+    if slopes is not None:
+        total = total + absolute(solve(slopes)) * column(near.drive.disturbance)
+    return [item.upper() for item in total.entries()[: field.dofs]]
+
+
+def _added(
+    near: NearPath, transition: Flow, linear: LinearPart, slopes: arb_mat | None, forms: _Forms
+) -> Added:
+    """What a set gains by disturbances, by the path's defect, and by the forms."""
+    height = len(forms.radii)
+    residue = absolute(linear.inertia.solve(both_signs(column(near.defect))))
+    bounds = [] if slopes is None else list(near.drive.disturbance)
+    columns = [] if slopes is None else slopes.transpose().tolist()
+    for i, radius in enumerate(forms.radii):
+        if radius > 0:
+            bounds.append(radius)
+            columns.append([arb(int(i == j)) for j in range(height)])
+    # The centre of the forms pushes all the time: that is a shift.
+    bounds.append(arb(1))
+    columns.append(list(forms.centre))
+    solved = linear.inertia.solve(arb_mat(columns).transpose())
+    steady, rest = steady_part(solved, bounds, near.path.length, linear.rates, residue)
+    rows = steady.tolist()
+    own = arb_mat([row[:-1] for row in rows]) if len(bounds) > 1 else None
+    return Added(transition.added(near.start, rest), own, [row[-1] for row in rows])
+
+
+# --- Second derivatives, and the range of the forms -----------------------------------------------
+#
+# .. math::
+#     F(p + z) = F(p) + DF(p)\,z + \int_0^1 (1 - h)\, z^T H(p + h z)\,z\,dh,
+#
+# so that H is the mean with weights 2 (1 - h): most of it is near the path.  It is enclosed part by
+# part of 0 <= h <= 1.  What is not thin in it is of third order, and is bounded by a box; for the
+# midpoints the sum of all |Q_jk| is made in integers, to which V and H are rounded.
+
+
+@dataclass(frozen=True, slots=True)
+class _Hessian:
+    """The midpoints of H_i (N, N), exact, and bounds of the distance from them."""
+
+    middle: Array
+    radii: arb_mat
+
+    @staticmethod
+    def of(matrix: arb_mat) -> _Hessian:
+        """A matrix of balls."""
+        middle = np.array([[float(item.mid()) for item in row] for row in matrix.tolist()])
+        return _Hessian(middle, absolute(matrix - _exact(middle)))
+
+
+def _exact(matrix: Array) -> arb_mat:
+    return arb_mat([[arb(x) for x in row] for row in matrix.tolist()])
+
+
+def _hessians(
+    field: VectorField, curvature: Curvature, near: NearPath, most: Sequence[arb]
+) -> list[_Hessian] | None:
+    """Of each entry of F, for z within ``most`` (N,); None where F is not smooth."""
+    n, size, side = field.dofs, field.size, field.size + field.dofs
+    over = near.path.over.entries
+    tail = [*near.drive.all, *field.tail]
+    still = [entry[0] for entry in over]
+    still += [entry[1] if len(entry) > 1 else arb(0) for entry in over[n : 2 * n]]
+    means = [arb(0)] * len(curvature.places)
+    try:
+        for part in range(PARTS):
+            share = SIGNS * (arb(part + 1) / PARTS)
+            z = [x + share * r for x, r in zip(still, most, strict=True)]
+            if field.has_kinks and part == PARTS - 1:
+                # Where a slope jumps there is no second derivative, whatever the graph's says.
+                field.balance.evaluate([*z[:size], *tail], SMOOTH_BALLS)
+            values = curvature.tape.evaluate([*z, *tail], SMOOTH_BALLS)
+            # Twice the integral of 1 - h over the part.
+            weight = arb(2 * (PARTS - part) - 1) / PARTS**2
+            means = [m + weight * v for m, v in zip(means, values, strict=True)]
+    except UncertainSignError:
+        return None
+    if not all(value.is_finite() for value in means):
+        return None
+    found = [[arb(0)] * (side * side) for _ in range(n + field.own)]
+    for (i, j, k), value in zip(curvature.places, means, strict=True):
+        found[i][j * side + k] = found[i][k * side + j] = value
+    return [_Hessian.of(arb_mat(side, side, entries)) for entries in found]
+
+
+@dataclass(frozen=True, slots=True)
+class _Columns:
+    """V = S W + d: S = diag(``scales``), W = ``whole`` / 2^BITS in integers, |d| 1 <= ``rest``.
+
+    ``widths`` are bounds of |V| 1, no larger than the scales, which are powers of two.
+    """
+
+    whole: Array
+    scales: Array
+    rest: arb_mat
+    widths: arb_mat
+
+    @staticmethod
+    def of(columns: arb_mat) -> _Columns:
+        """V as integers and what is left of it."""
+        width, entries = columns.ncols(), columns.tolist()
+        middle = np.array([[float(item.mid()) for item in row] for row in entries])
+        slack = [_distances(row, near) for row, near in zip(entries, middle.tolist(), strict=True)]
+        sums = np.abs(middle).sum(axis=1) + np.array([float(item) for item in slack])
+        if not np.isfinite(sums).all():
+            raise ZeroDivisionError("the set has no bounds")
+        # Powers of two that are larger: all that follows is exact.
+        scales = 2.0 ** (np.ceil(np.log2(np.maximum(sums, LEAST))) + 1)
+        whole = np.rint(middle / scales[:, None] * 2.0**BITS).astype(np.int64)
+        units = [arb(scale) / 2**BITS for scale in scales.tolist()]
+        rest = [(s + unit * width / 2).upper() for s, unit in zip(slack, units, strict=True)]
+        most = np.abs(whole).sum(axis=1).tolist()
+        widths = [unit * m + r for unit, m, r in zip(units, most, rest, strict=True)]
+        return _Columns(whole, scales, column(rest), column([w.upper() for w in widths]))
+
+
+def _distances(row: Sequence[arb], near: Sequence[float]) -> arb:
+    """The sum of bounds of |x - y| for x in balls, y in floats."""
+    pairs = zip(row, near, strict=True)
+    return sum((abs(item - arb(value)).upper() for item, value in pairs), arb(0)).upper()
+
+
+@dataclass(frozen=True, slots=True)
+class _Forms:
+    """Balls c_i +- r_i of the forms, in the units of F."""
+
+    centre: list[arb]
+    radii: list[arb]
+
+
+def _forms(hessians: Sequence[_Hessian], part: _Columns) -> _Forms:
+    """The range of half the forms of V r, |r_j| <= 1."""
+    centre, radii = [], []
+    across, widths = part.widths.transpose(), part.widths
+    ratios = [w / arb(s) for w, s in zip(widths.entries(), part.scales.tolist(), strict=True)]
+    share = sum(ratios, arb(0)).upper()
+    for hessian in hessians:
+        scaled = hessian.middle * part.scales[:, None] * part.scales[None, :]
+        largest = float(np.abs(scaled).max(initial=0.0))
+        size = _exact(np.abs(hessian.middle))
+        thick = (across * hessian.radii * widths)[0, 0] / 2
+        if not LEAST < largest < 1 / LEAST:
+            centre.append(arb(0))
+            radii.append((thick + (across * size * widths)[0, 0] / 2).upper())
+            continue
+        scale = 2.0 ** (np.ceil(np.log2(largest)) + 1)
+        whole = np.rint(scaled / scale * 2.0**BITS).astype(np.int64)
+        product = part.whole.T @ (whole @ part.whole)
+        diagonal = np.diagonal(product)
+        total, own = int(np.abs(product).sum()), int(np.abs(diagonal).sum())
+        unit = arb(scale) / 2 ** (3 * BITS)
+        # H is off by half an integer at most, V r by what is left of it.
+        off = arb(scale) / 2 ** (BITS + 2) * share**2 + (across * size * part.rest)[0, 0]
+        centre.append(unit * int(diagonal.sum()) / 4)
+        radii.append((unit * (2 * total - own) / 4 + thick + off).upper())
+    return _Forms(centre, radii)
+
+
+def range_of_forms(hessians: Sequence[arb_mat], columns: arb_mat) -> list[tuple[arb, arb]]:
+    """Centres and radii of z^T H z / 2 for z = V r, |r_j| <= 1.
+
+    Args:
+        hessians: symmetric interval matrices H (N, N).
+        columns: V (N, c), balls.
+    """
+    found = _forms([_Hessian.of(hessian) for hessian in hessians], _Columns.of(columns))
+    return list(zip(found.centre, found.radii, strict=True))
+
+
+def _widest(parts: Sequence[_Columns]) -> list[arb]:
+    """Bounds of |z| on all parts."""
+    found = parts[0].widths.entries()
+    for part in parts[1:]:
+        found = [a.max(b) for a, b in zip(found, part.widths.entries(), strict=True)]
+    return found
+
+
+def _smaller(forms: _Forms, than: _Forms) -> bool:
+    pairs = list(zip(forms.radii, than.radii, strict=True))
+    return all(bool(a <= b) for a, b in pairs) and any(bool(a < LEAST_GAIN * b) for a, b in pairs)
+
+
+def _hull(parts: Sequence[_Forms]) -> _Forms:
+    """What holds on all parts."""
+    centre, radii = [], []
+    for i in range(len(parts[0].centre)):
+        balls = [part.centre[i] + SIGNS * part.radii[i] for part in parts]
+        hull = balls[0]
+        for other in balls[1:]:
+            hull = hull.union(other)
+        centre.append(hull.mid())
+        radii.append(hull.rad().upper())
+    return _Forms(centre, radii)

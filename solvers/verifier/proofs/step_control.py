@@ -1,0 +1,165 @@
+"""How long a segment of a tube is tried, and of what order: guesses, which validation decides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import ceil
+
+from flint import arb
+
+GRID = 4096
+"""Segments begin and end at multiples of this part of a step."""
+LEAST_PARTS, LEAST_ROUGH_PARTS = 8, 1
+"""The shortest segments tried, in parts of the grid; of rough ones at kinks."""
+SAFETY = 0.9
+BACK_OFF = 0.7
+LEAST_CAUTION, MOST_CAUTION = 0.25, 1.25
+MOST_OF_RADIUS, LEAST_OF_RADIUS = 0.02, 1e-3
+"""What the error of P may add to a set as a part of its radius, and what is too little."""
+WIDE, MOST_OF_WIDE, WIDE_DEGREE = 1e-5, 1e-4, 5
+"""Of sets as wide as this, whose radius counts against margins, less is allowed, and the box they
+stay in is computed a second time, and closer."""
+MOST_GROWTH, LEAST_GROWTH, LEAST_WIDE = 2.5, 1.3, Fraction(1, 2)
+"""By how much the box that no deviation leaves may be too large: more, and segments get shorter,
+though not below a part of a step; less, and they get longer."""
+LEAST_EXCESS = 1e-30
+LONGEST = 1e9
+"""Seconds; where no coefficient says how long a segment may be."""
+SPARSE = 1e-9
+"""Coefficients so much smaller than their neighbours are those of a series without such powers."""
+LEAST_ORDER = 4
+WORK = 17.0, 0.9, 0.1
+"""The work of a segment by its order k: constant, times k, times k^2 (series products)."""
+
+
+@dataclass(slots=True)
+class StepControl:
+    """Lengths in parts of a step of ``dt`` seconds.
+
+    ``caution`` is the length that was good over the one that its guess said, learned from what was
+    accepted and refused.
+    ``degree`` is that of the matrix polynomial P, as low as its error allows.  No segment is longer
+    than ``most``.
+    """
+
+    dt: float
+    caution: float = 1.0
+    degree: int = 2
+    most: Fraction = Fraction(1)
+
+    def close_enough(self, length: Fraction, growth: float) -> bool:
+        """Whether a box of deviations ``growth`` times as large as a closer one is good enough.
+
+        If not, ``most`` is halved: bounds of what is of second order feed on too large a box.
+        """
+        if growth > MOST_GROWTH and length > LEAST_WIDE:
+            self.most = max(LEAST_WIDE, length / 2)
+            return False
+        if growth < LEAST_GROWTH and length >= self.most:
+            self.most = min(Fraction(1), 2 * self.most)
+        return True
+
+    def learn_degree(self, radii: Sequence[arb], errors: Sequence[arb], order: int) -> None:
+        """Learn from what is added to a set of these radii, other than by the flow."""
+        pairs = zip(errors, radii, strict=True)
+        parts = [float(error) / float(radius) for error, radius in pairs if radius > 0]
+        worst = max(parts, default=0.0)
+        wide = max(map(float, radii), default=0.0) >= WIDE
+        if wide:
+            self.degree = max(self.degree, min(WIDE_DEGREE, order))
+        if worst > (MOST_OF_WIDE if wide else MOST_OF_RADIUS):
+            self.degree = min(self.degree + 1, max(1, order if wide else order // 3))
+        elif worst < LEAST_OF_RADIUS and not wide:
+            self.degree = max(1, self.degree - 1)
+
+    def first(self, rest: Fraction, guess: float) -> Fraction:
+        """The length to try where ``rest`` of the step is left and ``guess`` seconds look good."""
+        rest = min(rest, self.most)
+        share = guess * self.caution / self.dt
+        if share >= float(rest) * SAFETY:
+            return rest
+        count = ceil(float(rest) / share) if share > 0 else GRID
+        return min(rest, Fraction(max(1, int(rest * GRID) // count), GRID))
+
+    def learn(self, length: Fraction, guess: float, excess: float, order: int) -> float:
+        """The share of a tried length that looks good, ``excess`` being error over tolerance.
+
+        Of an excess of infinity nothing is known but that the length was too much.
+        """
+        if excess == float("inf"):
+            self.caution = max(LEAST_CAUTION, self.caution * BACK_OFF)
+            return 0.5
+        share: float = SAFETY * max(excess, LEAST_EXCESS) ** (-1 / (order + 1))
+        good = share * float(length) * self.dt / guess
+        self.caution = min(MOST_CAUTION, max(LEAST_CAUTION, good, self.caution / 2))
+        return share
+
+    def shorter(self, length: Fraction, share: float, least: int) -> Fraction | None:
+        """The next length to try after a refusal; None where ``least`` parts were too much."""
+        parts = int(length * GRID * Fraction(min(0.8, max(0.2, share))))
+        if parts < least < length * GRID:
+            parts = least
+        return Fraction(parts, GRID) if parts >= least else None
+
+
+def good_length(rates: Sequence[Sequence[arb]], tolerance: float) -> float:
+    """Seconds over which the first coefficient left out is about as large as the tolerance.
+
+    ``rates`` are the Taylor coefficients of what is integrated.
+    """
+    lengths = [LONGEST]
+    for entry in rates:
+        order, left_out = len(entry) - 1, _left_out([abs(float(c)) for c in entry[-4:]])
+        if left_out > 0:
+            lengths.append((tolerance / (left_out * (order + 1))) ** (1 / (order + 1)))
+    return min(lengths)
+
+
+def _left_out(sizes: Sequence[float]) -> float:
+    """About the first coefficient that is left out, by the last ones; 0 where they do not tell.
+
+    Of a motion from rest every other one is zero but for rounding, and tells nothing.
+    """
+    if len(sizes) < 3:
+        return 0.0
+    before, middle, last = sizes[-3:]
+    if max(before, last) <= SPARSE * middle:
+        before = sizes[0] if len(sizes) > 3 else 0.0
+        return middle * middle / before if before > 0 else 0.0
+    if not (last > 0 and before > 0):
+        return 0.0
+    ratio: float = (last / before) ** 0.5
+    if middle > SPARSE * (last * before) ** 0.5:
+        ratio = max(ratio, last / middle)
+    return last * ratio
+
+
+@dataclass(slots=True)
+class OrderChoice:
+    """Whether a Taylor polynomial has an order at which time is enclosed with least work.
+
+    Called with its coefficients after each order, with those of the ``places`` coordinates first;
+    ``wanted`` seconds are all that can be used.
+    """
+
+    places: int
+    tolerance: float
+    wanted: float
+    paces: list[float] = field(default_factory=list)
+
+    @property
+    def order(self) -> int:
+        """The order that the polynomial has got."""
+        return LEAST_ORDER + max(0, len(self.paces) - 1)
+
+    def __call__(self, x: Sequence[Sequence[arb]]) -> bool:
+        """Whether another order is not worth its work."""
+        order = len(x[0]) - 1
+        if order < LEAST_ORDER:
+            return False
+        length = min(self.wanted, good_length(x[self.places :], self.tolerance))
+        self.paces.append(length / (WORK[0] + WORK[1] * order + WORK[2] * order**2))
+        last = len(self.paces) - 1
+        return length >= self.wanted or (last >= 2 and self.paces[-1] < self.paces[-3])
