@@ -235,6 +235,13 @@ class RobotGraph:
         both = ca.vertcat(self.parts.effectors, self.parts.body_points)
         return self._function("points", [self.parts.q], both)
 
+    @cached_property
+    def point_slopes(self) -> ca.Function:
+        """The Jacobian of the points in the coordinates, column by column."""
+        both = ca.vertcat(self.parts.effectors, self.parts.body_points)
+        jacobian = ca.jacobian(both, self.parts.q)
+        return self._function("point_slopes", [self.parts.q], ca.vec(ca.densify(jacobian)))
+
 
 def robot_graph(
     model: RobotModel,

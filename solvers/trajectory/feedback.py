@@ -13,20 +13,51 @@ Control: Linear Quadratic Methods* (1990).
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from dataclasses import dataclass
 
 import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
-from solvers.trajectory.task_limits import InputGroup
+from grammar_lang import ir
+from solvers.trajectory.task_limits import InputGroup, disturbance_spread
 from solvers.trajectory.trajectory import Trajectory
 
-Sizes: TypeAlias = tuple[float, float]
-SIZES: tuple[Sizes, ...] = ((0.1, 0.5), (0.05, 1.0), (0.02, 1.0), (0.3, 1.5))
-"""Deviations of coordinates and rates, in rad or m (/s), that count as much as an input at its
-bound.  Which are best depends on the robot and its disturbances; states that are not measured ask
-for small gains."""
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Deviations of coordinates and rates, in rad or m (/s), that count like an input at its bound.
+
+    At first coordinates may be off ``relaxed`` times as far, and rates by the root of that: an
+    error of the start need not be corrected at once.  This fades with a part of the horizon.
+    """
+
+    coordinate: float
+    rate: float
+    relaxed: float = 1.0
+
+    def weights(self, shares: Array, joints: int, size: int) -> Array:
+        """The weights (k, N) of a state's entries at parts ``shares`` (k,) of the horizon."""
+        more = 1 + (self.relaxed - 1) * np.exp(-shares / FADING)
+        weights = np.zeros((len(shares), size))
+        weights[:, :joints] = (self.coordinate * more[:, None]) ** -2
+        weights[:, joints : 2 * joints] = (self.rate * np.sqrt(more[:, None])) ** -2
+        return weights
+
+
+FADING = 0.1
+BEYOND_BOUNDS = 1e3
+SIZES = (
+    Sizes(0.1, 0.5),
+    Sizes(0.05, 1.0),
+    Sizes(0.02, 1.0),
+    Sizes(0.3, 1.5),
+    Sizes(0.05, 1.0, 4.0),
+    Sizes(0.03, 1.0, 12.0),
+    Sizes(0.1, 1.0, 4.0),
+)
+"""Which are best depends on the robot and its disturbances; states that are not measured ask for
+small gains."""
 
 
 def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
@@ -44,18 +75,18 @@ def regulator(steps: Linearisation, measured: int, scales: Array, sizes: Sizes =
     have no finite solution.
     """
     count, size = steps.state.shape[:2]
-    weight = np.zeros(size)
-    weight[: measured // 2], weight[measured // 2 : measured] = sizes[0] ** -2, sizes[1] ** -2
-    cost, price = np.diag(weight), np.diag(scales**-2.0)
+    weights = sizes.weights(np.arange(count) / max(1, count), measured // 2, size)
+    price = np.diag(scales**-2.0)
     gains = np.zeros((count, len(scales), size))
-    ahead = cost
-    for k in reversed(range(count)):
+    ahead = np.diag(weights[-1]) if count else np.zeros((size, size))
+    # As if the last step went on, so that the end is cared for like all that is before.
+    for k in reversed([*range(count), *[count - 1] * count]):
         a, b = steps.state[k], steps.input[k]
         try:
             gain = np.linalg.solve(price + b.T @ ahead @ b, b.T @ ahead @ a)
         except np.linalg.LinAlgError:
             return np.zeros_like(gains)
-        ahead = cost + a.T @ ahead @ (a - b @ gain)
+        ahead = np.diag(weights[k]) + a.T @ ahead @ (a - b @ gain)
         ahead = (ahead + ahead.T) / 2
         gains[k] = gain
     gains[:, :, measured:] = 0.0
@@ -98,16 +129,34 @@ MOST_PARTS = 256
 
 def gains_along(
     numeric: NumericRobot,
+    task: ir.Task,
     trajectory: Trajectory,
     groups: tuple[InputGroup, ...],
-    dt: float,
     substeps: int,
-    sizes: Sizes = SIZES[0],
 ) -> Array:
-    """The regulator's gains (k, m, N) along a trajectory, of few digits."""
+    """Gains (k, m, N) of few digits along a trajectory.
+
+    Of several sizes of deviations, those are taken that let disturbed motions spread least on
+    average, and command little.
+    """
     with np.errstate(all="ignore"):
-        steps = numeric.step(trajectory.x[:-1], trajectory.u, trajectory.theta, dt, substeps)
-    gains = regulator(steps, 2 * numeric.n, input_scales(groups, numeric.m), sizes)
+        steps = numeric.step(
+            trajectory.x[:-1], trajectory.u, trajectory.theta, float(task.step), substeps
+        )
+    scales = input_scales(groups, numeric.m)
+
+    def cost(gains: Array) -> float:
+        spread = disturbance_spread(numeric, task, trajectory, steps, gains)
+        share = float(np.max(spread.inputs / scales, initial=0.0))
+        mean = float(np.max(spread.points, axis=1, initial=0.0).mean())
+        return mean * (1 + share) / (1 - share) if share < 1 else mean * share * BEYOND_BOUNDS
+
+    choices = SIZES if task.robust is not None else SIZES[:1]
+    found = [_rounded(regulator(steps, 2 * numeric.n, scales, sizes)) for sizes in choices]
+    return found[0] if len(found) == 1 else min(found, key=cost)
+
+
+def _rounded(gains: Array) -> Array:
     few = [float(f"{value:.{DIGITS}g}") for value in gains.ravel().tolist()]
     return np.array(few).reshape(gains.shape)
 

@@ -27,7 +27,7 @@ from solvers.trajectory.corridor import (
     timing_of,
     word_of,
 )
-from solvers.trajectory.feedback import SIZES, gains_along, input_scales
+from solvers.trajectory.feedback import gains_along
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
@@ -285,27 +285,17 @@ class PathProblem:
         """The same task, tightened by so many spreads of the disturbed motions."""
         with np.errstate(all="ignore"):
             gains = self.gains(trajectory) if self.feedback else None
-            found = disturbance_spread(self.numeric, self.task, trajectory, self.substeps, gains)
+            steps = self.numeric.step(
+                trajectory.x[:-1], trajectory.u, trajectory.theta, float(self.task.step),
+                self.substeps,
+            )  # fmt: skip
+            found = disturbance_spread(self.numeric, self.task, trajectory, steps, gains)
         return replace(self, spread=found.scaled(factor))
 
     def gains(self, trajectory: Trajectory) -> Array:
-        """The gains (k, m, N) of feedback about a trajectory.
-
-        Of several sizes of deviations those are taken that let disturbed motions spread least, and
-        command little.
-        """
-        numeric, task, groups = self.numeric, self.task, input_groups(self.model, self.task)
-        scales, dt = input_scales(groups, numeric.m), float(task.step)
-
-        def cost(gains: Array) -> float:
-            spread = disturbance_spread(numeric, task, trajectory, self.substeps, gains)
-            return spread.widest * (1 + float(np.max(spread.inputs / scales, initial=0.0)))
-
-        found = [
-            gains_along(numeric, trajectory, groups, dt, self.substeps, sizes)
-            for sizes in (SIZES if task.robust is not None else SIZES[:1])
-        ]
-        return found[0] if len(found) == 1 else min(found, key=cost)
+        """The gains (k, m, N) of feedback about a trajectory."""
+        groups = input_groups(self.model, self.task)
+        return gains_along(self.numeric, self.task, trajectory, groups, self.substeps)
 
     def refined(self, trajectory: Trajectory) -> PathProblem:
         """The same task with as many substeps as a motion needs to be integrated accurately.

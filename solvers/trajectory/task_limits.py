@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_states
@@ -191,11 +191,12 @@ def disturbance_spread(
     numeric: NumericRobot,
     task: ir.Task,
     trajectory: Trajectory,
-    substeps: int,
+    step: Linearisation,
     gains: Array | None = None,
 ) -> DisturbanceSpread:
     """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
 
+    ``step`` is the linearisation of its steps.
     Inputs are taken to be off by a constant in every step, and an uncertain mass to act as inputs
     that are off by its part all the time.  With ``gains`` (k, m, N) what is measured is fed back.
     """
@@ -205,7 +206,6 @@ def disturbance_spread(
     part, most = input_errors(task, model)
     share, added = float(part), np.array([float(value) for value in most])
     mass = 0.0 if task.robust is None else float(task.robust.mass)
-    step = numeric.step(trajectory.x[:-1], trajectory.u, theta, float(task.step), substeps)
     columns = np.zeros((numeric.size, 2 * n + 1))
     columns[: 2 * n, : 2 * n] = np.diag(radii)
     by_q = numeric.points(trajectory.x[:, :n], theta).by_q

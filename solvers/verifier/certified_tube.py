@@ -17,13 +17,13 @@ from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.spec_copy import claimed_task, read_claim
-from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.disturbed_proof import disturbed_start, input_error
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
+from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
-from solvers.verifier.proofs.tube_checks import PointMap
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
+from solvers.verifier.proofs.zonotope import InitialSet
 from solvers.verifier.report import Outcome, Refused
 from solvers.verifier.verification import claimed_robot
 

@@ -21,8 +21,8 @@ from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
+from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.region_distance import region_distance
-from solvers.verifier.proofs.tube_checks import PointMap
 from solvers.verifier.proofs.vector_field import VectorField
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import Builder

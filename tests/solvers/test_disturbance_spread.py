@@ -11,7 +11,8 @@ import pytest
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.trajectory.task_limits import disturbance_spread
+from grammar_lang import ir
+from solvers.trajectory.task_limits import DisturbanceSpread, disturbance_spread
 from solvers.trajectory.trajectory import Trajectory
 from tests.solvers.test_disturbed_proof import SLIDE, TWO, scene, spec
 
@@ -26,12 +27,17 @@ def moved(labels: Sequence[str], disturbances: str, start: Array, u: Array):
     return where, numeric, Trajectory(x, u, theta)
 
 
+def spread_of(numeric: NumericRobot, task: ir.Task, motion: Trajectory) -> DisturbanceSpread:
+    steps = numeric.step(motion.x[:-1], motion.u, motion.theta, float(task.step), SUBSTEPS)
+    return disturbance_spread(numeric, task, motion, steps)
+
+
 def test_a_slide_against_its_closed_form() -> None:
     """1.5 kg: x = x0 + v0 t + the double integral of u / m, each disturbance at its end."""
     u = np.array([[3.0], [-2.0], [0.5], [4.0], [-1.0], [-4.0]])
     radii = "robust start 3 cm; robust start 2 cm/s; robust effort 4 %;"
     where, numeric, motion = moved(SLIDE, radii, np.array([0.2, 0.5]), u)
-    found = disturbance_spread(numeric, where.task, motion, SUBSTEPS)
+    found = spread_of(numeric, where.task, motion)
     h, pushed = 0.1, 0.04 * np.abs(u[:, 0]) / 1.5
     places, rates = [], []
     for sample in range(7):
@@ -72,7 +78,7 @@ def test_two_links_against_differences() -> None:
         )
         states += np.abs(one[0] - other[0]) / (2 * small)
         places += np.abs(one[1] - other[1]) / (2 * small)
-    found = disturbance_spread(numeric, where.task, motion, SUBSTEPS)
+    found = spread_of(numeric, where.task, motion)
     np.testing.assert_allclose(found.points, np.linalg.norm(places, axis=2), rtol=1e-5)
     expected = states.max(axis=0).reshape(2, 2).T
     np.testing.assert_allclose(found.states, expected, rtol=1e-5)
@@ -82,6 +88,6 @@ def test_without_disturbances_there_is_none() -> None:
     u = np.ones((3, 1))
     where, numeric, motion = moved(SLIDE, "robust effort 1 %;", np.array([0.2, 0.5]), u)
     still = Trajectory(motion.x, np.zeros_like(u), motion.theta)
-    assert disturbance_spread(numeric, where.task, still, SUBSTEPS).widest == 0
+    assert spread_of(numeric, where.task, still).widest == 0
     assert where.task.robust is not None
     assert where.task.robust.effort == Fraction(1, 100)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import product
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -13,8 +15,10 @@ from scipy.linalg import solve_discrete_are
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.state_and_input import InputBound
+from grammar_lang import ir
 from solvers.trajectory.feedback import (
     SIZES,
+    Sizes,
     closed_motion,
     gains_along,
     reference_motion,
@@ -24,7 +28,7 @@ from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs import effort_bounds
 from solvers.verifier.proofs.control_law import ControlLaw, InputError, open_loop, sampled_law
-from solvers.verifier.proofs.deviation_flow import Zonotope
+from solvers.verifier.proofs.zonotope import Zonotope
 from tests.oracles.robots import rod_chain
 
 STEPS = 400
@@ -43,7 +47,7 @@ def test_the_first_gain_of_a_long_motion_is_that_of_the_algebraic_riccati_equati
     a = np.array([[1.0, 0.0, h, 0.0], [0.0, 1.0, 0.0, h], [0.3, 0.0, 1.02, 0.0], [0, 0.1, 0, 1]])
     b = np.array([[h * h / 2, 0.0], [0.0, h * h], [h, 0.02], [0.0, 2 * h]])
     scales = np.array([10.0, 3.0])
-    q = np.diag([SIZES[0][0] ** -2] * 2 + [SIZES[0][1] ** -2] * 2)
+    q = np.diag([SIZES[0].coordinate ** -2] * 2 + [SIZES[0].rate ** -2] * 2)
     r = np.diag(scales**-2)
     p = solve_discrete_are(a, b, q, r)
     expected = np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a)
@@ -61,6 +65,9 @@ def test_equations_without_a_solution_have_no_gains() -> None:
     assert not regulator(steps(np.full((2, 2), np.nan), np.ones((2, 1))), 2, np.ones(1)).any()
 
 
+TASK = cast(ir.Task, SimpleNamespace(step=Fraction(1, 20), robust=None))
+
+
 @pytest.fixture(scope="module")
 def inverted() -> tuple[NumericRobot, Trajectory, tuple[InputGroup, ...]]:
     """Two links on end: without feedback the slightest deviation grows."""
@@ -73,7 +80,7 @@ def inverted() -> tuple[NumericRobot, Trajectory, tuple[InputGroup, ...]]:
 
 def test_feedback_keeps_an_unstable_motion(inverted) -> None:
     numeric, about, groups = inverted
-    gains = gains_along(numeric, about, groups, 0.05, 2)
+    gains = gains_along(numeric, TASK, about, groups, 2)
     free = numeric.simulate(about.x[0], about.u, about.theta, 0.05, 4)
     kept = closed_motion(numeric, about.x[0], about, gains, groups, 0.05, 4)
     assert np.abs(free[:, :2] - about.x[:, :2]).max() > 1
@@ -86,7 +93,7 @@ def test_feedback_keeps_an_unstable_motion(inverted) -> None:
 
 def test_the_reference_is_what_the_controller_then_does(inverted) -> None:
     numeric, about, groups = inverted
-    gains = gains_along(numeric, about, groups, 0.05, 2)
+    gains = gains_along(numeric, TASK, about, groups, 2)
     found = reference_motion(numeric, about, gains, groups, 0.05, 2)
     again = closed_motion(numeric, found.x[0], found, gains, groups, 0.05, 128)
     np.testing.assert_allclose(again.x, found.x, atol=1e-8)
@@ -96,7 +103,7 @@ def test_the_reference_is_what_the_controller_then_does(inverted) -> None:
 def test_bounds_are_kept_by_what_feedback_commands(inverted) -> None:
     numeric, about, _ = inverted
     weak = (InputGroup((0,), -1, 2, False), InputGroup((1,), 0, 1.5, True))
-    gains = gains_along(numeric, about, weak, 0.05, 2)
+    gains = gains_along(numeric, TASK, about, weak, 2)
     u = closed_motion(numeric, about.x[0] + 0.1, about, 50 * gains, weak, 0.05, 2).u
     assert u[:, 0].min() == -1
     assert u[:, 0].max() <= 2
@@ -174,3 +181,13 @@ def test_a_norm_of_inputs_about_zero(
     gap = effort_bounds._gap(bound, [arb(*pair) for pair in commanded])
     assert bool(gap > 0) is holds
     assert float(gap.lower()) == pytest.approx(margin, abs=1e-6)
+
+
+def test_relaxed_weights_forgive_an_error_of_the_start_and_fade() -> None:
+    """Weights are inverse squares of the sizes, which are stretched by e^-10 s at a part s."""
+    shares = np.array([0.0, 0.1, 1.0])
+    found = Sizes(0.05, 1.0, 4.0).weights(shares, 1, 3)
+    stretch = 1 + 3 * np.exp(-10 * shares)
+    np.testing.assert_allclose(found[:, 0], 1 / (0.05 * stretch) ** 2)
+    np.testing.assert_allclose(found[:, 1], 1 / stretch)
+    assert not found[:, 2].any()

@@ -12,7 +12,7 @@ from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.verifier.proofs.formula_proof import box_around, may_be
-from solvers.verifier.proofs.tube_checks import Slice
+from solvers.verifier.proofs.point_map import Slice
 
 F = Fraction
 

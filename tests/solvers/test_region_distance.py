@@ -14,8 +14,8 @@ from scipy.optimize import nnls
 from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
+from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.region_distance import Gap, region_distance
-from solvers.verifier.proofs.tube_checks import Slice
 
 F = Fraction
 

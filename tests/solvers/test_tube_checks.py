@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.proofs.apart import Apart
-from solvers.verifier.proofs.tube_checks import Inside, Row, Slice, row
+from solvers.verifier.proofs.point_map import Slice
+from solvers.verifier.proofs.tube_checks import Inside, Row, row
 
 
 def rows_of_box(low: list[int], high: list[int]) -> tuple[Row, ...]:

@@ -9,11 +9,11 @@ import pytest
 
 from compiler.expressions.evaluators.balls import working_precision
 from solvers.verifier.proofs.checked_condition import decisive
-from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.scene import UNWATCHED
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES, Motion, Scene, prove_motion
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import Followed, driven_robot, follow
+from solvers.verifier.proofs.zonotope import InitialSet
 from tests.oracles.some_cases import some
 from tests.solvers.test_disturbed_proof import TWO, scene, spec
 

@@ -14,7 +14,8 @@ import numpy as np
 from flint import arb
 
 from compiler.arrays import Array
-from solvers.verifier.proofs.tube_checks import Constraint, Row, Slice
+from solvers.verifier.proofs.point_map import Slice
+from solvers.verifier.proofs.tube_checks import Constraint, Row
 
 Point: TypeAlias = Sequence[arb]
 

@@ -18,7 +18,7 @@ from fractions import Fraction
 from flint import arb, arb_mat
 
 from compiler.expressions.evaluators.balls import ball
-from solvers.verifier.proofs.deviation_flow import Column, Zonotope
+from solvers.verifier.proofs.zonotope import Column, Zonotope
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,12 +19,12 @@ from compiler.tasks.specification import disturbance_radii, input_errors
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.control_law import InputError
-from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.effort_bounds import effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
+from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.start_check import at_rest
-from solvers.verifier.proofs.tube_checks import Slice, Status
+from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import (
     DrivenRobot,
     driven_robot,
@@ -32,6 +32,7 @@ from solvers.verifier.proofs.tube_proof import (
     position_conditions,
     state_limits,
 )
+from solvers.verifier.proofs.zonotope import InitialSet
 
 
 def disturbed_findings(

@@ -28,14 +28,12 @@ from compiler.expressions.evaluators.balls import (
     ball,
     working_precision,
 )
-from solvers.verifier.proofs.a_priori import Deviation, Drive, NearPath, deviation, narrowed
+from solvers.verifier.proofs.a_priori import Drive, NearPath, deviation
 from solvers.verifier.proofs.control_law import InputError, SampledLaw
-from solvers.verifier.proofs.deviation_flow import Flow, InitialSet, Zonotope, box, flow, zonotope
-from solvers.verifier.proofs.second_order import Added, added_by_forms
+from solvers.verifier.proofs.moved_set import MovedSet, Spread, moved_set
 from solvers.verifier.proofs.step_control import (
     LEAST_PARTS,
     LEAST_ROUGH_PARTS,
-    WIDE,
     OrderChoice,
     StepControl,
     good_length,
@@ -48,6 +46,7 @@ from solvers.verifier.proofs.vector_field import (
     path_on,
     taylor_polynomials,
 )
+from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, box, zonotope
 
 KINK_REMAINDER = 3e-7
 """Where an absolute value has a kink, shorter segments of order two may be less accurate."""
@@ -56,8 +55,6 @@ REMAINDER_OF_RADIUS = 2.0**-16
 LINEAR_BITS = 53
 KINK_LENGTH = Fraction(1, 64)
 """The part of a step below which no smooth segment is tried on the way to a kink."""
-SLICES = 4
-"""The parts of a segment on which the closer box is computed."""
 
 ROUGH_ORDER = 2
 INFLATION = 1.25
@@ -89,6 +86,8 @@ class TubeSegment:
     end: tuple[arb, ...]
     inputs: tuple[arb, ...] = ()
     commanded: tuple[arb, ...] = ()
+    last: Zonotope | None = None
+    spread: Spread | None = None
 
     @property
     def number(self) -> int:
@@ -133,16 +132,11 @@ class _Trial:
 
 @dataclass(frozen=True, slots=True)
 class _Passage:
-    """A validated segment: its path, bounds of the deviations, the set at the end.
-
-    ``added`` is what the set has grown by other than by the flow.
-    """
+    """A validated segment: its path, how the set moves, and the set at the end."""
 
     path: Path
-    radii: Sequence[arb]
+    moved: MovedSet
     end: Zonotope
-    added: Sequence[arb]
-    growth: float
 
 
 def _attempt(
@@ -166,7 +160,7 @@ def _attempt(
             excess = added / trial.tolerance
             if not excess <= 1:
                 return excess, None
-            moved = _moved(field, states, near, found, trial.degree)
+            moved = moved_set(field, states, near, found, trial.degree)
             turn = moved.flow.at(length)
         to = [x + s for x, s in zip(path.at(length), moved.added.shift, strict=True)]
         end = states.moved(to, turn, moved.added.box, moved.added.steady)
@@ -177,57 +171,7 @@ def _attempt(
         return UNKNOWN, None
     if not all(item.is_finite() for item in (*moved.radii, *end.radii)):
         return UNKNOWN, None
-    return excess, _Passage(path, moved.radii, end, moved.added.box, moved.growth)
-
-
-@dataclass(frozen=True, slots=True)
-class _Moved:
-    """The flow on a segment, what is added to the moved set, and a box of all deviations."""
-
-    flow: Flow
-    added: Added
-    radii: Sequence[arb]
-    growth: float = 1.0
-
-
-def _moved(
-    field: VectorField, states: Zonotope, near: NearPath, found: Deviation, degree: int
-) -> _Moved:
-    """How the set moves on [0, H], by the bounds that hold in a box."""
-    wide = any(bool(radius > WIDE) for radius in found.radii)
-    closer = added_by_forms(field, states, near, found, degree) if wide else None
-    if closer is not None:
-        radii = _closer(states, near, found, *closer)
-        pairs = zip(found.radii, radii, strict=True)
-        growth = max(float(f) / float(r) for f, r in pairs if r > 0)
-        return _Moved(*closer, radii, growth)
-    moved = _by_box(field, near, found)
-    if not wide:
-        return moved
-    radii = _closer(states, near, found, moved.flow, moved.added)
-    found = narrowed(field, near, radii, degree)
-    moved = _by_box(field, near, found)
-    return _Moved(moved.flow, moved.added, _closer(states, near, found, moved.flow, moved.added))
-
-
-def _by_box(field: VectorField, near: NearPath, found: Deviation) -> _Moved:
-    """The flow of all deviations in a box."""
-    transition = flow(field, near.path.length / 2, found.linear)
-    box = transition.added(near.start, found.rest)
-    return _Moved(transition, Added(box, found.steady, [arb(0)] * field.size), found.radii)
-
-
-def _closer(
-    states: Zonotope, near: NearPath, found: Deviation, transition: Flow, added: Added
-) -> list[arb]:
-    """A closer box of all deviations than that in which they were found to stay."""
-    radii = [arb(0)] * len(added.box)
-    for k in range(SLICES):
-        time = near.path.length * arb(k).union(arb(k + 1)) / SLICES
-        over = states.radii_under(transition.at(time))
-        radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, added.reach, strict=True)]
-    # Both boxes hold, so that the smaller of each pair of bounds does.
-    return [r.min(f) for r, f in zip(radii, found.radii, strict=True)]
+    return excess, _Passage(path, moved, end)
 
 
 def tube(
@@ -288,7 +232,7 @@ def tube(
             steps = first, first + length
             yield TubeSegment(
                 start, seconds, steps, _states(passage), tuple(passage.end.hull()),
-                tuple(drive.all), tuple(commanded),
+                tuple(drive.all), tuple(commanded), passage.end, passage.moved.spread,
             )  # fmt: skip
             states, first, start = passage.end, steps[1], dt * ball(steps[1])
 
@@ -296,7 +240,7 @@ def tube(
 def _states(passage: _Passage) -> tuple[Coefficients, ...]:
     """The polynomials of a segment: the path's, with the deviations in the constant terms."""
     found = []
-    for item, radius in zip(passage.path.polynomials, passage.radii, strict=True):
+    for item, radius in zip(passage.path.polynomials, passage.moved.radii, strict=True):
         coefficients = item.coeffs() or [arb(0)]
         found.append([coefficients[0] + SIGNS * radius, *coefficients[1:]])
     return tuple(found)
@@ -378,12 +322,12 @@ def _longest(
             length = length / 4
             continue
         share = control.learn(length, guess, excess, order)
-        if passage is not None and not control.close_enough(length, passage.growth):
+        if passage is not None and not control.close_enough(length, passage.moved.growth):
             length = control.first(length, guess)
             continue
         if passage is not None:
             if not trial.rough:
-                control.learn_degree(states.radii, passage.added, trial.order)
+                control.learn_degree(states.radii, passage.moved.added.box, trial.order)
             return length, passage
         least = LEAST_ROUGH_PARTS if field.has_kinks else LEAST_PARTS
         length = control.shorter(length, share, least)

@@ -31,13 +31,12 @@ from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.point_map import PointMap, Slice
 from solvers.verifier.proofs.region_distance import UNKNOWN, Gap, RegionDistance
 from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
     MOST_UNBOUNDED_SPLITS,
     REFINEMENT,
-    PointMap,
-    Slice,
     Status,
 )
 

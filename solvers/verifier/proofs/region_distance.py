@@ -16,7 +16,8 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
 from compiler.workspaces.polytope import Polytope
-from solvers.verifier.proofs.tube_checks import Row, Slice, rows_of
+from solvers.verifier.proofs.point_map import Slice
+from solvers.verifier.proofs.tube_checks import Row, rows_of
 
 
 @dataclass(frozen=True, slots=True)

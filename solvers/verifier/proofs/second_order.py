@@ -50,8 +50,9 @@ from solvers.verifier.proofs.a_priori import (
     linear_part,
     steady_part,
 )
-from solvers.verifier.proofs.deviation_flow import Flow, Zonotope, flow
+from solvers.verifier.proofs.deviation_flow import Flow, flow
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
+from solvers.verifier.proofs.zonotope import Zonotope
 
 SLICES = 4
 """The parts of a segment on which forms are bounded."""

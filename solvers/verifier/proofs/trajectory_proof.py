@@ -17,7 +17,6 @@ from compiler.expressions.tape import UndefinedValueError
 from compiler.tasks.specification import missing_effector
 from compiler.workspaces.abstraction import Abstraction
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
-from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
 from solvers.verifier.proofs.effort_bounds import PLANNED, effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
@@ -25,6 +24,7 @@ from solvers.verifier.proofs.scene import UNWATCHED, Motion, Scene, Watch, scene
 from solvers.verifier.proofs.start_check import positive_mass, start_conditions, unphysical
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import driven_robot, follow
+from solvers.verifier.proofs.zonotope import InitialSet
 
 __all__ = ["ACCURACIES", "Motion", "Scene", "prove_motion", "scene_of"]
 

@@ -1,11 +1,7 @@
 """What must hold at every instant, checked on a validated tube.
 
-Over a slice of time of half-width d about its middle, a position is enclosed to second order,
-
-    p(s) in p(0) + p'(0) s + [p''/2] s^2,   |s| <= d,
-
-the first two at the middle and the last over the whole slice.  A slice on which a constraint is
-not decided is halved, so that every answer is a proof or an honest "undecided".
+A slice of time on which a constraint is not decided is halved, so that every answer is a proof or
+an honest "undecided".
 """
 
 from __future__ import annotations
@@ -17,13 +13,12 @@ from enum import Enum
 from fractions import Fraction
 from heapq import heappop, heappush
 
-from flint import arb, arb_series, ctx
+from flint import arb
 
-from compiler.expressions.evaluators.balls import BALLS, SERIES, ball
-from compiler.expressions.tape import Tape
+from compiler.expressions.evaluators.balls import ball
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment
-from solvers.verifier.proofs.vector_field import VectorField
+from solvers.verifier.proofs.point_map import PointMap, Slice
 
 MOST_SPLITS = 12
 MOST_UNBOUNDED_SPLITS = 5
@@ -38,28 +33,6 @@ class Status(Enum):
     HOLDS = "holds"
     FAILS = "fails"
     UNDECIDED = "undecided"
-
-
-@dataclass(frozen=True, slots=True)
-class Slice:
-    """Positions over a slice of time: per point and axis (p(0), p'(0), p''/2) and half-width d."""
-
-    time: arb
-    half: arb
-    points: tuple[tuple[tuple[arb, arb, arb], ...], ...]
-
-    def form(self, normal: Sequence[arb], point: int) -> tuple[arb, arb]:
-        """Enclosures of ``normal . p`` over the slice and at its middle."""
-        zero, one, two = arb(0), arb(0), arb(0)
-        for a, (p0, p1, p2) in zip(normal, self.points[point], strict=True):
-            zero, one, two = zero + a * p0, one + a * p1, two + a * p2
-        s = arb(0, 1) * self.half
-        square = arb(0.5, 0.5) * self.half * self.half
-        return zero + one * s + two * square, zero
-
-    def middle(self, point: int) -> tuple[float, ...]:
-        """About where a point is at the middle of the slice."""
-        return tuple(float(axis[0].mid()) for axis in self.points[point])
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,49 +159,6 @@ class Inside(Constraint):
         return over.middle(min(gaps)[1]) if gaps else ()
 
 
-@dataclass(frozen=True, slots=True)
-class PointMap:
-    """Turns a tube into enclosures of positions: ``tape`` maps (q, theta, k) to all points."""
-
-    tape: Tape
-    field: VectorField
-    dimension: int
-
-    def positions(self, state: Sequence[arb]) -> list[list[arb]]:
-        """Positions (points, d) for a state given as balls."""
-        n = self.field.dofs
-        flat = self.tape.evaluate([*state[:n], *self.field.tail], BALLS)
-        d = self.dimension
-        return [flat[i : i + d] for i in range(0, len(flat), d)]
-
-    def over(
-        self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb
-    ) -> tuple[Slice, list[arb], list[arb]] | None:
-        """Positions over a slice of a segment, the state over it and at its middle.
-
-        None where they are not finite.
-        """
-        n, d = self.field.dofs, self.dimension
-        state = segment.at(middle + arb(0, 1) * half)
-        centre = segment.at(middle)
-        try:
-            pull = self.field.acceleration(state, u)
-        except ZeroDivisionError:
-            return None
-        if not all(item.is_finite() for item in (*state, *pull)):
-            return None
-        wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3)
-        near = self._series([[centre[i], centre[n + i]] for i in range(n)], 2)
-        flat = [(near[i][0], near[i][1], wide[i][2]) for i in range(len(near))]
-        points = tuple(tuple(flat[i : i + d]) for i in range(0, len(flat), d))
-        return Slice(segment.start + middle, half, points), state, centre
-
-    def _series(self, q: list[list[arb]], length: int) -> list[arb_series]:
-        ctx.cap = length
-        tail = [arb_series([item]) for item in self.field.tail]
-        return self.tape.evaluate([*(arb_series(item) for item in q), *tail], SERIES)
-
-
 @dataclass(slots=True)
 class StateLimit:
     """A coordinate or rate stays in an interval; None is unlimited.
@@ -247,8 +177,11 @@ class StateLimit:
 
     def gap(self, state: Sequence[arb]) -> arb:
         """The distance to the nearer end, for a state given as balls."""
+        return self.gap_of(sum((w * x for w, x in zip(self.weights, state, strict=True)), arb(0)))
+
+    def gap_of(self, value: arb) -> arb:
+        """The distance of a value from the nearer end."""
         gap = arb("inf")
-        value = sum((w * x for w, x in zip(self.weights, state, strict=True) if w), arb(0))
         if self.lower is not None:
             gap = gap.min(value - self.lower)
         if self.upper is not None:
@@ -282,12 +215,9 @@ def check_segment(
         else:
             over, state, centre = found
             last = stretch.depth == MOST_SPLITS
-            again = tuple(c for c in open_constraints if not _settle(c, over, stretch))
-            limits_again = tuple(
-                limit
-                for limit in open_limits
-                if not _settle_limit(limit, over.time, (state, centre), stretch.depth)
-            )
+            view = _View(point_map, stretch, over, state, centre)
+            again = tuple(c for c in open_constraints if not _settle(c, view))
+            limits_again = tuple(limit for limit in open_limits if not _settle_limit(limit, view))
         if last or not (again or limits_again):
             continue
         pending += [(each, again, limits_again) for each in stretch.halves()]
@@ -301,7 +231,43 @@ def _give_up(constraints: Sequence[Constraint], limits: Sequence[StateLimit], ti
             item.status, item.margin, item.time = Status.UNDECIDED, float("-inf"), time
 
 
-def _settle(constraint: Constraint, over: Slice, stretch: Stretch) -> bool:
+@dataclass(slots=True)
+class _View:
+    """Positions and states over a stretch, and at its middle; closer ones where they are asked for.
+
+    In a wide tube the entries of a state go together, which boxes do not show.
+    """
+
+    point_map: PointMap
+    stretch: Stretch
+    over: Slice
+    state: Sequence[arb]
+    centre: Sequence[arb]
+    together: Slice | None = None
+
+    def bound(self, constraint: Constraint) -> tuple[Slice, arb, arb]:
+        """The positions that show a bound, and the bound over the stretch and at its middle."""
+        bound, middle = constraint.bound(self.over)
+        spread = self.stretch.segment.spread
+        if spread is None or bound > 0:
+            return self.over, bound, middle
+        if self.together is None:
+            segment = self.stretch.segment
+            self.together = self.point_map.closer(segment, self.stretch.middle, self.over)
+        return self.together, *constraint.bound(self.together)
+
+    def gaps(self, limit: StateLimit) -> tuple[arb, arb]:
+        """The distance to a limit over the stretch, and at its middle."""
+        over, middle = limit.gap(self.state), limit.gap(self.centre)
+        spread, stretch = self.stretch.segment.spread, self.stretch
+        if spread is None or over > 0:
+            return over, middle
+        times = stretch.middle + arb(0, 1) * stretch.half, stretch.middle
+        closer, shown = (limit.gap_of(spread.value(limit.weights, time)) for time in times)
+        return over.max(closer.lower()), middle.max(shown.lower())
+
+
+def _settle(constraint: Constraint, view: _View) -> bool:
     """Whether a constraint needs no smaller slices to be decided here.
 
     In a wide tube the bound at the middle of a slice is as much as smaller slices may show.  What
@@ -309,7 +275,8 @@ def _settle(constraint: Constraint, over: Slice, stretch: Stretch) -> bool:
     """
     if constraint.status is Status.FAILS:
         return True
-    bound, middle = constraint.bound(over)
+    stretch = view.stretch
+    over, bound, middle = view.bound(constraint)
     lower = float(bound.lower())
     if not lower > 0:
         if constraint.violated(over):
@@ -370,13 +337,12 @@ def _close_margin(point_map: PointMap, constraint: Constraint) -> None:
             heappush(held, HeldSlice(margin, count, half))
 
 
-def _settle_limit(
-    limit: StateLimit, time: arb, states: tuple[Sequence[arb], Sequence[arb]], depth: int
-) -> bool:
-    """Whether a limit needs no smaller slices here; ``states`` over one and at its middle."""
+def _settle_limit(limit: StateLimit, view: _View) -> bool:
+    """Whether a limit needs no smaller slices here."""
     if limit.status is Status.FAILS:
         return True
-    over, middle = (limit.gap(state) for state in states)
+    over, middle = view.gaps(limit)
+    time, depth = view.over.time, view.stretch.depth
     lower, shown = float(over.lower()), float(middle.lower())
     if bool(middle < 0):
         limit.note(Status.FAILS, float(middle.mid()), time)

@@ -23,13 +23,14 @@ from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.tasks.formula_parts import atoms, formula_text
 from compiler.tasks.monitor import key
 from compiler.tasks.specification import measurement_radii
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
-from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside, least
 from solvers.verifier.proofs.control_law import InputError, SampledLaw, open_loop, sampled_law
-from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.formula_proof import FormulaProof
+from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.region_distance import region_distance
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.start_check import at_rest
@@ -37,7 +38,6 @@ from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
     Constraint,
     Inside,
-    PointMap,
     StateLimit,
     Status,
     check_segment,
@@ -45,6 +45,7 @@ from solvers.verifier.proofs.tube_checks import (
     rows_of,
 )
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
+from solvers.verifier.proofs.zonotope import InitialSet, Zonotope
 
 LONGEST_TEXT = 72
 """Characters of a formula in a report."""
@@ -99,7 +100,8 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
     field = VectorField(
         tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes, curvature
     )
-    point_map = PointMap(tape(graph.points), field, graph.model.dimension)
+    moves = None if task.robust is None else tape(graph.point_slopes)
+    point_map = PointMap(tape(graph.points), field, graph.model.dimension, moves)
     exact = [graph.coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
     state = [ball(value) for part in exact for value in part]
     state += [arb(0) if item.initial is None else closed_ball(item.initial) for item in own]
@@ -118,8 +120,9 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
 class Followed:
     """What a tube shows, as far as it goes; ``samples`` are the states at the steps.
 
-    ``commanded`` are the inputs that a law commands, a row per step; none without one.  ``ended``
-    says why it goes no farther than ``time``, empty where it is complete.
+    ``commanded`` are the inputs that a law commands, a row per step; none without one.  ``last``
+    is the set of states at the last of the ``samples``.  ``ended`` says why it goes no farther than
+    ``time``, empty where it is complete.
     """
 
     robot: DrivenRobot
@@ -131,6 +134,7 @@ class Followed:
     commanded: list[Sequence[arb]] = field(default_factory=list[Sequence[arb]])
     time: float = 0.0
     ended: str = ""
+    last: Zonotope | None = None
 
     def positions(self) -> list[list[list[arb]]]:
         """Positions (samples, points, d)."""
@@ -143,13 +147,25 @@ class Followed:
         task, last = scene.task, self.samples[-1]
         end = float(task.step) * task.steps
         if task.reach is not None:
-            tip = self.robot.point_map.positions(last)[effector]
             target = scene.polytope(scene.workspace.region(task.reach.region))
-            found.append(inside(f"target {task.reach.region}", target, tip, end))
+            found.append(self._reached(f"target {task.reach.region}", target, effector, end))
             if task.reach.at_rest:
                 found.append(at_rest(scene.graph, last, end))
         found += [self._satisfied(*each) for each in enumerate(task.satisfy)]
         return found
+
+    def _reached(self, name: str, target: Polytope, effector: int, end: float) -> CheckedCondition:
+        """Whether an effector is in a polytope at the end."""
+        point_map = self.robot.point_map
+        found = inside(name, target, point_map.positions(self.samples[-1])[effector], end)
+        if found.status is not Status.UNDECIDED or self.last is None:
+            return found
+        over = point_map.instant(self.last)
+        gaps = [
+            (row.offset - over.form(row.normal, effector)[1]) / row.length
+            for row in rows_of(target)
+        ]
+        return least(name, gaps, "m", end, over.middle(effector))
 
     def so_far(self) -> list[CheckedCondition]:
         """What has to hold at every instant."""
@@ -216,7 +232,7 @@ def follow(
             if robot.law is not None and segment.number == len(found.commanded):
                 found.commanded.append(segment.commanded)
             if segment.steps[1].denominator == 1:
-                ends[int(segment.steps[1])] = segment.end
+                ends[int(segment.steps[1])], found.last = segment.end, segment.last
                 watch.part(int(segment.steps[1]), scene.task.steps)
     except EnclosureFailure as failure:
         found.ended = str(failure)

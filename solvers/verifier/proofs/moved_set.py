@@ -1,0 +1,111 @@
+"""How a set of states moves on a segment of a tube."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flint import arb, arb_mat
+
+from compiler.expressions.evaluators.balls import SIGNS
+from solvers.verifier.proofs.a_priori import Deviation, NearPath, narrowed
+from solvers.verifier.proofs.deviation_flow import Flow, flow
+from solvers.verifier.proofs.second_order import Added, added_by_forms
+from solvers.verifier.proofs.step_control import WIDE
+from solvers.verifier.proofs.vector_field import Path, VectorField
+from solvers.verifier.proofs.zonotope import Zonotope
+
+SLICES = 4
+"""The parts of a segment on which a closer box is computed."""
+KEPT = 8
+"""Times the size of a state: the columns of a wide set that conditions are checked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class MovedSet:
+    """The flow on a segment, what is added to the moved set, and a box of all deviations.
+
+    A box in which they were found to stay was ``growth`` times as large; ``spread`` tells of a wide
+    set how its entries go together.
+    """
+
+    flow: Flow
+    added: Added
+    radii: Sequence[arb]
+    growth: float = 1.0
+    spread: Spread | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """The deviations from a path during a segment: e(t) = P(t) G r + d.
+
+    All |r_j| <= 1 and |d| <= ``reach``.  A box of them would forget that entries go together.
+    """
+
+    path: Path
+    flow: Flow
+    states: Zonotope
+    reach: list[arb]
+
+    def at(self, time: arb) -> tuple[list[arb], arb_mat]:
+        """The path at an instant (size,), and the columns (size, c) that deviations consist of."""
+        size = len(self.reach)
+        rows = [[r if i == j else arb(0) for j in range(size)] for i, r in enumerate(self.reach)]
+        if self.states.columns:
+            moved = self.flow.at(time) * arb_mat(self.states.columns).transpose()
+            rows = [a + b for a, b in zip(moved.tolist(), rows, strict=True)]
+        return self.path.at(time), arb_mat(rows)
+
+    def value(self, weights: Sequence[int], time: arb) -> arb:
+        """An enclosure of a weighted sum of a state's entries, at an instant or a ball of them."""
+        state, columns = self.at(time)
+        moved = (arb_mat([[arb(w) for w in weights]]) * columns).entries()
+        centre = sum((w * x for w, x in zip(weights, state, strict=True)), arb(0))
+        return centre + SIGNS * sum((abs(item) for item in moved), arb(0)).upper()
+
+
+def moved_set(
+    field: VectorField, states: Zonotope, near: NearPath, found: Deviation, degree: int
+) -> MovedSet:
+    """How a set moves on [0, H]: by forms where it is wide, else by the bounds that hold in a box.
+
+    Raises:
+        ZeroDivisionError: M may be singular along the path.
+        UncertainSignError: an absolute value is not smooth enough for this degree.
+    """
+    if not any(bool(radius > WIDE) for radius in found.radii):
+        return _by_box(field, near, found)
+    closer = added_by_forms(field, states, near, found, degree)
+    if closer is None:
+        moved = _by_box(field, near, found)
+        radii = _closer(states, near, found, moved.flow, moved.added)
+        found = narrowed(field, near, radii, degree)
+        moved = _by_box(field, near, found)
+        closer = moved.flow, moved.added
+        return MovedSet(*closer, _closer(states, near, found, *closer))
+    radii = _closer(states, near, found, *closer)
+    pairs = zip(found.radii, radii, strict=True)
+    growth = max(float(f) / float(r) for f, r in pairs if r > 0)
+    spread = Spread(near.path, closer[0], states.reduced(KEPT), closer[1].reach)
+    return MovedSet(*closer, radii, growth, spread)
+
+
+def _by_box(field: VectorField, near: NearPath, found: Deviation) -> MovedSet:
+    """The flow of all deviations in a box."""
+    transition = flow(field, near.path.length / 2, found.linear)
+    box = transition.added(near.start, found.rest)
+    return MovedSet(transition, Added(box, found.steady, [arb(0)] * field.size), found.radii)
+
+
+def _closer(
+    states: Zonotope, near: NearPath, found: Deviation, transition: Flow, added: Added
+) -> list[arb]:
+    """A closer box of all deviations than that in which they were found to stay."""
+    radii = [arb(0)] * len(added.box)
+    for k in range(SLICES):
+        time = near.path.length * arb(k).union(arb(k + 1)) / SLICES
+        over = states.radii_under(transition.at(time))
+        radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, added.reach, strict=True)]
+    # Both boxes hold, so that the smaller of each pair of bounds does.
+    return [r.min(f) for r, f in zip(radii, found.radii, strict=True)]

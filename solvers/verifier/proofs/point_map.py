@@ -1,0 +1,140 @@
+"""Positions of a robot's points over slices of a tube.
+
+Over a slice of time of half-width d about its middle, a position is enclosed to second order,
+
+    p(s) in p(0) + p'(0) s + [p''/2] s^2,   |s| <= d,
+
+the first two at the middle and the last over the whole slice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from flint import arb, arb_mat, arb_series, ctx
+
+from compiler.expressions.evaluators.balls import BALLS, SERIES, SIGNS, rows
+from compiler.expressions.tape import Tape
+from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.vector_field import VectorField
+from solvers.verifier.proofs.zonotope import Zonotope, columns_of
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """Positions over a slice of time: per point and axis (p(0), p'(0), p''/2) and half-width d.
+
+    In a wide tube ``columns`` are those of p(0) about the ``path``, (d, c) per point: its entries
+    go together.
+    """
+
+    time: arb
+    half: arb
+    points: tuple[tuple[tuple[arb, arb, arb], ...], ...]
+    path: tuple[tuple[arb, ...], ...] = ()
+    columns: tuple[arb_mat, ...] = ()
+
+    def form(self, normal: Sequence[arb], point: int) -> tuple[arb, arb]:
+        """Enclosures of ``normal . p`` over the slice and at its middle."""
+        zero, one, two = arb(0), arb(0), arb(0)
+        for a, (p0, p1, p2) in zip(normal, self.points[point], strict=True):
+            zero, one, two = zero + a * p0, one + a * p1, two + a * p2
+        if self.columns:
+            zero = zero.intersection(self._together(normal, point))
+        s = arb(0, 1) * self.half
+        square = arb(0.5, 0.5) * self.half * self.half
+        return zero + one * s + two * square, zero
+
+    def _together(self, normal: Sequence[arb], point: int) -> arb:
+        """``normal . p`` at the middle, by the columns."""
+        centre = sum((a * x for a, x in zip(normal, self.path[point], strict=True)), arb(0))
+        moved = arb_mat([list(normal)]) * self.columns[point]
+        return centre + SIGNS * sum((abs(item) for item in moved.entries()), arb(0)).upper()
+
+    def middle(self, point: int) -> tuple[float, ...]:
+        """About where a point is at the middle of the slice."""
+        return tuple(float(axis[0].mid()) for axis in self.points[point])
+
+
+@dataclass(frozen=True, slots=True)
+class PointMap:
+    """Turns a tube into enclosures of positions: ``tape`` maps (q, theta, k) to all points.
+
+    ``slopes`` gives the Jacobian of the points in q, column by column, which only wide tubes need.
+    """
+
+    tape: Tape
+    field: VectorField
+    dimension: int
+    slopes: Tape | None = None
+
+    def positions(self, state: Sequence[arb]) -> list[list[arb]]:
+        """Positions (points, d) for a state given as balls."""
+        n = self.field.dofs
+        flat = self.tape.evaluate([*state[:n], *self.field.tail], BALLS)
+        d = self.dimension
+        return [flat[i : i + d] for i in range(0, len(flat), d)]
+
+    def over(
+        self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb
+    ) -> tuple[Slice, list[arb], list[arb]] | None:
+        """Positions over a slice of a segment, the state over it and at its middle.
+
+        None where they are not finite.
+        """
+        n, d = self.field.dofs, self.dimension
+        state = segment.at(middle + arb(0, 1) * half)
+        centre = segment.at(middle)
+        try:
+            pull = self.field.acceleration(state, u)
+        except ZeroDivisionError:
+            return None
+        if not all(item.is_finite() for item in (*state, *pull)):
+            return None
+        wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3)
+        near = self._series([[centre[i], centre[n + i]] for i in range(n)], 2)
+        flat = [(near[i][0], near[i][1], wide[i][2]) for i in range(len(near))]
+        points = tuple(tuple(flat[i : i + d]) for i in range(0, len(flat), d))
+        return Slice(segment.start + middle, half, points), state, centre
+
+    def closer(self, segment: TubeSegment, middle: arb, over: Slice) -> Slice:
+        """A slice with the columns of what positions at its middle may be.
+
+        By the mean value theorem a point is off the path's by J e, J anywhere between.
+        """
+        if segment.spread is None:
+            return over
+        state, columns = segment.spread.at(middle)
+        return self._with_columns(over, state, columns, segment.at(middle))
+
+    def instant(self, states: Zonotope) -> Slice:
+        """Positions at an instant at which the states are known."""
+        hull = states.hull()
+        none = arb(0)
+        points = tuple(tuple((x, none, none) for x in point) for point in self.positions(hull))
+        over = Slice(none, none, points)
+        if not states.columns:
+            return over
+        return self._with_columns(over, states.middle, columns_of(states), hull)
+
+    def _with_columns(
+        self, over: Slice, state: Sequence[arb], columns: arb_mat, hull: Sequence[arb]
+    ) -> Slice:
+        if self.slopes is None:
+            return over
+        n, d = self.field.dofs, self.dimension
+        flat = self.slopes.evaluate([*hull[:n], *self.field.tail], BALLS)
+        if not all(item.is_finite() for item in flat):
+            return over
+        height = len(flat) // n
+        slopes = arb_mat([[flat[j * height + i] for j in range(n)] for i in range(height)])
+        moved = (slopes * rows(columns, 0, n)).tolist()
+        path = tuple(map(tuple, self.positions(state)))
+        parts = tuple(arb_mat(moved[i : i + d]) for i in range(0, height, d))
+        return replace(over, path=path, columns=parts)
+
+    def _series(self, q: list[list[arb]], length: int) -> list[arb_series]:
+        ctx.cap = length
+        tail = [arb_series([item]) for item in self.field.tail]
+        return self.tape.evaluate([*(arb_series(item) for item in q), *tail], SERIES)
