@@ -18,8 +18,8 @@ from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
 from solvers.planner import EffectorPath
 from solvers.search.configuration_search import Configuration
+from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.trajectory.path_following import BEYOND, LEAST_MARGIN, SUBSTEPS, PathProblem
-from solvers.trajectory.task_limits import DisturbanceSpread
 from solvers.verifier.claims.further_claims import ControllerClaim, exact_law
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.trajectory_proof import Motion

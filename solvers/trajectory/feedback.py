@@ -20,7 +20,12 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from grammar_lang import ir
-from solvers.trajectory.task_limits import InputGroup, disturbance_spread
+from solvers.trajectory.disturbance_spread import (
+    DisturbanceSpread,
+    disturbance_spread,
+    second_order,
+)
+from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
 
 
@@ -47,6 +52,7 @@ class Sizes:
 
 FADING = 0.1
 BEYOND_BOUNDS = 1e3
+MOST_GROWTH = 10.0
 SIZES = (
     Sizes(0.1, 0.5),
     Sizes(0.05, 1.0),
@@ -139,21 +145,43 @@ def gains_along(
     Of several sizes of deviations, those are taken that let disturbed motions spread least on
     average, and command little.
     """
+    return closed_spread(numeric, task, trajectory, groups, substeps)[0]
+
+
+def closed_spread(
+    numeric: NumericRobot,
+    task: ir.Task,
+    trajectory: Trajectory,
+    groups: tuple[InputGroup, ...],
+    substeps: int,
+) -> tuple[Array, DisturbanceSpread | None]:
+    """The gains along a trajectory, and how far disturbed motions get with them.
+
+    To second order, unless that grows beyond all bounds; None for a task without disturbances.
+    """
+    dt = float(task.step)
     with np.errstate(all="ignore"):
-        steps = numeric.step(
-            trajectory.x[:-1], trajectory.u, trajectory.theta, float(task.step), substeps
-        )
-    scales = input_scales(groups, numeric.m)
+        steps = numeric.step(trajectory.x[:-1], trajectory.u, trajectory.theta, dt, substeps)
+        scales = input_scales(groups, numeric.m)
+        if task.robust is None:
+            return _rounded(regulator(steps, 2 * numeric.n, scales)), None
+        second = second_order(numeric, trajectory, dt)
+        found = []
+        for sizes in SIZES:
+            gains = _rounded(regulator(steps, 2 * numeric.n, scales, sizes))
+            linear = disturbance_spread(numeric, task, trajectory, steps, gains)
+            closer = disturbance_spread(numeric, task, trajectory, steps, gains, second)
+            bounded = closer.widest < MOST_GROWTH * linear.widest
+            spread = closer if bounded else linear
+            found.append((not bounded, _cost(spread, scales), gains, spread))
+        best = min(found, key=lambda item: item[:2])
+    return best[2], best[3]
 
-    def cost(gains: Array) -> float:
-        spread = disturbance_spread(numeric, task, trajectory, steps, gains)
-        share = float(np.max(spread.inputs / scales, initial=0.0))
-        mean = float(np.max(spread.points, axis=1, initial=0.0).mean())
-        return mean * (1 + share) / (1 - share) if share < 1 else mean * share * BEYOND_BOUNDS
 
-    choices = SIZES if task.robust is not None else SIZES[:1]
-    found = [_rounded(regulator(steps, 2 * numeric.n, scales, sizes)) for sizes in choices]
-    return found[0] if len(found) == 1 else min(found, key=cost)
+def _cost(spread: DisturbanceSpread, scales: Array) -> float:
+    share = float(np.max(spread.inputs / scales, initial=0.0))
+    mean = float(np.max(spread.points, axis=1, initial=0.0).mean())
+    return mean * (1 + share) / (1 - share) if share < 1 else mean * share * BEYOND_BOUNDS
 
 
 def _rounded(gains: Array) -> Array:

@@ -27,14 +27,13 @@ from solvers.trajectory.corridor import (
     timing_of,
     word_of,
 )
-from solvers.trajectory.feedback import gains_along
+from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
+from solvers.trajectory.feedback import closed_spread, gains_along
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
-    DisturbanceSpread,
     InputGroup,
     MotionLimits,
-    disturbance_spread,
     input_groups,
     motion_limits,
     resting_inputs,
@@ -283,14 +282,15 @@ class PathProblem:
 
     def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
         """The same task, tightened by so many spreads of the disturbed motions."""
-        with np.errstate(all="ignore"):
-            gains = self.gains(trajectory) if self.feedback else None
-            steps = self.numeric.step(
-                trajectory.x[:-1], trajectory.u, trajectory.theta, float(self.task.step),
-                self.substeps,
-            )  # fmt: skip
-            found = disturbance_spread(self.numeric, self.task, trajectory, steps, gains)
-        return replace(self, spread=found.scaled(factor))
+        groups = input_groups(self.model, self.task)
+        if self.feedback and self.task.robust is not None:
+            found = closed_spread(self.numeric, self.task, trajectory, groups, self.substeps)[1]
+        else:
+            with np.errstate(all="ignore"):
+                dt, x, u = float(self.task.step), trajectory.x[:-1], trajectory.u
+                steps = self.numeric.step(x, u, trajectory.theta, dt, self.substeps)
+                found = disturbance_spread(self.numeric, self.task, trajectory, steps)
+        return self if found is None else replace(self, spread=found.scaled(factor))
 
     def gains(self, trajectory: Trajectory) -> Array:
         """The gains (k, m, N) of feedback about a trajectory."""

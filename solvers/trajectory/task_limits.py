@@ -7,14 +7,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_states
-from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
-from solvers.trajectory.trajectory import Trajectory
 
 # --- What a robot and a task bound, in floats: joints and rates, inputs ---------------------------
 
@@ -152,81 +149,3 @@ class MotionLimits:
     final_rates: float
     start_values: Array | None
     own_start: Array = field(default_factory=lambda: np.zeros(0))
-
-
-# --------------------------------------------------------------------------------------------------
-# How far disturbed motions get from the planned one, to first order: a search tightens its
-# constraints by it.
-#
-# The spread of the start and of the inputs is carried along the linearised motion, ``D[i + 1] =
-# A[i] D[i] + B[i] d[i]``, and summed by absolute values, so that every corner counts. Nothing is
-# proved by it: the proof encloses all disturbed motions of the nonlinear robot.
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DisturbanceSpread:
-    """Half-widths of the disturbed motions.
-
-    Attributes:
-        points: (k + 1, m) of the positions of all points at the samples, in metres.
-        states: (n, 2) of coordinates and rates, the largest along the motion, in SI units.
-        inputs: (m,) of what feedback commands, the largest along the motion, in SI units.
-    """
-
-    points: Array
-    states: Array
-    inputs: Array = field(default_factory=lambda: np.zeros(0))
-
-    @property
-    def widest(self) -> float:
-        """The largest of the positions, in metres."""
-        return float(np.max(self.points, initial=0.0))
-
-    def scaled(self, factor: float) -> DisturbanceSpread:
-        """So many times as wide."""
-        return DisturbanceSpread(factor * self.points, factor * self.states, factor * self.inputs)
-
-
-def disturbance_spread(
-    numeric: NumericRobot,
-    task: ir.Task,
-    trajectory: Trajectory,
-    step: Linearisation,
-    gains: Array | None = None,
-) -> DisturbanceSpread:
-    """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
-
-    ``step`` is the linearisation of its steps.
-    Inputs are taken to be off by a constant in every step, and an uncertain mass to act as inputs
-    that are off by its part all the time.  With ``gains`` (k, m, N) what is measured is fed back.
-    """
-    n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
-    radii = [float(radius) for radius in disturbance_radii(task, model)]
-    noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
-    part, most = input_errors(task, model)
-    share, added = float(part), np.array([float(value) for value in most])
-    mass = 0.0 if task.robust is None else float(task.robust.mass)
-    columns = np.zeros((numeric.size, 2 * n + 1))
-    columns[: 2 * n, : 2 * n] = np.diag(radii)
-    by_q = numeric.points(trajectory.x[:, :n], theta).by_q
-    points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
-    inputs = np.zeros((k, numeric.m))
-    for sample in range(k + 1):
-        states[sample] = np.abs(columns[: 2 * n]).sum(axis=1)
-        moved = np.abs(by_q[sample] @ columns[:n]).sum(axis=2)
-        points[sample] = np.linalg.norm(moved, axis=1)
-        if sample < k:
-            by_x, by_u, u = step.state[sample], step.input[sample], trajectory.u[sample]
-            misread = np.zeros((numeric.m, 2 * n))
-            if gains is not None:
-                misread = gains[sample][:, : 2 * n] @ noise
-                inputs[sample] = np.abs(gains[sample] @ columns).sum(axis=1)
-                inputs[sample] += np.abs(misread).sum(axis=1)
-                by_x = by_x - by_u @ gains[sample]
-            pushed = by_u * (share * (np.abs(u) + inputs[sample]) + added)
-            columns = by_x @ columns
-            # The same constant all the time: its effects add up, sign by sign.
-            columns[:, 2 * n] += mass * (by_u @ u)
-            columns = np.concatenate([columns, pushed, by_u @ misread], axis=1)
-    largest = np.max(inputs, axis=0, initial=0.0)
-    return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest)

@@ -11,7 +11,7 @@ from solvers.search.path_task import (
     ConstraintTightening,
     missing_margin,
 )
-from solvers.trajectory.task_limits import DisturbanceSpread
+from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 

@@ -12,7 +12,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from grammar_lang import ir
-from solvers.trajectory.task_limits import DisturbanceSpread, disturbance_spread
+from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
 from solvers.trajectory.trajectory import Trajectory
 from tests.solvers.test_disturbed_proof import SLIDE, TWO, scene, spec
 

@@ -144,26 +144,25 @@ def _diagonal(entries: Sequence[arb]) -> arb_mat:
     return arb_mat([[entries[i] if i == j else arb(0) for j in range(size)] for i in range(size)])
 
 
-def _own_columns(
-    field: VectorField, lower: arb_mat, box: Sequence[arb], rest: Sequence[arb]
-) -> arb_mat:
-    """The columns of V that are not images of the set's: a box of e, and one of e_a - A e."""
-    n = field.dofs
-    places, none = _diagonal(box), arb_mat(field.size, n, [arb(0)] * (field.size * n))
-    return stacked(_beside(places, none), _beside(lower * places, _diagonal(rest)))
+def _own_columns(field: VectorField, lower: arb_mat, box: Sequence[arb], rest: arb_mat) -> arb_mat:
+    """The columns of V that are not images of the set's: a box of e, and what e_a - A e may be."""
+    places = _diagonal(box)
+    none = arb_mat(field.size, rest.ncols(), [arb(0)] * (field.size * rest.ncols()))
+    return stacked(_beside(places, none), _beside(lower * places, rest))
 
 
 def _accelerations(
     field: VectorField, linear: LinearPart, near: NearPath, slopes: arb_mat | None, forms: _Forms
-) -> list[arb]:
-    """Bounds of the joints' part of e_a - A e."""
-    solve = linear.inertia.solve
+) -> arb_mat:
+    """The columns of the joints' part of e_a - A e: what disturbances and forces amount to.
+
+    As columns, not as a box: an uncertain mass times accelerations is a part of the forces.
+    """
     most = [abs(c) + r for c, r in zip(forms.centre, forms.radii, strict=True)]
-    pushed = [(a + b).upper() for a, b in zip(most, near.defect, strict=True)]
-    total = absolute(solve(both_signs(column(pushed))))
+    pushed = _diagonal([(a + b).upper() for a, b in zip(most, near.defect, strict=True)])
     if slopes is not None:
-        total = total + absolute(solve(slopes)) * column(near.drive.disturbance)
-    return [item.upper() for item in total.entries()[: field.dofs]]
+        pushed = _beside(pushed, slopes * _diagonal(near.drive.disturbance))
+    return arb_mat(linear.inertia.solve(pushed).tolist()[: field.dofs])
 
 
 def _added(

@@ -1,0 +1,190 @@
+"""How far disturbed motions get from the planned one: a search tightens its constraints by it.
+
+The spread of the start and of the inputs is carried along the linearised motion, D[i + 1] = A[i]
+D[i] + B[i] d[i], and summed by absolute values, so that every corner counts.  With feedback, what
+is of second order is added as it is in the proof, at the samples (``second_order.py``): sets that
+feed on themselves are found before a proof is spent on them.  Nothing is proved by this.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
+from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
+from grammar_lang import ir
+from solvers.trajectory.trajectory import Trajectory
+
+MOST_COLUMNS, KEPT_COLUMNS = 16, 10
+"""Times the size of a state: when columns of a set are replaced by a box, and how many are left."""
+ROUNDS = 3
+"""What is of second order depends on accelerations, and these on it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DisturbanceSpread:
+    """Half-widths of the disturbed motions.
+
+    Attributes:
+        points: (k + 1, m) of the positions of all points at the samples, in metres.
+        states: (n, 2) of coordinates and rates, the largest along the motion, in SI units.
+        inputs: (m,) of what feedback commands, the largest along the motion, in SI units.
+    """
+
+    points: Array
+    states: Array
+    inputs: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def widest(self) -> float:
+        """The largest of the positions, in metres."""
+        return float(np.max(self.points, initial=0.0))
+
+    def scaled(self, factor: float) -> DisturbanceSpread:
+        """So many times as wide."""
+        return DisturbanceSpread(factor * self.points, factor * self.states, factor * self.inputs)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SecondOrder:
+    """The second derivatives of the equations of motion along a trajectory.
+
+    Attributes:
+        hessians: (k, n, N + n, N + n) of what is balanced, in the state and the accelerations.
+        by_state: (k, n, N) of the accelerations.
+        by_input: (k, n, m) of the accelerations.
+        by_force: (k, N, n) of the state after a step, in forces on the joints.
+        mass: (k, n, n), M.
+    """
+
+    hessians: Array
+    by_state: Array
+    by_input: Array
+    by_force: Array
+    mass: Array
+
+    def added(
+        self, sample: int, columns: Array, inputs: Array, off: Array, misjudged: Array
+    ) -> Array:
+        """What is added to the columns (N, c) of a set after a step, (N, n).
+
+        Args:
+            sample: the number of the step.
+            columns: the set after the step, but for this.
+            inputs: the columns of the inputs held in it, (m, c).
+            off: how far inputs may be from these, (m,).
+            misjudged: how far inputs may be off the planned ones that an uncertain mass turns into
+                other accelerations, (m,).
+        """
+        by_input, force = self.by_input[sample], self.by_force[sample]
+        n, (size, count) = len(by_input), columns.shape
+        solve = np.linalg.inv(self.mass[sample])
+        extra = np.abs(self.mass[sample] @ by_input) @ misjudged
+        pull = self.by_state[sample] @ columns + by_input @ inputs
+        forms = extra
+        for _ in range(ROUNDS):
+            whole = np.zeros((size + n, count + len(off) + n))
+            whole[:size, :count], whole[size:, :count] = columns, pull
+            whole[size:, count:] = np.concatenate([by_input * off, solve * forms], axis=1)
+            products = whole.T @ (self.hessians[sample] @ whole)
+            diagonals = np.abs(np.diagonal(products, axis1=1, axis2=2)).sum(axis=1)
+            forms = extra + np.abs(products).sum(axis=(1, 2)) / 2 - diagonals / 4
+        added: Array = force * forms
+        return added
+
+
+def second_order(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> SecondOrder:
+    """The second derivatives along a trajectory, at its samples but the last."""
+    graph, n, size = numeric.graph, numeric.n, numeric.size
+    x, u, theta = trajectory.x[:-1], trajectory.u, trajectory.theta
+    rates, jacobian = numeric.acceleration(x, u, theta)
+    function, places = graph.curvature
+    constants = numeric.constants
+    arguments = [x[:, :n].T, x[:, n:].T, rates[:, :n].T, u.T]
+    shared = [np.repeat(value[:, None], len(x), axis=1) for value in (theta, constants)]
+    values = np.array(function.map(len(x))(*arguments, *shared)).reshape(len(places), len(x))
+    hessians = np.zeros((len(x), n, size + n, size + n))
+    for (i, j, k), row in zip(places, values, strict=True):
+        if i < n:
+            hessians[:, i, j, k] = hessians[:, i, k, j] = row
+    mass = numeric.mass_matrix(x[:, :n], theta)
+    inverse = np.linalg.inv(mass)
+    by_force = np.zeros((len(x), size, n))
+    by_force[:, :n], by_force[:, n : 2 * n] = dt**2 / 2 * inverse, dt * inverse
+    by_input = jacobian[:, :n, size : size + numeric.m]
+    return SecondOrder(hessians, jacobian[:, :n, :size], by_input, by_force, mass)
+
+
+def _reduced(columns: Array, first: int) -> Array:
+    """Fewer columns, of a set that holds the set of these; the ``first`` stay as they are."""
+    size, count = columns.shape
+    if count <= MOST_COLUMNS * size + first:
+        return columns
+    scales = np.abs(columns).sum(axis=1)
+    scales[scales == 0] = 1.0
+    lengths = ((columns[:, first:] / scales[:, None]) ** 2).sum(axis=0)
+    order = first + np.argsort(lengths, kind="stable")
+    short, long = np.split(order, [len(order) - KEPT_COLUMNS * size])
+    box = np.diag(np.abs(columns[:, short]).sum(axis=1))
+    return np.concatenate([columns[:, :first], columns[:, np.sort(long)], box], axis=1)
+
+
+def disturbance_spread(
+    numeric: NumericRobot,
+    task: ir.Task,
+    trajectory: Trajectory,
+    step: Linearisation,
+    gains: Array | None = None,
+    second: SecondOrder | None = None,
+) -> DisturbanceSpread:
+    """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
+
+    ``step`` is the linearisation of its steps; with ``second`` and ``gains``, what is of second
+    order is added.
+    Inputs are taken to be off by a constant in every step, and an uncertain mass to act as inputs
+    that are off by its part all the time.  With ``gains`` (k, m, N) what is measured is fed back.
+    """
+    n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
+    radii = [float(radius) for radius in disturbance_radii(task, model)]
+    noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
+    part, most = input_errors(task, model)
+    share, added = float(part), np.array([float(value) for value in most])
+    mass = 0.0 if task.robust is None else float(task.robust.mass)
+    columns = np.zeros((numeric.size, 2 * n + 1))
+    columns[: 2 * n, : 2 * n] = np.diag(radii)
+    by_q = numeric.points(trajectory.x[:, :n], theta).by_q
+    points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
+    inputs = np.zeros((k, numeric.m))
+    for sample in range(k + 1):
+        states[sample] = np.abs(columns[: 2 * n]).sum(axis=1)
+        moved = np.abs(by_q[sample] @ columns[:n]).sum(axis=2)
+        points[sample] = np.linalg.norm(moved, axis=1)
+        if sample < k:
+            by_x, by_u, u = step.state[sample], step.input[sample], trajectory.u[sample]
+            misread = np.zeros((numeric.m, 2 * n))
+            if gains is not None:
+                misread = gains[sample][:, : 2 * n] @ noise
+                inputs[sample] = np.abs(gains[sample] @ columns).sum(axis=1)
+                inputs[sample] += np.abs(misread).sum(axis=1)
+                by_x = by_x - by_u @ gains[sample]
+            off = share * (np.abs(u) + inputs[sample]) + added
+            before = columns
+            columns = by_x @ columns
+            # The same constant all the time: its effects add up, sign by sign.
+            columns[:, 2 * n] += mass * (by_u @ u)
+            columns = np.concatenate([columns, by_u * off, by_u @ misread], axis=1)
+            if second is not None and gains is not None:
+                held = np.zeros((numeric.m, columns.shape[1]))
+                held[:, : before.shape[1]] = -gains[sample] @ before
+                held[:, columns.shape[1] - 2 * n :] = misread
+                misjudged = mass * (inputs[sample] + off)
+                more = second.added(sample, columns, held, off, misjudged)
+                columns = _reduced(np.concatenate([columns, more], axis=1), 2 * n + 1)
+        if not np.isfinite(columns).all():
+            points[sample:], states[sample:], inputs[sample:] = np.inf, np.inf, np.inf
+            break
+    largest = np.max(inputs, axis=0, initial=0.0)
+    return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest)
