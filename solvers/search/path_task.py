@@ -135,7 +135,7 @@ def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
 
 
 MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2, 0.1)
-LEAST_GROWTH = 0.2
+LEAST_GROWTH = 0.4
 """By at least this part of itself grows what is left for disturbed motions."""
 MOST_SPREADS = 20.0
 WIDEST = 1.0
