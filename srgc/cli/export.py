@@ -11,7 +11,7 @@ from srgc.cli.arguments import FOLDER, DocumentedCommand, PathOf
 from srgc.faults import UsageFault
 
 FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
-FOLDERS = ("mujoco", "all")
+FOLDERS = ("mujoco", "controller", "all")
 BINARY = ("npz",)
 
 
@@ -21,6 +21,7 @@ BINARY = ("npz",)
         "srgc export out/demo --to urdf -o arm.urdf",
         "srgc export out/demo --to ros2 -o arm.yaml",
         "srgc export out/demo --to mujoco -o arm_mujoco",
+        "srgc export out/demo --to controller -o arm_controller",
         "srgc export out/demo --to all -o arm_files",
     ],
     reads_spec=False,
@@ -34,13 +35,13 @@ BINARY = ("npz",)
     type=click.Choice([*FORMS, *FOLDERS]),
     help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
     "(JointTrajectory as YAML), npz (NumPy). Folders: mujoco (robot, torques and a script that "
-    "replays them), all.",
+    "replays them), controller (C, Python, npz), all.",
 )
 @click.option(
     "-o",
     "output",
     type=PathOf(path_type=Path, allow_dash=True),
-    help="Write here, not to stdout (`-`). A folder for mujoco and all.",
+    help="Write here, not to stdout (`-`). A folder for mujoco, controller and all.",
 )
 @click.option(
     "--no-effort", is_flag=True, help="ros2: without efforts, which older controllers refuse."

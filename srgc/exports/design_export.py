@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
+from srgc.exports.controller_code import DOUBLE, c_text, controller_arrays, python_text
+from srgc.exports.exported_controller import exported_controller
 from srgc.exports.exported_motion import ExportedMotion, exported_motion
 from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
 from srgc.exports.mjcf import mjcf_text
@@ -39,10 +41,11 @@ FILE_NAMES = {
     "npz": "trajectory.npz",
 }
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
+CONTROLLER = {"c": "controller.c", "python": "controller.py", "npz": "controller.npz"}
 FORMS = (*ROBOTS, *MOTIONS)
-FOLDERS = ("mujoco", "all")
+FOLDERS = ("mujoco", "controller", "all")
 BINARY = ("npz",)
-FOLDER_FILES = (*FILE_NAMES.values(), TORQUES, GAINS, SCRIPT)
+FOLDER_FILES = (*FILE_NAMES.values(), *CONTROLLER.values(), TORQUES, GAINS, SCRIPT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +76,16 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
 
 
 def export_folder(design: FoundDesign, form: str) -> ExportFolder:
-    """A design as one of the ``FOLDERS``: what MuJoCo replays, or everything.
+    """A design as one of the ``FOLDERS``: what MuJoCo replays, its controller, or everything.
 
     Raises:
-        UsageFault: ``mujoco``: the robot cannot be replayed there.
+        UsageFault: ``mujoco``: the robot cannot be replayed there; ``controller``: it has no
+            inputs.
     """
     if form == "mujoco":
         return ExportFolder(_replayed(design, exported_motion(design)), ())
+    if form == "controller":
+        return _controller(design)
     motion = exported_motion(design)
     found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
     notes = list(remarks(design))
@@ -92,6 +98,12 @@ def export_folder(design: FoundDesign, form: str) -> ExportFolder:
         found |= _replayed(design, motion)
     except UsageFault as fault:
         notes.append(f"no {SCRIPT}: {fault}")
+    try:
+        controller = _controller(design)
+        found |= controller.files
+        notes += controller.notes
+    except UsageFault as fault:
+        notes.append(f"no {CONTROLLER['c']}: {fault}")
     return ExportFolder(found, tuple(notes))
 
 
@@ -116,6 +128,16 @@ def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
         TORQUES: torque_table(motion).encode(),
         SCRIPT: files("srgc.exports").joinpath("stand_alone_replay.py").read_bytes(),
     }
+
+
+def _controller(design: FoundDesign) -> ExportFolder:
+    controller = exported_controller(design)
+    texts = {
+        CONTROLLER["c"]: c_text(controller, DOUBLE),
+        CONTROLLER["python"]: python_text(controller),
+    }
+    files = {name: text.encode() for name, text in texts.items()}
+    return ExportFolder(files | {CONTROLLER["npz"]: controller_arrays(controller)}, ())
 
 
 def _robot_text(design: FoundDesign, form: str) -> str:

@@ -36,6 +36,7 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.further_claims import exact_law
 from solvers.verifier.claims.spec_copy import bounded_text, read_copy
+from solvers.verifier.proofs.control_law import ControlLaw
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
 from srgc.results.result_folder import json_object
@@ -92,9 +93,11 @@ class FoundDesign:
         k, m, size = len(self.claim.inputs), len(robot_inputs(self.model)), 2 * len(self.model.dofs)
         try:
             law = exact_law(controller)
+            if not shaped_for(law, k, m, size):
+                raise ValueError("the shapes are others")
             reference = np.array(law.reference, dtype=np.float64).reshape(k, size)
             gains = np.array(law.gains, dtype=np.float64).reshape(k, m, size)
-        except (ValueError, TypeError, OverflowError):
+        except (ValueError, OverflowError):
             raise UsageFault("the controller of the certificate does not fit the robot") from None
         return Feedback(reference, gains)
 
@@ -102,6 +105,14 @@ class FoundDesign:
     def stated(self) -> tuple[Fraction, ...]:
         """The rationals that the certificate states the parameters by."""
         return tuple(value.stated for value in self.parameters)
+
+
+def shaped_for(law: ControlLaw, steps: int, inputs: int, measured: int) -> bool:
+    """Whether a law has gains for so many steps, inputs and measured quantities."""
+    rows = [measured] * inputs
+    return [len(row) for row in law.reference] == [measured] * steps and [
+        [len(row) for row in gain] for gain in law.gains
+    ] == [rows] * steps
 
 
 def found_design(folder: Path) -> FoundDesign:
