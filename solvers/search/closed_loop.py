@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
+from compiler.robots.state_and_input import input_bounds
 from grammar_lang import ir
 from solvers.search.path_task import WIDEST
 from solvers.trajectory.control_problem import ControlOutcome
@@ -42,6 +46,36 @@ def controlled(
         numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
     )
     size = 2 * numeric.n
+    rounding = rounding_allowance(motion, gains[:, :, :size], path_problem)
     reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
     stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)
-    return motion, ControllerClaim(reference, stated)
+    return motion, ControllerClaim(reference, stated, rounding)
+
+
+SINGLE = 2.0**-24
+"""The part of a number by which single precision rounds it at most."""
+DEVIATION = 1.0
+"""A deviation from the reference for which rounding is estimated, in SI units."""
+ROUNDED_TWICE = 2.0
+MOST_ROUNDING = 1e-4
+"""Of half the range of an input; more would cost motions."""
+
+
+def rounding_allowance(
+    motion: Trajectory, gains: Array, path_problem: PathProblem
+) -> tuple[str, ...]:
+    """Per input how far rounding may take it from the law: enough for single precision, mostly.
+
+    ``gains`` are (k, m, 2n).  A rounded measurement and a rounded reference count with the gain;
+    the rest counts with the deviation.
+    """
+    size = gains.shape[2]
+    terms = np.abs(gains) @ (2 * np.abs(motion.x[:-1, :size]) + DEVIATION)[:, :, None]
+    needed = ROUNDED_TWICE * SINGLE * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
+    most = np.zeros(len(needed))
+    for bound in input_bounds(path_problem.model, path_problem.task):
+        own = list(bound.inputs)
+        half = float(bound.upper if bound.norm2 else (bound.upper - bound.lower) / 2)
+        most[own] = np.where(most[own] > 0, np.minimum(most[own], half), half)
+    allowed = np.minimum(needed, MOST_ROUNDING * most)
+    return tuple(decimal(float(f"{value:.1e}")) for value in allowed.tolist())

@@ -8,34 +8,15 @@ bit.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from compiler.expressions.exact_numbers import decimal
 from srgc.exports.exported_controller import ExportedController, described
 from srgc.exports.exported_motion import Quantity
+from srgc.exports.law_rounding import Precision
 from srgc.exports.motion_formats import array_file
 from srgc.exports.xml_lines import plain_line
-
-
-@dataclass(frozen=True, slots=True)
-class Precision:
-    """A binary format of IEEE 754 by its name in C, with ``bits`` significant bits.
-
-    Constants end in ``suffix``; numbers are below 2^``exponent``, those from 2^(2 - ``exponent``)
-    on have all their bits.
-    """
-
-    name: str
-    suffix: str
-    bits: int
-    exponent: int
-
-
-DOUBLE = Precision("double", "", 53, 1024)
-SINGLE = Precision("float", "f", 24, 128)
-
 
 # --- C99, one file --------------------------------------------------------------------------------
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from srgc.exports.controller_code import DOUBLE, c_text, controller_arrays, python_text
-from srgc.exports.exported_controller import exported_controller
+from srgc.exports.controller_files import CONTROLLER_FILES, C, controller_files
 from srgc.exports.exported_motion import ExportedMotion, exported_motion
 from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
 from srgc.exports.mjcf import mjcf_text
@@ -21,7 +20,7 @@ from srgc.exports.motion_formats import (
     trajectory_table,
 )
 from srgc.exports.urdf import urdf_text
-from srgc.faults import UsageFault
+from srgc.faults import NoAnswer, UsageFault
 from srgc.results.folder_writer import folder_output
 from srgc.results.found_design import FoundDesign, found_design
 
@@ -41,11 +40,10 @@ FILE_NAMES = {
     "npz": "trajectory.npz",
 }
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
-CONTROLLER = {"c": "controller.c", "python": "controller.py", "npz": "controller.npz"}
 FORMS = (*ROBOTS, *MOTIONS)
 FOLDERS = ("mujoco", "controller", "all")
 BINARY = ("npz",)
-FOLDER_FILES = (*FILE_NAMES.values(), *CONTROLLER.values(), TORQUES, GAINS, SCRIPT)
+FOLDER_FILES = (*FILE_NAMES.values(), *CONTROLLER_FILES, TORQUES, GAINS, SCRIPT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,17 +73,21 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
     return _encoded(MOTIONS[form](motion))
 
 
-def export_folder(design: FoundDesign, form: str) -> ExportFolder:
-    """A design as one of the ``FOLDERS``: what MuJoCo replays, its controller, or everything.
+def export_folder(folder: Path, form: str) -> ExportFolder:
+    """The design of a result folder as one of the ``FOLDERS``.
+
+    That is what MuJoCo replays, its controller, or everything.
 
     Raises:
         UsageFault: ``mujoco``: the robot cannot be replayed there; ``controller``: it has no
-            inputs.
+            inputs, or a proof that does not allow for rounding.
+        NoAnswer: ``controller``: the tube does not get to the end of the motion.
     """
+    design = found_design(folder)
     if form == "mujoco":
         return ExportFolder(_replayed(design, exported_motion(design)), ())
     if form == "controller":
-        return _controller(design)
+        return ExportFolder(*controller_files(folder, design))
     motion = exported_motion(design)
     found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
     notes = list(remarks(design))
@@ -99,11 +101,11 @@ def export_folder(design: FoundDesign, form: str) -> ExportFolder:
     except UsageFault as fault:
         notes.append(f"no {SCRIPT}: {fault}")
     try:
-        controller = _controller(design)
-        found |= controller.files
-        notes += controller.notes
-    except UsageFault as fault:
-        notes.append(f"no {CONTROLLER['c']}: {fault}")
+        files, more = controller_files(folder, design)
+        found |= files
+        notes += more
+    except (UsageFault, NoAnswer) as fault:
+        notes.append(f"no {C}: {fault}")
     return ExportFolder(found, tuple(notes))
 
 
@@ -128,16 +130,6 @@ def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
         TORQUES: torque_table(motion).encode(),
         SCRIPT: files("srgc.exports").joinpath("stand_alone_replay.py").read_bytes(),
     }
-
-
-def _controller(design: FoundDesign) -> ExportFolder:
-    controller = exported_controller(design)
-    texts = {
-        CONTROLLER["c"]: c_text(controller, DOUBLE),
-        CONTROLLER["python"]: python_text(controller),
-    }
-    files = {name: text.encode() for name, text in texts.items()}
-    return ExportFolder(files | {CONTROLLER["npz"]: controller_arrays(controller)}, ())
 
 
 def _robot_text(design: FoundDesign, form: str) -> str:
@@ -178,6 +170,7 @@ def written_export(
     Raises:
         UsageFault: there is no robot, the format cannot hold it, the output is one of the results
             or cannot be written, or a folder is due and none is named.
+        NoAnswer: ``controller``: the tube does not get to the end of the motion.
     """
     if form in FOLDERS:
         return _written_folder(folder, form, output)
@@ -195,7 +188,7 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
     if output is None:
         raise UsageFault(f"--to {form} writes several files; name a folder with -o")
     files = {name: folder_output(folder, output / name) for name in FOLDER_FILES}
-    made = export_folder(found_design(folder), form)
+    made = export_folder(folder, form)
     if any(files[name].name is None for name in made.files):
         try:
             output.mkdir(parents=True, exist_ok=True)

@@ -257,6 +257,8 @@ def _texts(values: Sequence[str]) -> NDArray[np.generic]:
 
 
 NANO = 10**9
+OPEN_LOOP = "open loop: efforts are held from point to point, and nothing that is measured counts"
+NO_GAINS = "the gains of its feedback are not in here; `srgc export --to controller` writes them"
 MOST_SECONDS = 2**31
 """builtin_interfaces/msg/Duration has seconds of 32 bits with a sign."""
 
@@ -281,7 +283,8 @@ def joint_trajectory(motion: ExportedMotion, *, efforts: bool = True) -> str:
         "joint_names": [joint.name for joint in motion.joints],
         "points": list(_points(motion, times, efforts=efforts)),
     }
-    notes = (*origin(motion.design), *remarks(motion.design))
+    control = OPEN_LOOP if motion.design.claim.controller is None else NO_GAINS
+    notes = (*origin(motion.design), control, *remarks(motion.design))
     head = "".join(f"# {plain_line(line)}\n" for line in notes)
     dumped = yaml.safe_dump(
         message, default_flow_style=None, sort_keys=False, width=10**9, allow_unicode=True
