@@ -8,6 +8,7 @@ bit.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 
 import numpy as np
 
@@ -229,14 +230,17 @@ def controller(sample, measured=()):
 
 
 def controller_arrays(controller: ExportedController) -> bytes:
-    """The npz file: ``planned`` (k, m) and, with feedback, ``reference`` and ``gains``."""
+    """The file: ``planned`` (k, m); with feedback ``reference``, ``gains``, ``rounding``, too."""
     numbers = {
-        "period": np.array(float(controller.period)),
+        "period": np.array([float(controller.period)]),
         "planned": np.array(controller.planned, dtype=np.float64),
     }
     if controller.reference is not None and controller.gains is not None:
         numbers["reference"] = np.array(controller.reference, dtype=np.float64)
         numbers["gains"] = np.array(controller.gains, dtype=np.float64)
+        claim = controller.design.claim.controller
+        allowed = () if claim is None or claim.rounding is None else claim.rounding
+        numbers["rounding"] = np.array([float(Fraction(text)) for text in allowed])
     texts = {
         "measured_names": [item.name for item in controller.measured],
         "measured_units": [item.unit for item in controller.measured],

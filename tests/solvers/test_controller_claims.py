@@ -231,7 +231,7 @@ def test_what_is_rounded_counts_in_the_bound_of_the_effort(folder: Path) -> None
     assert after["planned effort (N*m)"] == before["planned effort (N*m)"]
     lost = before["effort (N*m)"] - after["effort (N*m)"]
     # At the first sample the set of states is the same; later it is wider, too.
-    assert 0.002 - 1e-9 <= lost < 0.008
+    assert 0.002 - 1e-9 <= lost < 0.05
 
 
 @pytest.mark.parametrize("allowance", ["3", "20", "1000000"])
