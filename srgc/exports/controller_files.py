@@ -106,11 +106,11 @@ def _rounding_notes(
 ) -> Iterator[str]:
     claim = controller.design.claim.controller
     yield ""
-    yield "The proof allows for inputs that rounding takes off that law. So far it may take them"
-    yield f"here, for all that may be measured, of which the program gets the nearest {kind}:"
+    yield "Rounding: how far inputs may be from that law, for all that may be measured in the tube,"
+    yield f"each quantity rounded to the nearest {kind}; and how far the proof allows them to be."
     allowed = () if claim is None or claim.rounding is None else claim.rounding
     for number, (item, bound) in enumerate(zip(controller.inputs, rounding, strict=True)):
-        yield f"inputs[{number}]: {_shown(bound)} {item.unit}, of {allowed[number]} {item.unit}"
+        yield f"inputs[{number}]: {_shown(bound)} {item.unit} of {allowed[number]} {item.unit}"
 
 
 def _open_loop_notes(controller: ExportedController) -> tuple[str, ...]:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import re
+import shlex
+import shutil
+import subprocess
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from random import Random
@@ -16,10 +20,11 @@ from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.results import found_design
-from tests.oracles import result_files
+from tests.oracles import pages, result_files
 from tests.oracles.driven_claims import CASES, Driven
 from tests.oracles.exported_controllers import (
     COMPILERS,
+    WARNINGS,
     compiled,
     constants,
     law,
@@ -94,7 +99,7 @@ def measured_states(folder: Path, count: int) -> list[tuple[int, list[float]]]:
 
 def stated(text: str) -> list[float]:
     """The bounds of rounding that the comments of a file state."""
-    return [float(x) for x in re.findall(r"inputs\[\d+\]: (\S+) \S+, of ", text)]
+    return [float(x) for x in re.findall(r"inputs\[\d+\]: (\S+) \S+ of ", text)]
 
 
 # --- what is computed ----------------------------------------------------------------------------
@@ -251,6 +256,26 @@ def test_a_comment_stays_one(srgc: Export, tmp_path: Path, compiler: str) -> Non
     assert srgc("export", folder, "--to", "controller", "-o", target).status == 0
     compiled(compiler, target / "controller.c", "Turn", (2, 1))
     module(target / "controller.py")
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "controller.md"
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+def test_the_program_of_the_page(
+    srgc: Export, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = CASES["friction"]
+    text = replaced(replaced(case.text, "task Turn", "task Held"), "of 0.2 s", "of 0.1 s")
+    folder = closed_loop(replace(case, text=text), tmp_path / "claimed")
+    assert srgc("export", folder, "--to", "controller", "-o", tmp_path / "held").status == 0
+    monkeypatch.chdir(tmp_path)
+    blocks = pages.blocks(PAGE.read_text(encoding="utf-8"))
+    (number,) = (i for i, block in enumerate(blocks) if block.kind == "sh")
+    Path("main.c").write_text(blocks[number - 1].body, encoding="utf-8")
+    subprocess.run([*shlex.split(blocks[number].body), *WARNINGS], check=True)
+    ran = subprocess.run(["./main"], capture_output=True, text=True, check=True)
+    assert ran.stdout == blocks[number + 1].body
 
 
 # --- ROS 2 has no gains --------------------------------------------------------------------------
