@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, DocumentedCommand, PathOf
-from srgc.faults import UsageFault
+from srgc.faults import UNKNOWN, UsageFault
 
 FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
 FOLDERS = ("mujoco", "controller", "all")
@@ -24,6 +24,7 @@ BINARY = ("npz",)
         "srgc export out/demo --to controller -o arm_controller",
         "srgc export out/demo --to all -o arm_files",
     ],
+    statuses={UNKNOWN: "no tube of the closed loop gets to the end of the motion: no controller"},
     reads_spec=False,
     read_on="docs/how-to/export.md",
 )

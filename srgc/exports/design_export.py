@@ -43,7 +43,12 @@ TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
 FORMS = (*ROBOTS, *MOTIONS)
 FOLDERS = ("mujoco", "controller", "all")
 BINARY = ("npz",)
-FOLDER_FILES = (*FILE_NAMES.values(), *CONTROLLER_FILES, TORQUES, GAINS, SCRIPT)
+REPLAYED = (FILE_NAMES["mjcf"], FILE_NAMES["csv"], TORQUES, GAINS, SCRIPT)
+FOLDER_FILES = {
+    "mujoco": REPLAYED,
+    "controller": CONTROLLER_FILES,
+    "all": tuple(dict.fromkeys((*FILE_NAMES.values(), *CONTROLLER_FILES, *REPLAYED))),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +192,7 @@ def written_export(
 def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExport:
     if output is None:
         raise UsageFault(f"--to {form} writes several files; name a folder with -o")
-    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES}
+    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES["all"]}
     made = export_folder(folder, form)
     if any(files[name].name is None for name in made.files):
         try:
@@ -196,4 +201,8 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
             raise UsageFault(f"{output}: {error.strerror}") from None
     for name, content in made.files.items():
         files[name].write(content)
-    return WrittenExport(tuple(output / name for name in sorted(made.files)), None, made.notes)
+    # Gains or single precision of another design, say, would be taken for this one's.
+    other = sorted({*FOLDER_FILES[form]} - made.files.keys())
+    left = [name for name in other if (output / name).exists()]
+    notes = (*made.notes, *(f"{output / name} is of an earlier export: remove it" for name in left))
+    return WrittenExport(tuple(output / name for name in sorted(made.files)), None, notes)

@@ -331,6 +331,23 @@ def test_single_precision_is_left_out_where_the_proof_does_not_allow_for_it(
     assert "controller_single.c" not in everything.out
 
 
+def test_what_an_earlier_export_left_is_named(srgc: Export, arm: Path) -> None:
+    target = exported(srgc, arm)
+    earlier = (target / "controller_single.c").read_bytes()
+    allowing(arm, ["1/100000000"] * 2)
+    for form in ("controller", "all"):
+        ran = srgc("export", arm, "--to", form, "-o", target)
+        assert ran.status == 0
+        assert f"note: {target / 'controller_single.c'} is of an earlier export" in ran.err
+    assert (target / "controller_single.c").read_bytes() == earlier
+    assert srgc("export", arm, "--to", "mujoco", "-o", target) == Ran(
+        0, "".join(f"{target / name}\n" for name in REPLAYED), ""
+    )
+
+
+REPLAYED = ("gains.csv", "replay.py", "robot.xml", "torques.csv", "trajectory.csv")
+
+
 @pytest.mark.parametrize(
     ("allowances", "reason"),
     [
