@@ -52,8 +52,8 @@ def controlled(
     return motion, ControllerClaim(reference, stated, rounding)
 
 
-SINGLE = 2.0**-24
-"""The part of a number by which single precision rounds it at most."""
+SINGLE, DOUBLE = 2.0**-24, 2.0**-53
+"""The part of a number by which single and double precision round it at most."""
 DEVIATION = 1.0
 """A deviation from the reference for which rounding is estimated, in SI units."""
 ROUNDED_TWICE = 2.0
@@ -66,12 +66,13 @@ def rounding_allowance(
 ) -> tuple[str, ...]:
     """Per input how far rounding may take it from the law: enough for single precision, mostly.
 
-    ``gains`` are (k, m, 2n).  A rounded measurement and a rounded reference count with the gain;
-    the rest counts with the deviation.
+    Without disturbances it is enough for doubles alone: the tube is narrow there, and a wide one
+    takes several times as long.  ``gains`` are (k, m, 2n).  A rounded measurement and a rounded
+    reference count with the gain; the rest counts with the deviation.
     """
-    size = gains.shape[2]
+    size, unit = gains.shape[2], DOUBLE if path_problem.task.robust is None else SINGLE
     terms = np.abs(gains) @ (2 * np.abs(motion.x[:-1, :size]) + DEVIATION)[:, :, None]
-    needed = ROUNDED_TWICE * SINGLE * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
+    needed = ROUNDED_TWICE * unit * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
     most = np.zeros(len(needed))
     for bound in input_bounds(path_problem.model, path_problem.task):
         own = list(bound.inputs)
