@@ -6,6 +6,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
+from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds
 from grammar_lang import ir
 from solvers.search.path_task import WIDEST
@@ -46,7 +47,7 @@ def controlled(
         numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
     )
     size = 2 * numeric.n
-    rounding = rounding_allowance(motion, gains[:, :, :size], path_problem)
+    rounding = rounding_allowance(motion, gains[:, :, :size], path_problem.model, task)
     reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
     stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)
     return motion, ControllerClaim(reference, stated, rounding)
@@ -62,7 +63,7 @@ MOST_ROUNDING = 1e-4
 
 
 def rounding_allowance(
-    motion: Trajectory, gains: Array, path_problem: PathProblem
+    motion: Trajectory, gains: Array, model: RobotModel, task: ir.Task
 ) -> tuple[str, ...]:
     """Per input how far rounding may take it from the law: enough for single precision, mostly.
 
@@ -70,11 +71,11 @@ def rounding_allowance(
     takes several times as long.  ``gains`` are (k, m, 2n).  A rounded measurement and a rounded
     reference count with the gain; the rest counts with the deviation.
     """
-    size, unit = gains.shape[2], DOUBLE if path_problem.task.robust is None else SINGLE
+    size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
     terms = np.abs(gains) @ (2 * np.abs(motion.x[:-1, :size]) + DEVIATION)[:, :, None]
     needed = ROUNDED_TWICE * unit * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
     most = np.zeros(len(needed))
-    for bound in input_bounds(path_problem.model, path_problem.task):
+    for bound in input_bounds(model, task):
         own = list(bound.inputs)
         half = float(bound.upper if bound.norm2 else (bound.upper - bound.lower) / 2)
         most[own] = np.where(most[own] > 0, np.minimum(most[own], half), half)
