@@ -74,10 +74,10 @@ def rounding_allowance(
     size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
     terms = np.abs(gains) @ (2 * np.abs(motion.x[:-1, :size]) + DEVIATION)[:, :, None]
     needed = ROUNDED_TWICE * unit * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
-    most = np.zeros(len(needed))
+    most = np.full(len(needed), np.inf)
     for bound in input_bounds(model, task):
         own = list(bound.inputs)
         half = float(bound.upper if bound.norm2 else (bound.upper - bound.lower) / 2)
-        most[own] = np.where(most[own] > 0, np.minimum(most[own], half), half)
+        most[own] = np.minimum(most[own], half)
     allowed = np.minimum(needed, MOST_ROUNDING * most)
     return tuple(decimal(float(f"{value:.1e}")) for value in allowed.tolist())

@@ -15,10 +15,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import arb
 
 from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from solvers.verifier.verification import Outcome, verify_directory
+from srgc.exports.exported_controller import exported_controller
+from srgc.exports.law_rounding import DOUBLE, SINGLE, rounding_bounds
 from srgc.results import found_design
 from tests.oracles import pages, result_files
 from tests.oracles.driven_claims import CASES, Driven
@@ -372,19 +375,33 @@ def test_without_an_allowance_there_is_no_controller(
     assert not (tmp_path / "all" / "controller.c").exists()
 
 
-def test_numbers_beyond_single_precision(srgc: Export, arm: Path, tmp_path: Path) -> None:
-    """However small their part is in what is held."""
-
+@pytest.mark.parametrize(
+    ("gain", "planned", "measured", "finite"),
+    [
+        ("1" + 60 * "0", "1", 1.0, (True, False)),
+        ("1", "1" + 60 * "0", 1.0, (True, False)),
+        ("1", "1", 1e60, (True, False)),
+        ("0", "1", 1e60, (True, False)),
+        ("1" + 20 * "0", "1", 1e20, (True, False)),
+        ("1" + 299 * "0", "1", 1e20, (False, False)),
+        ("1", "1", float("inf"), (False, False)),
+        ("0." + 60 * "0" + "1", "1", 1e-60, (True, True)),
+    ],
+)
+def test_what_is_beyond_a_precision_has_no_bound(
+    arm: Path, gain: str, planned: str, measured: float, finite: tuple[bool, bool]
+) -> None:
     def change(content: dict[str, Any]) -> None:
         (claim,) = content["claims"]
-        claim["gains"][0][0][0] = "1" + 60 * "0"
-        claim["reference"][0] = content["start"]
-        claim["rounding"] = ["1" + 250 * "0"] * 2
+        claim["gains"][2][0][1] = gain
+        content["inputs"][2][0] = planned
 
     result_files.alter(arm, change, sign=True)
-    ran = srgc("export", arm, "--to", "controller", "-o", tmp_path / "controller")
-    # So large a gain leaves no tube, or no single precision.
-    assert ran.status == 4 or "no controller_single.c" in ran.err
+    controller = exported_controller(found_design.found_design(arm))
+    states = [[arb(measured) for _ in controller.measured] for _ in range(controller.samples + 1)]
+    for precision, due in zip((DOUBLE, SINGLE), finite, strict=True):
+        bounds = rounding_bounds(controller, states, precision)
+        assert bounds[0].is_finite() is due
 
 
 def test_gains_of_another_shape(srgc: Export, arm: Path, tmp_path: Path) -> None:
