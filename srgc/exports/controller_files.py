@@ -43,10 +43,12 @@ def controller_files(folder: Path, design: FoundDesign) -> tuple[dict[str, bytes
     excess = _excess(controller, found[DOUBLE], allowed)
     if excess is not None:
         raise UsageFault(f"no controller is covered by its proof: in doubles, {excess}")
-    files = _encoded(controller, tuple(_rounding_notes(controller, found[DOUBLE], "double")))
+    stated = tuple(_rounding_notes(controller, found[DOUBLE], "double"))
     excess = _excess(controller, found[SINGLE], allowed)
     if excess is not None:
-        return files, (f"no {C_SINGLE}: in single precision, {excess}",)
+        why = f"no {C_SINGLE}: in single precision, {excess}"
+        return _encoded(controller, (*stated, f"There is {why}.")), (why,)
+    files = _encoded(controller, stated)
     notes = tuple(_rounding_notes(controller, found[SINGLE], "float"))
     return files | {C_SINGLE: c_text(controller, SINGLE, notes).encode()}, ()
 

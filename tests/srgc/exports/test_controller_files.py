@@ -328,6 +328,9 @@ def test_single_precision_is_left_out_where_the_proof_does_not_allow_for_it(
     assert ran.err.startswith("note: no controller_single.c: in single precision, rounding may")
     assert "the input JO_8 by" in ran.err
     assert "allows for 1e-08 N*m" in ran.err
+    said = ran.err.removeprefix("note: ").rstrip()
+    for name in ("controller.c", "controller.py"):
+        assert f"There is {said}.\n" in (target / name).read_text(encoding="utf-8")
     everything = srgc("export", arm, "--to", "all", "-o", tmp_path / "all")
     assert everything.err == ran.err
     assert "controller.c" in everything.out
