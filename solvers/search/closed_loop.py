@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import input_bounds
 from grammar_lang import ir
 from solvers.search.path_task import WIDEST
 from solvers.trajectory.control_problem import ControlOutcome
@@ -42,6 +47,37 @@ def controlled(
         numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
     )
     size = 2 * numeric.n
+    rounding = rounding_allowance(motion, gains[:, :, :size], path_problem.model, task)
     reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
     stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)
-    return motion, ControllerClaim(reference, stated)
+    return motion, ControllerClaim(reference, stated, rounding)
+
+
+SINGLE, DOUBLE = 2.0**-24, 2.0**-53
+"""The part of a number by which single and double precision round it at most."""
+DEVIATION = 1.0
+"""A deviation from the reference for which rounding is estimated, in SI units."""
+ROUNDED_TWICE = 2.0
+MOST_ROUNDING = 1e-4
+"""Of half the range of an input; more would cost motions."""
+
+
+def rounding_allowance(
+    motion: Trajectory, gains: Array, model: RobotModel, task: ir.Task
+) -> tuple[str, ...]:
+    """Per input how far rounding may take it from the law: enough for single precision, mostly.
+
+    Without disturbances it is enough for doubles alone: the tube is narrow there, and a wide one
+    takes several times as long.  ``gains`` are (k, m, 2n).  A rounded measurement and a rounded
+    reference count with the gain; the rest counts with the deviation.
+    """
+    size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
+    terms = np.abs(gains) @ (2 * np.abs(motion.x[:-1, :size]) + DEVIATION)[:, :, None]
+    needed = ROUNDED_TWICE * unit * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
+    most = np.full(len(needed), np.inf)
+    for bound in input_bounds(model, task):
+        own = list(bound.inputs)
+        half = float(bound.upper if bound.norm2 else (bound.upper - bound.lower) / 2)
+        most[own] = np.minimum(most[own], half)
+    allowed = np.minimum(needed, MOST_ROUNDING * most)
+    return tuple(decimal(float(f"{value:.1e}")) for value in allowed.tolist())

@@ -22,7 +22,7 @@ from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSe
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
-from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
+from solvers.verifier.proofs.tube_proof import DrivenRobot, box_of, driven_robot
 from solvers.verifier.proofs.zonotope import InitialSet
 from solvers.verifier.report import Outcome, Refused
 from solvers.verifier.verification import claimed_robot
@@ -43,6 +43,7 @@ class CertifiedTube:
         points: (m, p, d, 2) bounds of the positions of all points in m; effectors come first.
         disturbed: whether it holds all disturbed motions of a task with ``robust``.
         segments: the solutions themselves, as polynomials in the coordinates of the equations.
+        samples: per sample bounds of the joints' coordinates, then rates (2n,), as balls.
         point_map: how positions follow from the coordinates of the equations.
         rows: (n, n) the integer matrix D that gives the joints' coordinates, q = D y.
     """
@@ -53,6 +54,7 @@ class CertifiedTube:
     points: Array
     disturbed: bool
     segments: tuple[TubeSegment, ...]
+    samples: tuple[tuple[arb, ...], ...]
     point_map: PointMap
     rows: tuple[tuple[int, ...], ...]
 
@@ -134,12 +136,15 @@ def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
         error = input_error(robot.scene)
     rows = robot.scene.graph.coordinates.rows
     segments, states, points = list[TubeSegment](), list[Array](), list[Array]()
+    samples = [_joint_states(rows, box_of(initial))]
     for segment in tube(
         robot.field, initial, robot.inputs, ball(task.step), accuracy, error, robot.law
     ):
         half = segment.length / 2
         over = segment.at(half + SIGNED * half)
         segments.append(segment)
+        if segment.steps[1].denominator == 1:
+            samples.append(_joint_states(rows, segment.end))
         states.append(_bounds(_joint_states(rows, over)))
         places = robot.point_map.positions(over)
         points.append(np.array([_bounds(place) for place in places]))
@@ -147,7 +152,7 @@ def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
     found, n = np.array(states).reshape(len(segments), -1, 2), len(rows)
     return CertifiedTube(
         np.array(ends), found[:, :n], found[:, n:], np.array(points), robust is not None,
-        tuple(segments), robot.point_map, rows,
+        tuple(segments), tuple(map(tuple, samples)), robot.point_map, rows,
     )  # fmt: skip
 
 

@@ -165,10 +165,15 @@ def _law(claim: FoundClaim, n: int, m: int, task: ir.Task) -> ControlLaw | None:
         len(rows) != m or any(len(row) != 2 * n for row in rows) for rows in gains
     ):
         raise Refused(f"the gains are not {task.steps} times {m} rows of {2 * n}")
+    if controller.rounding is not None and len(controller.rounding) != m:
+        raise Refused(f"the rounding is not one allowance for each of {m} inputs")
     try:
-        return exact_law(controller)
+        law = exact_law(controller)
     except ValueError as error:
         raise CertificateError(f"the certificate is malformed: {error}") from None
+    if any(allowance < 0 for allowance in law.rounding):
+        raise Refused("an allowance for rounding is negative")
+    return law
 
 
 def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:

@@ -11,7 +11,9 @@ from srgc.faults import UsageFault
 
 Text: TypeAlias = Literal["urdf", "mjcf", "csv", "json", "ros2"]
 Binary: TypeAlias = Literal["npz"]
-Form: TypeAlias = Literal["urdf", "mjcf", "csv", "json", "ros2", "npz", "mujoco", "all"]
+Form: TypeAlias = Literal[
+    "urdf", "mjcf", "csv", "json", "ros2", "npz", "mujoco", "controller", "all"
+]
 
 
 @overload
@@ -35,7 +37,8 @@ def export(
     Args:
         result: one with the verdict found, or its folder.
         to: the robot as "urdf" or "mjcf"; its motion as "csv", "json", "ros2" or "npz"; a folder
-            for "mujoco", with a script that replays the motion; a folder with "all" of them.
+            for "mujoco", with a script that replays the motion, or for the "controller" in C and
+            Python; a folder with "all" of them.
         path: the file or the folder to write.
         efforts: whether the points of "ros2" have efforts, which older controllers refuse.
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, DocumentedCommand, PathOf
-from srgc.faults import UsageFault
+from srgc.faults import UNKNOWN, UsageFault
 
 FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
-FOLDERS = ("mujoco", "all")
+FOLDERS = ("mujoco", "controller", "all")
 BINARY = ("npz",)
 
 
@@ -21,8 +21,10 @@ BINARY = ("npz",)
         "srgc export out/demo --to urdf -o arm.urdf",
         "srgc export out/demo --to ros2 -o arm.yaml",
         "srgc export out/demo --to mujoco -o arm_mujoco",
+        "srgc export out/demo --to controller -o arm_controller",
         "srgc export out/demo --to all -o arm_files",
     ],
+    statuses={UNKNOWN: "no tube of the closed loop gets to the end of the motion: no controller"},
     reads_spec=False,
     read_on="docs/how-to/export.md",
 )
@@ -34,13 +36,13 @@ BINARY = ("npz",)
     type=click.Choice([*FORMS, *FOLDERS]),
     help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
     "(JointTrajectory as YAML), npz (NumPy). Folders: mujoco (robot, torques and a script that "
-    "replays them), all.",
+    "replays them), controller (C, Python, npz), all.",
 )
 @click.option(
     "-o",
     "output",
     type=PathOf(path_type=Path, allow_dash=True),
-    help="Write here, not to stdout (`-`). A folder for mujoco and all.",
+    help="Write here, not to stdout (`-`). A folder for mujoco, controller and all.",
 )
 @click.option(
     "--no-effort", is_flag=True, help="ros2: without efforts, which older controllers refuse."

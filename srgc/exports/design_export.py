@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
+from srgc.exports.controller_files import CONTROLLER_FILES, C, controller_files
 from srgc.exports.exported_motion import ExportedMotion, exported_motion
 from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
 from srgc.exports.mjcf import mjcf_text
@@ -19,7 +20,7 @@ from srgc.exports.motion_formats import (
     trajectory_table,
 )
 from srgc.exports.urdf import urdf_text
-from srgc.faults import UsageFault
+from srgc.faults import NoAnswer, UsageFault
 from srgc.results.folder_writer import folder_output
 from srgc.results.found_design import FoundDesign, found_design
 
@@ -40,9 +41,14 @@ FILE_NAMES = {
 }
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
 FORMS = (*ROBOTS, *MOTIONS)
-FOLDERS = ("mujoco", "all")
+FOLDERS = ("mujoco", "controller", "all")
 BINARY = ("npz",)
-FOLDER_FILES = (*FILE_NAMES.values(), TORQUES, GAINS, SCRIPT)
+REPLAYED = (FILE_NAMES["mjcf"], FILE_NAMES["csv"], TORQUES, GAINS, SCRIPT)
+FOLDER_FILES = {
+    "mujoco": REPLAYED,
+    "controller": CONTROLLER_FILES,
+    "all": tuple(dict.fromkeys((*FILE_NAMES.values(), *CONTROLLER_FILES, *REPLAYED))),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,14 +78,21 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
     return _encoded(MOTIONS[form](motion))
 
 
-def export_folder(design: FoundDesign, form: str) -> ExportFolder:
-    """A design as one of the ``FOLDERS``: what MuJoCo replays, or everything.
+def export_folder(folder: Path, form: str) -> ExportFolder:
+    """The design of a result folder as one of the ``FOLDERS``.
+
+    That is what MuJoCo replays, its controller, or everything.
 
     Raises:
-        UsageFault: ``mujoco``: the robot cannot be replayed there.
+        UsageFault: ``mujoco``: the robot cannot be replayed there; ``controller``: it has no
+            inputs, or a proof that does not allow for rounding.
+        NoAnswer: ``controller``: the tube does not get to the end of the motion.
     """
+    design = found_design(folder)
     if form == "mujoco":
         return ExportFolder(_replayed(design, exported_motion(design)), ())
+    if form == "controller":
+        return ExportFolder(*controller_files(folder, design))
     motion = exported_motion(design)
     found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
     notes = list(remarks(design))
@@ -92,6 +105,12 @@ def export_folder(design: FoundDesign, form: str) -> ExportFolder:
         found |= _replayed(design, motion)
     except UsageFault as fault:
         notes.append(f"no {SCRIPT}: {fault}")
+    try:
+        files, more = controller_files(folder, design)
+        found |= files
+        notes += more
+    except (UsageFault, NoAnswer) as fault:
+        notes.append(f"no {C}: {fault}")
     return ExportFolder(found, tuple(notes))
 
 
@@ -156,6 +175,7 @@ def written_export(
     Raises:
         UsageFault: there is no robot, the format cannot hold it, the output is one of the results
             or cannot be written, or a folder is due and none is named.
+        NoAnswer: ``controller``: the tube does not get to the end of the motion.
     """
     if form in FOLDERS:
         return _written_folder(folder, form, output)
@@ -172,8 +192,8 @@ def written_export(
 def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExport:
     if output is None:
         raise UsageFault(f"--to {form} writes several files; name a folder with -o")
-    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES}
-    made = export_folder(found_design(folder), form)
+    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES["all"]}
+    made = export_folder(folder, form)
     if any(files[name].name is None for name in made.files):
         try:
             output.mkdir(parents=True, exist_ok=True)
@@ -181,4 +201,8 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
             raise UsageFault(f"{output}: {error.strerror}") from None
     for name, content in made.files.items():
         files[name].write(content)
-    return WrittenExport(tuple(output / name for name in sorted(made.files)), None, made.notes)
+    # Gains or single precision of another design, say, would be taken for this one's.
+    other = sorted({*FOLDER_FILES[form]} - made.files.keys())
+    left = [name for name in other if (output / name).exists()]
+    notes = (*made.notes, *(f"{output / name} is of an earlier export: remove it" for name in left))
+    return WrittenExport(tuple(output / name for name in sorted(made.files)), None, notes)

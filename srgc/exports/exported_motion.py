@@ -91,6 +91,24 @@ class Quantity:
     unit: str
 
 
+def quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, ...]:
+    """Columns by names and units."""
+    return tuple(Quantity(name, unit) for name, unit in zip(names, units, strict=True))
+
+
+def input_quantities(model: RobotModel, joints: Sequence[str]) -> tuple[Quantity, ...]:
+    """The inputs of a robot: free ones are called after their joints, others after modules."""
+    return tuple(
+        Quantity(
+            joints[item.dof]
+            if item.dof is not None
+            else f"{item.module}_{item.symbol}.{item.name}",
+            item.unit,
+        )
+        for item in robot_inputs(model)
+    )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ExportedMotion:
     """What happens at the k + 1 samples of a motion under k rows of held inputs, in SI units.
@@ -153,17 +171,9 @@ def _integrated(design: FoundDesign) -> ExportedMotion:
     kinds = [dof.kind for dof in model.dofs]
     return ExportedMotion(
         design,
-        _quantities(names.joints, [POSITION_UNITS[kind] for kind in kinds]),
-        _quantities(names.joints, [EFFORT_UNITS[kind] for kind in kinds]),
-        tuple(
-            Quantity(
-                names.joints[item.dof]
-                if item.dof is not None
-                else f"{item.module}_{item.symbol}.{item.name}",
-                item.unit,
-            )
-            for item in robot_inputs(model)
-        ),
+        quantities(names.joints, [POSITION_UNITS[kind] for kind in kinds]),
+        quantities(names.joints, [EFFORT_UNITS[kind] for kind in kinds]),
+        input_quantities(model, names.joints),
         tuple(
             Quantity(f"{item.module}_{item.symbol}.{item.name}", item.unit)
             for item in robot_states(model)
@@ -178,10 +188,6 @@ def _integrated(design: FoundDesign) -> ExportedMotion:
         moved.x[:, 2 * n :],
         tips,
     )
-
-
-def _quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, ...]:
-    return tuple(Quantity(name, unit) for name, unit in zip(names, units, strict=True))
 
 
 def _efforts(

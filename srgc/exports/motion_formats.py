@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import closed_ball, working_precision
 from compiler.expressions.exact_numbers import decimal
 from compiler.rigid_links.ball_pose import nearest
@@ -198,10 +199,19 @@ UNIX = 3
 
 
 def trajectory_arrays(motion: ExportedMotion) -> bytes:
-    """The file; same motion, same bytes.  Nothing in it is compressed or pickled."""
+    """The file of a motion."""
+    return array_file(*_arrays(motion))
+
+
+def array_file(numbers: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> bytes:
+    """Arrays by their names; same content, same bytes.  Nothing in it is compressed or pickled."""
+    arrays: dict[str, NDArray[np.generic]] = {
+        name: np.ascontiguousarray(value, dtype="<f8") for name, value in numbers.items()
+    }
+    arrays |= {name: _texts(value) for name, value in texts.items()}
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
-        for name, array in _arrays(motion).items():
+        for name, array in arrays.items():
             member = zipfile.ZipInfo(f"{name}.npy", EPOCH)
             member.create_system = UNIX
             member.external_attr = 0o644 << 16
@@ -211,7 +221,7 @@ def trajectory_arrays(motion: ExportedMotion) -> bytes:
     return buffer.getvalue()
 
 
-def _arrays(motion: ExportedMotion) -> dict[str, NDArray[np.generic]]:
+def _arrays(motion: ExportedMotion) -> tuple[dict[str, Array], dict[str, Sequence[str]]]:
     numbers = {
         "t": np.array([float(time) for time in motion.times]),
         "q": motion.position,
@@ -222,7 +232,7 @@ def _arrays(motion: ExportedMotion) -> dict[str, NDArray[np.generic]]:
         "s": motion.state,
         "effectors": motion.effector,
     }
-    texts = {
+    texts: dict[str, Sequence[str]] = {
         "joint_names": [joint.name for joint in motion.joints],
         "input_names": [item.name for item in motion.inputs],
         "state_names": [item.name for item in motion.states],
@@ -230,13 +240,10 @@ def _arrays(motion: ExportedMotion) -> dict[str, NDArray[np.generic]]:
         "word": list(motion.design.claim.word),
         "spec_sha256": [motion.design.claim.spec_sha256],
     }
-    return {
-        **{name: np.ascontiguousarray(value, dtype="<f8") for name, value in numbers.items()},
-        **{name: _texts(value) for name, value in texts.items()},
-    }
+    return numbers, texts
 
 
-def _texts(values: list[str]) -> NDArray[np.generic]:
+def _texts(values: Sequence[str]) -> NDArray[np.generic]:
     width = max((len(value) for value in values), default=1) or 1
     return np.array(values, dtype=f"<U{width}")
 
@@ -250,6 +257,8 @@ def _texts(values: list[str]) -> NDArray[np.generic]:
 
 
 NANO = 10**9
+OPEN_LOOP = "open loop: efforts are held from point to point, and nothing that is measured counts"
+NO_GAINS = "the gains of its feedback are not in here; `srgc export --to controller` writes them"
 MOST_SECONDS = 2**31
 """builtin_interfaces/msg/Duration has seconds of 32 bits with a sign."""
 
@@ -274,7 +283,8 @@ def joint_trajectory(motion: ExportedMotion, *, efforts: bool = True) -> str:
         "joint_names": [joint.name for joint in motion.joints],
         "points": list(_points(motion, times, efforts=efforts)),
     }
-    notes = (*origin(motion.design), *remarks(motion.design))
+    control = OPEN_LOOP if motion.design.claim.controller is None else NO_GAINS
+    notes = (*origin(motion.design), control, *remarks(motion.design))
     head = "".join(f"# {plain_line(line)}\n" for line in notes)
     dumped = yaml.safe_dump(
         message, default_flow_style=None, sort_keys=False, width=10**9, allow_unicode=True

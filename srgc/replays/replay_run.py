@@ -15,17 +15,15 @@ from scipy.integrate import solve_ivp
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
-from solvers.verifier.certified_tube import CertifiedTube, certified_tube
-from solvers.verifier.claims.certificate import CertificateError
-from solvers.verifier.proofs.enclosure import EnclosureFailure
-from solvers.verifier.report import Refused, Report
+from solvers.verifier.certified_tube import CertifiedTube
+from solvers.verifier.report import Report
 from solvers.verifier.verification import verify_directory
 from srgc.exports.exported_motion import POSITION_UNITS, planned_inputs
 from srgc.exports.exported_robot import design_names, design_tree
 from srgc.exports.mjcf import substeps
-from srgc.faults import NoAnswer, UsageFault
+from srgc.faults import UsageFault
 from srgc.replays.mujoco_replay import ReplayedMotion, refuse_unsimulable, replay_in_mujoco
-from srgc.results.found_design import FoundDesign, found_design
+from srgc.results.found_design import FoundDesign, found_design, found_tube
 
 # --- The planned inputs held in a Runge-Kutta method of order eight, in doubles -------------------
 #
@@ -199,7 +197,7 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
     if request.simulator == "mujoco":
         refuse_unsimulable(design, _count(design, request) * 2**request.halvings)
     # Before the motions: what has no tube may spin as fast as it likes.
-    tube = _tube(folder)
+    tube = found_tube(folder)
     motions = list(_motions(design, request))
     names = design_names(design, design_tree(design))
     units = [POSITION_UNITS[dof.kind] for dof in design.model.dofs]
@@ -223,17 +221,6 @@ def _count(design: FoundDesign, request: ReplayRequest) -> int:
     if request.timestep is None:
         return substeps(design.task.step)
     return max(1, ceil(design.task.step / request.timestep))
-
-
-def _tube(folder: Path) -> CertifiedTube:
-    try:
-        return certified_tube(folder)
-    except (CertificateError, Refused) as error:
-        raise UsageFault(f"{folder}: {error}") from None
-    except OSError as error:
-        raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
-    except EnclosureFailure as failure:
-        raise NoAnswer(str(failure)) from None
 
 
 def _half_width(tube: CertifiedTube, motion: ReplayedMotion) -> float | None:

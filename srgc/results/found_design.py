@@ -25,6 +25,7 @@ from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.partition import Cut
 from grammar_lang import ir
+from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.claims.agreement import disagreement
 from solvers.verifier.claims.certificate import (
     CertificateError,
@@ -36,10 +37,13 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.further_claims import exact_law
 from solvers.verifier.claims.spec_copy import bounded_text, read_copy
+from solvers.verifier.proofs.control_law import ControlLaw
+from solvers.verifier.proofs.enclosure import EnclosureFailure
+from solvers.verifier.report import Refused
+from srgc.faults import NoAnswer, UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
 from srgc.results.result_folder import json_object
-from srgc.session import UsageFault
 from srgc.version import VERSION
 
 
@@ -92,9 +96,11 @@ class FoundDesign:
         k, m, size = len(self.claim.inputs), len(robot_inputs(self.model)), 2 * len(self.model.dofs)
         try:
             law = exact_law(controller)
+            if not _fits(law, k, m, size):
+                raise ValueError("the shapes are others")
             reference = np.array(law.reference, dtype=np.float64).reshape(k, size)
             gains = np.array(law.gains, dtype=np.float64).reshape(k, m, size)
-        except (ValueError, TypeError, OverflowError):
+        except (ValueError, OverflowError):
             raise UsageFault("the controller of the certificate does not fit the robot") from None
         return Feedback(reference, gains)
 
@@ -102,6 +108,14 @@ class FoundDesign:
     def stated(self) -> tuple[Fraction, ...]:
         """The rationals that the certificate states the parameters by."""
         return tuple(value.stated for value in self.parameters)
+
+
+def _fits(law: ControlLaw, steps: int, inputs: int, measured: int) -> bool:
+    """Whether a law has gains for so many steps, inputs and measured quantities."""
+    rows = [measured] * inputs
+    return [len(row) for row in law.reference] == [measured] * steps and [
+        [len(row) for row in gain] for gain in law.gains
+    ] == [rows] * steps
 
 
 def found_design(folder: Path) -> FoundDesign:
@@ -120,6 +134,23 @@ def found_design(folder: Path) -> FoundDesign:
         raise UsageFault(f"{folder}: the certificate is not UTF-8") from None
     except (CertificateError, BadDerivation, SemanticsError) as error:
         raise UsageFault(f"{folder}: {error}") from None
+
+
+def found_tube(folder: Path) -> CertifiedTube:
+    """The tube of the design in a result folder, computed as ``srgc verify`` does.
+
+    Raises:
+        UsageFault: there is no design, or its certificate is false before anything is integrated.
+        NoAnswer: the tube does not get to the end of the motion.
+    """
+    try:
+        return certified_tube(folder)
+    except (CertificateError, Refused) as error:
+        raise UsageFault(f"{folder}: {error}") from None
+    except OSError as error:
+        raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
+    except EnclosureFailure as failure:
+        raise NoAnswer(str(failure)) from None
 
 
 def _found_claim(folder: Path) -> FoundClaim:

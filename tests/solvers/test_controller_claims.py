@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.result_files import alter, alter_spec, read
 
@@ -81,6 +82,34 @@ def unknown_field(content: Content) -> None:
     law(content)["delay"] = "0.1"
 
 
+def no_text(content: Content) -> None:
+    law(content)["rounding"] = [0.001]
+
+
+def no_list_of_texts(content: Content) -> None:
+    law(content)["rounding"] = "0.001"
+
+
+def null(content: Content) -> None:
+    law(content)["rounding"] = None
+
+
+def no_allowance(content: Content) -> None:
+    law(content)["rounding"] = ["nan"]
+
+
+def allowances_of_another_robot(content: Content) -> None:
+    law(content)["rounding"] *= 2
+
+
+def none_at_all(content: Content) -> None:
+    law(content)["rounding"] = []
+
+
+def negative(content: Content) -> None:
+    law(content)["rounding"] = ["-0.000001"]
+
+
 def earlier_format(content: Content) -> None:
     content["format"] = 3
 
@@ -104,6 +133,13 @@ def peak(content: Content) -> None:
         (two_controllers, "more than one controller"),
         (no_list, "a list of claims is due"),
         (unknown_field, "`delay` is unknown"),
+        (no_text, "a list of strings is due"),
+        (no_list_of_texts, "a list of strings is due"),
+        (null, "a list of strings is due"),
+        (no_allowance, "malformed"),
+        (allowances_of_another_robot, "one allowance for each of 1 inputs"),
+        (none_at_all, "one allowance for each of 1 inputs"),
+        (negative, "an allowance for rounding is negative"),
         (earlier_format, "`claims` are those of format 4"),
         (robustness, "`robustness` is"),
         (peak, "`effort_peak` is"),
@@ -162,6 +198,62 @@ def test_a_reference_that_is_somewhere_else_is_not_valid(folder: Path) -> None:
 def test_larger_disturbances_are_not_what_was_proved(folder: Path, old: str, new: str) -> None:
     alter_spec(folder, old, new, sign=True)
     assert verify_directory(folder).outcome is not Outcome.VALID
+
+
+def rounded(allowance: str) -> Change:
+    def change(content: Content) -> None:
+        law(content)["rounding"] = [allowance]
+
+    return change
+
+
+def without_rounding(content: Content) -> None:
+    del law(content)["rounding"]
+
+
+@pytest.mark.parametrize("change", [without_rounding, rounded("0"), rounded("1/20000")])
+def test_a_smaller_allowance_is_proved_as_well(folder: Path, change: Change) -> None:
+    assert judged(folder, change) == (Outcome.VALID, "")
+
+
+def test_what_is_rounded_counts_in_the_bound_of_the_effort(folder: Path) -> None:
+    """The margin of all that is commanded shrinks by it, that of the planned motion does not."""
+
+    def margins() -> dict[str, float]:
+        report = verify_directory(folder)
+        assert report.outcome is Outcome.VALID
+        return {condition.name: condition.margin for condition in report.conditions}
+
+    alter(folder, without_rounding, sign=True)
+    before = margins()
+    alter(folder, rounded("0.002"), sign=True)
+    after = margins()
+    assert after["planned effort (N*m)"] == before["planned effort (N*m)"]
+    lost = before["effort (N*m)"] - after["effort (N*m)"]
+    # At the first sample the set of states is the same; later it is wider, too.
+    assert 0.002 - 1e-9 <= lost < 0.05
+
+
+@pytest.mark.parametrize("allowance", ["3", "20", "1000000"])
+def test_a_large_allowance_is_not_what_was_proved(folder: Path, allowance: str) -> None:
+    assert judged(folder, rounded(allowance))[0] is Outcome.UNDECIDED
+
+
+def test_rounding_counts_without_disturbances_as_well(folder: Path) -> None:
+    """Then there is one tube alone, and rounding is in it."""
+    for clause in (
+        "  robust start 0.5 deg, 0.5 deg/s;\n", "  robust effort 1 % of bound;\n",
+        "  robust measure 0.05 deg, 0.1 deg/s;\n", "  robust mass 2 %;\n",
+    ):  # fmt: skip
+        alter_spec(folder, clause, "", sign=True)
+    exact = certified_tube_width(folder, "0")
+    assert certified_tube_width(folder, "0.01") > 100 * exact
+    assert judged(folder, rounded("20"))[0] is not Outcome.VALID
+
+
+def certified_tube_width(folder: Path, allowance: str) -> float:
+    alter(folder, rounded(allowance), sign=True)
+    return max(float(x.rad()) for x in certified_tube(folder).samples[-1])
 
 
 def test_a_task_that_asks_for_an_open_loop(folder: Path) -> None:

@@ -125,7 +125,8 @@ def test_the_law_maps_every_state_of_a_set_into_the_set_after_it() -> None:
     rows = [[1, 0], [-1, 1]]
     law = ControlLaw((tuple(some(4)),), (tuple(tuple(row) for row in some(2, 4)),))
     planned, noise = [some(2)], [Fraction(1, 50), Fraction(0), Fraction(1, 9), Fraction(1, 7)]
-    sampled = sampled_law(law, planned, rows, noise, 1)
+    rounding = [Fraction(1, 30), Fraction(1, 3)]
+    sampled = sampled_law(law, planned, rows, noise, rounding, 1)
     middle, columns = some(8), [some(8) for _ in range(3)]
     as_balls = [[arb(v.numerator) / v.denominator for v in row] for row in (middle, *columns)]
     before = Zonotope([v.mid() for v in as_balls[0]], [[v.mid() for v in c] for c in as_balls[1:]])
@@ -146,14 +147,15 @@ def test_the_law_maps_every_state_of_a_set_into_the_set_after_it() -> None:
             for i, (u, gain) in enumerate(zip(planned[0], law.gains[0], strict=True)):
                 held = u - sum(k * x for k, x in zip(gain, off, strict=True))
                 ball = after[5 + i]
-                assert exact(ball.lower()) <= held <= exact(ball.upper())
+                assert exact(ball.lower()) <= held - rounding[i]
+                assert held + rounding[i] <= exact(ball.upper())
     # What is not held stays as it was, and the set of inputs is reached.
     assert after[4].overlaps(before.hull()[4])
 
 
 def test_an_open_loop_is_a_law_without_gains() -> None:
     law = open_loop([[Fraction(3)], [Fraction(-2)]], 2)
-    sampled = sampled_law(law, [[Fraction(3)], [Fraction(-2)]], [[1]], [], 0)
+    sampled = sampled_law(law, [[Fraction(3)], [Fraction(-2)]], [[1]], [], [], 0)
     still = Zonotope([arb(0), arb(0), arb(0)], [[arb(1), arb(1), arb(0)]])
     assert [sampled.held(k, still).hull()[2] for k in (0, 1)] == [3, -2]
 

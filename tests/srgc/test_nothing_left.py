@@ -35,6 +35,7 @@ RUNS = [
     "explain SRG0408",
     "completion bash",
     *(f"export out --to {form} -o written/arm.{form}" for form in ("urdf", "mjcf", "ros2", "npz")),
+    "export out --to controller -o written/controller",
     "export out --to all -o written/all",
     "replay out --in python",
     "replay out --in mujoco",

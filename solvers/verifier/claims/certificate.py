@@ -24,6 +24,7 @@ from solvers.verdict import Claimed
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,
     FurtherClaim,
+    claim_content,
     further_claims,
 )
 from solvers.verifier.claims.json_fields import expect_keys, number, objects, rows, text, texts
@@ -237,8 +238,8 @@ def spec_files(folder: Path) -> dict[str, bytes]:
 
 def to_text(claim: Claim) -> str:
     """The certificate file of a claim."""
-    fields = asdict(claim)
-    further = fields.pop("claims", ())
+    fields, further = asdict(claim), [claim_content(each) for each in claim.claims]
+    del fields["claims"]
     form = WITH_CLAIMS if further else FORMAT
     content = {"format": form, "kind": verdict_of(claim), **fields}
     if further:

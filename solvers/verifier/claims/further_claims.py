@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
 from compiler.expressions.exact_numbers import exact_number
-from solvers.verifier.claims.json_fields import objects, rows, text
+from solvers.verifier.claims.json_fields import objects, rows, text, texts
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.tube_checks import Status
@@ -18,10 +18,13 @@ class ControllerClaim:
     """At sample k the inputs are those stated less gains times what the state is off a reference.
 
     ``reference`` holds coordinates, then rates, a row per step; ``gains`` a row per input and step.
+    ``rounding`` has one allowance per input: so far may the inputs that are held be from that law,
+    as a computer that evaluates it rounds.  None: not at all.
     """
 
     reference: tuple[tuple[str, ...], ...]
     gains: tuple[tuple[tuple[str, ...], ...], ...]
+    rounding: tuple[str, ...] | None = None
     kind: str = "controller"
 
 
@@ -42,6 +45,7 @@ def exact_law(claim: ControllerClaim) -> ControlLaw:
     return ControlLaw(
         tuple(tuple(exact_number(x) for x in row) for row in claim.reference),
         tuple(tuple(tuple(exact_number(x) for x in row) for row in gain) for gain in claim.gains),
+        tuple(exact_number(x) for x in claim.rounding or ()),
     )
 
 
@@ -62,14 +66,25 @@ def further_claims(items: object) -> tuple[FurtherClaim, ...]:
         if kind != "controller":
             found.append(UnknownClaim(kind, item))
             continue
-        (fields,) = objects([item], ControllerClaim)
+        (fields,) = objects([{"rounding": None, **item}], ControllerClaim)
         if not isinstance(fields["gains"], list):
             raise TypeError("a list of gains is due")
         gains = tuple(rows(gain) for gain in fields["gains"])
-        found.append(ControllerClaim(rows(fields["reference"]), gains))
+        rounding = texts(fields["rounding"]) if "rounding" in item else None
+        found.append(ControllerClaim(rows(fields["reference"]), gains, rounding))
     if sum(isinstance(claim, ControllerClaim) for claim in found) > 1:
         raise ValueError("more than one controller is claimed")
     return tuple(found)
+
+
+def claim_content(claim: FurtherClaim) -> dict[str, Any]:
+    """The JSON object of a claim."""
+    if isinstance(claim, UnknownClaim):
+        return dict(claim.content)
+    content = asdict(claim)
+    if claim.rounding is None:
+        del content["rounding"]
+    return content
 
 
 def unknown_claims(claims: Sequence[FurtherClaim]) -> list[CheckedCondition]:

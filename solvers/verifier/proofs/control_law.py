@@ -5,8 +5,9 @@ with an error that is within bounds, and holds
 
 .. math:: u_k = u^*_k - K_k (\hat x - x^*_k)
 
-until the next.  Between samples the inputs are constant, so that the set of (x, u) at a sample is
-an affine image of the set of x and of the errors: a zonotope goes to a zonotope.
+until the next, up to what a computer rounds.  Between samples the inputs are constant, so that the
+set of (x, u) at a sample is an affine image of the set of x and of the errors: a zonotope goes to a
+zonotope.
 """
 
 from __future__ import annotations
@@ -28,10 +29,12 @@ class ControlLaw:
     Attributes:
         reference: the planned coordinates and rates of the joints, (k, 2n), in SI units.
         gains: the inputs that a deviation of these takes away, (k, m, 2n), in SI units.
+        rounding: how far what is held may be from that, (m,), in SI units; empty: not at all.
     """
 
     reference: tuple[tuple[Fraction, ...], ...]
     gains: tuple[tuple[tuple[Fraction, ...], ...], ...]
+    rounding: tuple[Fraction, ...] = ()
 
 
 def open_loop(inputs: Sequence[Sequence[Fraction]], size: int) -> ControlLaw:
@@ -66,7 +69,8 @@ class SampledLaw:
         inputs: the planned inputs u*, (k, m).
         gains: K in the coordinates of the graph, (m, 2n) each.
         offsets: K x*, (m,) each.
-        noise: K times each error of a measurement at its bound, the columns of a set, per step.
+        noise: the columns of a set, per step: K times each error of a measurement at its bound,
+            and what each input is rounded by.
         place: the number of states before the held inputs.
     """
 
@@ -115,6 +119,7 @@ def sampled_law(
     inputs: Sequence[Sequence[Fraction]],
     rows: Sequence[Sequence[int]],
     noise: Sequence[Fraction],
+    rounding: Sequence[Fraction],
     own: int,
 ) -> SampledLaw:
     """A law in the working precision.
@@ -123,11 +128,17 @@ def sampled_law(
         law: reference and gains, of the joints' own coordinates.
         inputs: the planned inputs, (k, m).
         rows: D of q = D y, the joints' coordinates by those of the graph.
-        noise: bounds of the errors of what is measured, (2n,).
+        noise: bounds of the errors of what is measured, (2n,); empty: there are none.
+        rounding: how far inputs that are held may be from the law, (m,); empty: not at all.
         own: the number of the modules' own states.
     """
     n = len(rows)
     gains, offsets, errors = [], [], []
+    rounded = tuple(
+        tuple(ball(bound) if i == number else arb(0) for i in range(len(rounding)))
+        for number, bound in enumerate(rounding)
+        if bound
+    )
     for reference, gain in zip(law.reference, law.gains, strict=True):
         turned = [
             [
@@ -150,6 +161,7 @@ def sampled_law(
                 for i, bound in enumerate(noise)
                 if bound
             )
+            + rounded
         )
     planned = tuple(tuple(ball(value) for value in row) for row in inputs)
     return SampledLaw(planned, tuple(gains), tuple(offsets), tuple(errors), 2 * n + own)

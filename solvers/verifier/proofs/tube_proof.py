@@ -78,7 +78,8 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
     """A motion in the working precision.
 
     Where it is ``disturbed``, measurements have the task's errors, and the last entry of the state
-    is the factor of an uncertain mass.
+    is the factor of an uncertain mass.  A law is rounded there, and where the task names no
+    disturbances, so that there is no other proof.
     """
     model, task = scene.model, scene.task
     robust = task.robust or ir.Robust()
@@ -109,7 +110,9 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
         inputs = tuple(tuple(ball(value) for value in step) for step in motion.inputs)
         return DrivenRobot(scene, motion, graph, field, point_map, tuple(state), inputs)
     noise = measurement_radii(task, model) if disturbed else ()
-    sampled = sampled_law(law, motion.inputs, graph.coordinates.rows, noise, len(own))
+    rounding = law.rounding if disturbed or task.robust is None else ()
+    rows = graph.coordinates.rows
+    sampled = sampled_law(law, motion.inputs, rows, noise, rounding, len(own))
     state += [arb(0)] * (still - weighed) + [arb(1)] * weighed
     return DrivenRobot(
         scene, motion, graph, field, point_map, tuple(state), sampled.inputs, sampled

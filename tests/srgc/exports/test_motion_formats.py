@@ -284,7 +284,8 @@ def test_same_folder_same_bytes(srgc: Export, tmp_path: Path) -> None:
         assert srgc("export", folder, "--to", form, "-o", tmp_path / form) == Ran(0, "", "")
     out, err = process.communicate()
     assert (process.returncode, err) == (0, b"")
-    expected = {*files.values(), "torques.csv", "replay.py"}
+    controller = {"controller.c", "controller.py", "controller.npz"}
+    expected = {*files.values(), *controller, "torques.csv", "replay.py"}
     assert {Path(line).name for line in out.decode().splitlines()} == expected
     assert {path.name for path in (tmp_path / "all").iterdir()} == expected
     for form, name in files.items():
@@ -327,6 +328,7 @@ def test_motions_need_no_tree_of_links(srgc: Export, tmp_path: Path) -> None:
     made = srgc("export", folder, "--to", "all", "-o", tmp_path / "all")
     assert made.status == 0
     assert sorted(path.name for path in (tmp_path / "all").iterdir()) == [
+        "controller.c", "controller.npz", "controller.py",
         "trajectory.csv", "trajectory.json", "trajectory.npz", "trajectory.yaml",
     ]  # fmt: skip
     for name in ("robot.urdf", "robot.xml", "replay.py"):
@@ -377,7 +379,7 @@ def refused(ran: Ran, reason: str) -> None:
 def test_usage(srgc: Export, tmp_path: Path) -> None:
     folder = CASES["friction"].folder(tmp_path / "arm")
     refused(srgc("export", folder, "--to", "csv", "--no-effort"), "--to ros2 alone")
-    for form in ("all", "mujoco"):
+    for form in ("all", "controller", "mujoco"):
         refused(srgc("export", folder, "--to", form), "name a folder with -o")
         refused(srgc("export", folder, "--to", form, "-o", "-"), "name a folder with -o")
         (tmp_path / "file").write_bytes(b"")
@@ -385,7 +387,7 @@ def test_usage(srgc: Export, tmp_path: Path) -> None:
     assert (tmp_path / "file").read_bytes() == b""
 
 
-@pytest.mark.parametrize("form", ["all", "mujoco"])
+@pytest.mark.parametrize("form", ["all", "controller", "mujoco"])
 def test_folders_do_not_overwrite_results(srgc: Export, tmp_path: Path, form: str) -> None:
     folder = CASES["friction"].folder(tmp_path / "arm")
     (folder / "trajectory.csv").write_bytes(b"kept")
@@ -395,7 +397,9 @@ def test_folders_do_not_overwrite_results(srgc: Export, tmp_path: Path, form: st
         refused(srgc("export", folder, "--to", form, "-o", output), "is one of the results")
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert srgc("export", folder, "--to", form, "-o", folder / "away").status == 0
-    assert (folder / "away" / "trajectory.csv").is_file()
+    assert (
+        folder / "away" / ("controller.c" if form == "controller" else "trajectory.csv")
+    ).is_file()
 
 
 def test_inputs_that_are_not_those_of_the_task(srgc: Export, tmp_path: Path) -> None:

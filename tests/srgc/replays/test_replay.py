@@ -20,6 +20,7 @@ from srgc.replays import mujoco_replay, replay_run
 from srgc.replays import replay_run as python_replay
 from srgc.replays.mujoco_replay import ReplayedMotion
 from srgc.replays.replay_report import replay_json, replay_text
+from srgc.results import found_design
 from tests.oracles import result_files
 from tests.oracles.driven_claims import CASES, FRICTION, Driven
 from tests.oracles.found_folders import claim_found
@@ -96,7 +97,7 @@ def spoilt(
 ) -> CertifiedTube:
     """Keep the tube of a folder, and then change its second row of inputs."""
     tube = certified_tube(folder)
-    monkeypatch.setattr(replay_run, "certified_tube", lambda _folder: tube)
+    monkeypatch.setattr(replay_run, "found_tube", lambda _folder: tube)
 
     def change(content: dict[str, Any]) -> None:
         row = content["inputs"][1]
@@ -331,7 +332,7 @@ def test_without_a_tube(srgc: Command, arm: Path, monkeypatch: pytest.MonkeyPatc
     def simulated(*_: object) -> ReplayedMotion:
         raise AssertionError
 
-    monkeypatch.setattr(replay_run, "certified_tube", fails)
+    monkeypatch.setattr(found_design, "certified_tube", fails)
     monkeypatch.setattr(replay_run, "replay_in_mujoco", simulated)
     monkeypatch.setattr(python_replay, "replay_in_python", simulated)
     for simulator in SIMULATORS:

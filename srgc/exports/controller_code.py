@@ -1,0 +1,252 @@
+"""The controller of a design as C99, as a Python module, and as NumPy arrays (npz).
+
+All compute with one order of operations: of each input the planned one, less gain times deviation,
+measured quantity by measured quantity.  So the doubles of C and Python are the same to the last
+bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from compiler.expressions.exact_numbers import decimal
+from srgc.exports.exported_controller import ExportedController, described
+from srgc.exports.exported_motion import Quantity
+from srgc.exports.law_rounding import Precision
+from srgc.exports.motion_formats import array_file
+from srgc.exports.xml_lines import plain_line
+
+# --- C99, one file --------------------------------------------------------------------------------
+
+
+def c_text(controller: ExportedController, precision: Precision, notes: Sequence[str] = ()) -> str:
+    """The file in a precision; ``notes`` are lines for a reader behind those that describe it."""
+    return "\n".join(_c_lines(controller, precision, notes)) + "\n"
+
+
+def _c_lines(
+    controller: ExportedController, precision: Precision, notes: Sequence[str]
+) -> Iterator[str]:
+    kind, name, closed = precision.name, controller.name, controller.gains is not None
+    yield "/*"
+    for line in (*described(controller), *notes, "", *_c_use(controller, precision)):
+        yield f" * {_c_comment(line)}".rstrip()
+    yield " */"
+    yield from C_CHECKS.splitlines()
+    yield ""
+    yield f"extern const int {name}_samples;"
+    yield f"extern const {kind} {name}_period;"
+    yield f"int {_signature(controller, precision)};"
+    yield ""
+    yield f"const int {name}_samples = {controller.samples};"
+    yield f"const {kind} {name}_period = {_period(controller)}{precision.suffix};"
+    yield ""
+    yield from _c_table("planned", controller.planned, precision)
+    if controller.reference is not None and controller.gains is not None:
+        yield from _c_table("reference", controller.reference, precision)
+        flat = [row for gain in controller.gains for row in gain]
+        yield from _c_table("gains", flat, precision, len(controller.inputs))
+    yield f"int {_signature(controller, precision)}"
+    n, m = len(controller.measured), len(controller.inputs)
+    yield from (C_CLOSED if closed else C_OPEN).format(kind=kind, name=name, n=n, m=m).splitlines()
+
+
+def _signature(controller: ExportedController, precision: Precision) -> str:
+    kind, n = precision.name, len(controller.measured)
+    measured = f"measured[{n}]" if n else "*measured"
+    inputs = f"inputs[{len(controller.inputs)}]"
+    return f"{controller.name}_controller(int sample, const {kind} {measured}, {kind} {inputs})"
+
+
+def _period(controller: ExportedController) -> str:
+    text = decimal(float(controller.period))
+    return text if "." in text else f"{text}.0"
+
+
+def _c_use(controller: ExportedController, precision: Precision) -> Iterator[str]:
+    yield "A program that uses it declares"
+    yield f"    extern const int {controller.name}_samples;"
+    yield f"    extern const {precision.name} {controller.name}_period;"
+    yield f"    int {_signature(controller, precision)};"
+    yield "The function returns 0. For a sample that there is none of it returns -1, and leaves"
+    yield "the inputs as they are. It allocates nothing and calls nothing."
+    yield ""
+    yield "Compile with -ffp-contract=off: sums have a fixed order, and no operation may be fused"
+    yield "with another, reordered or done in another precision."
+
+
+def _c_comment(text: str) -> str:
+    """A line that no C compiler takes for anything but comment: no end of one, no trigraph."""
+    shown = plain_line(text).encode("ascii", "backslashreplace").decode()
+    for pair in ("*/", "/*", "??"):
+        while pair in shown:
+            shown = shown.replace(pair, f"{pair[0]} {pair[1]}")
+    return shown
+
+
+C_CHECKS = """\
+#include <float.h>
+
+#if defined(__FAST_MATH__)
+#error "compile without -ffast-math"
+#endif
+#if FLT_EVAL_METHOD != 0
+#error "operations are done in another precision; on x86, use -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__) || !defined(__GNUC__)
+#pragma STDC FP_CONTRACT OFF
+#endif"""
+"""GCC does not know the pragma; there the option of the command line is needed."""
+
+C_CLOSED = """\
+{{
+    {kind} off[{n}];
+    int i, j;
+
+    if (sample < 0 || sample >= {name}_samples) {{
+        return -1;
+    }}
+    for (j = 0; j < {n}; j++) {{
+        off[j] = measured[j] - reference[sample][j];
+    }}
+    for (i = 0; i < {m}; i++) {{
+        {kind} input = planned[sample][i];
+
+        for (j = 0; j < {n}; j++) {{
+            input = input - gains[sample][i][j] * off[j];
+        }}
+        inputs[i] = input;
+    }}
+    return 0;
+}}"""
+
+C_OPEN = """\
+{{
+    int i;
+
+    (void)measured;
+    if (sample < 0 || sample >= {name}_samples) {{
+        return -1;
+    }}
+    for (i = 0; i < {m}; i++) {{
+        inputs[i] = planned[sample][i];
+    }}
+    return 0;
+}}"""
+
+
+def _c_table(
+    name: str, rows: Sequence[Sequence[str]], precision: Precision, group: int | None = None
+) -> Iterator[str]:
+    """A table of constants; rows in groups of ``group`` where that is given."""
+    width, shape = len(rows[0]), f"[{len(rows)}]"
+    if group is not None:
+        shape = f"[{len(rows) // group}][{group}]"
+    yield f"static const {precision.name} {name}{shape}[{width}] = {{"
+    for number, row in enumerate(rows):
+        text = "{" + ", ".join(f"{item}{precision.suffix}" for item in row) + "}"
+        if group is not None:
+            text = ("{" if number % group == 0 else " ") + text
+            text += "}" if number % group == group - 1 else ""
+        yield f"    {text},"
+    yield "};"
+    yield ""
+
+
+# --- A Python module ------------------------------------------------------------------------------
+
+
+def python_text(controller: ExportedController, notes: Sequence[str] = ()) -> str:
+    """The module; it needs no other."""
+    return "\n".join(_python_lines(controller, notes)) + "\n"
+
+
+def _python_lines(controller: ExportedController, notes: Sequence[str]) -> Iterator[str]:
+    for line in (*described(controller), *notes):
+        yield f"# {plain_line(line)}".rstrip()
+    yield ""
+    yield f"SAMPLES = {controller.samples}"
+    yield f"PERIOD = {_period(controller)}"
+    yield from _names("MEASURED", controller.measured)
+    yield from _names("INPUTS", controller.inputs)
+    yield ""
+    yield from _python_table("PLANNED", controller.planned)
+    if controller.reference is None or controller.gains is None:
+        yield from PYTHON_OPEN.splitlines()
+        return
+    yield from _python_table("REFERENCE", controller.reference)
+    yield "GAINS = ("
+    for gain in controller.gains:
+        yield f"    ({' '.join(_tuple(row) + ',' for row in gain)}),"
+    yield ")"
+    yield from PYTHON_CLOSED.splitlines()
+
+
+def _names(name: str, items: Sequence[Quantity]) -> Iterator[str]:
+    yield f"{name} = ("
+    yield from (f'    "{item.name} ({item.unit})",' for item in items)
+    yield ")"
+
+
+def _tuple(row: Sequence[str]) -> str:
+    return f"({', '.join(row)}{',' if len(row) == 1 else ''})"
+
+
+def _python_table(name: str, rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    yield f"{name} = ("
+    yield from (f"    {_tuple(row)}," for row in rows)
+    yield ")"
+    yield ""
+
+
+PYTHON_CLOSED = '''
+
+def controller(sample, measured):
+    """The inputs to hold from a sample on, by what is measured at it: a list of floats."""
+    if not 0 <= sample < SAMPLES:
+        raise IndexError(f"there is no sample {sample}")
+    if len(measured) != len(MEASURED):
+        raise ValueError(f"there are {len(MEASURED)} measured quantities, not {len(measured)}")
+    off = [float(x) - planned for x, planned in zip(measured, REFERENCE[sample])]
+    inputs = []
+    for value, gains in zip(PLANNED[sample], GAINS[sample]):
+        for gain, each in zip(gains, off):
+            value = value - gain * each
+        inputs.append(value)
+    return inputs'''
+
+PYTHON_OPEN = '''
+def controller(sample, measured=()):
+    """The inputs to hold from a sample on: a list of floats. Nothing that is measured is read."""
+    if not 0 <= sample < SAMPLES:
+        raise IndexError(f"there is no sample {sample}")
+    return list(PLANNED[sample])'''
+
+
+# --- NumPy arrays ---------------------------------------------------------------------------------
+
+
+def controller_arrays(controller: ExportedController) -> bytes:
+    """The file: ``planned`` (k, m); with feedback ``reference``, ``gains``, ``rounding``, too."""
+    numbers = {
+        "period": np.array([float(controller.period)]),
+        "planned": np.array(controller.planned, dtype=np.float64),
+    }
+    if controller.reference is not None and controller.gains is not None:
+        numbers["reference"] = np.array(controller.reference, dtype=np.float64)
+        numbers["gains"] = np.array(controller.gains, dtype=np.float64)
+        claim = controller.design.claim.controller
+        allowed = () if claim is None or claim.rounding is None else claim.rounding
+        numbers["rounding"] = np.array([float(Fraction(text)) for text in allowed])
+    texts = {
+        "measured_names": [item.name for item in controller.measured],
+        "measured_units": [item.unit for item in controller.measured],
+        "input_names": [item.name for item in controller.inputs],
+        "input_units": [item.unit for item in controller.inputs],
+        "word": list(controller.design.claim.word),
+        "spec_sha256": [controller.design.claim.spec_sha256],
+    }
+    return array_file(numbers, texts)

@@ -1,0 +1,133 @@
+"""The files of a controller, in the precisions whose rounding its proof allows for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from pathlib import Path
+
+from flint import arb
+
+from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.tasks.specification import measurement_radii
+from solvers.verifier.claims.certificate import exact
+from srgc.exports.controller_code import c_text, controller_arrays, python_text
+from srgc.exports.exported_controller import ExportedController, exported_controller, literal
+from srgc.exports.law_rounding import BITS, DOUBLE, SINGLE, rounding_bounds
+from srgc.faults import UsageFault
+from srgc.results.found_design import FoundDesign, found_tube
+
+C, C_SINGLE, PYTHON, NPZ = "controller.c", "controller_single.c", "controller.py", "controller.npz"
+CONTROLLER_FILES = (C, C_SINGLE, PYTHON, NPZ)
+UPWARDS = 1.05
+"""Two digits of a number that is larger by this part are no less than the number."""
+
+
+def controller_files(folder: Path, design: FoundDesign) -> tuple[dict[str, bytes], tuple[str, ...]]:
+    """The files by their names, and what is not among them, for a reader.
+
+    Args:
+        folder: the result folder, whose tube holds all that may be measured.
+        design: the design in it.
+
+    Raises:
+        UsageFault: there are no inputs, or the proof does not allow for what doubles round.
+        NoAnswer: the tube does not get to the end of the motion.
+    """
+    controller = exported_controller(design)
+    if controller.gains is None:
+        return _encoded(controller, _open_loop_notes(controller)), ()
+    allowed = _allowances(controller)
+    measured = _measured(folder, design)
+    found = {kind: rounding_bounds(controller, measured, kind) for kind in (DOUBLE, SINGLE)}
+    excess = _excess(controller, found[DOUBLE], allowed)
+    if excess is not None:
+        raise UsageFault(f"no controller is covered by its proof: in doubles, {excess}")
+    stated = tuple(_rounding_notes(controller, found[DOUBLE], "double"))
+    excess = _excess(controller, found[SINGLE], allowed)
+    if excess is not None:
+        why = f"no {C_SINGLE}: in single precision, {excess}"
+        return _encoded(controller, (*stated, f"There is {why}.")), (why,)
+    files = _encoded(controller, stated)
+    notes = tuple(_rounding_notes(controller, found[SINGLE], "float"))
+    return files | {C_SINGLE: c_text(controller, SINGLE, notes).encode()}, ()
+
+
+def _encoded(controller: ExportedController, notes: Sequence[str]) -> dict[str, bytes]:
+    """The files in doubles."""
+    return {
+        C: c_text(controller, DOUBLE, notes).encode(),
+        PYTHON: python_text(controller, notes).encode(),
+        NPZ: controller_arrays(controller),
+    }
+
+
+def _allowances(controller: ExportedController) -> list[Fraction]:
+    """How far from the law the proof allows each input to be (m,), in its unit.
+
+    Raises:
+        UsageFault: it does not allow for anything.
+    """
+    claim = controller.design.claim.controller
+    if claim is None or claim.rounding is None:
+        raise UsageFault(
+            "the certificate states no allowance for rounding, so its proof covers no precision: "
+            "run `srgc synth` again"
+        )
+    if len(claim.rounding) != len(controller.inputs):
+        raise UsageFault("the controller of the certificate does not fit the robot")
+    return [exact(text) for text in claim.rounding]
+
+
+def _measured(folder: Path, design: FoundDesign) -> list[list[arb]]:
+    """Per sample all that may be measured in the tube of a design (2n,), as balls."""
+    noise = measurement_radii(design.task, design.model)
+    with working_precision(BITS):
+        errors = [ball(radius) * arb(0, 1) for radius in noise]
+        return [
+            [x + error for x, error in zip(states, errors, strict=True)]
+            for states in found_tube(folder).samples
+        ]
+
+
+def _excess(
+    controller: ExportedController, rounding: Sequence[arb], allowed: Sequence[Fraction]
+) -> str | None:
+    """Where rounding may be more than the proof allows for, in words."""
+    for item, bound, most in zip(controller.inputs, rounding, allowed, strict=True):
+        if not bool(bound <= ball(most)):
+            return (
+                f"rounding may change the input {item.name} by {_shown(bound)} {item.unit}, "
+                f"and the proof allows for {float(most):.2g} {item.unit}"
+            )
+    return None
+
+
+def _rounding_notes(
+    controller: ExportedController, rounding: Sequence[arb], kind: str
+) -> Iterator[str]:
+    claim = controller.design.claim.controller
+    yield ""
+    yield "Rounding: how far inputs may be from that law, for all that may be measured in the tube,"
+    yield f"each quantity rounded to the nearest {kind}; and how far the proof allows them to be."
+    allowed = () if claim is None or claim.rounding is None else claim.rounding
+    for number, (item, bound) in enumerate(zip(controller.inputs, rounding, strict=True)):
+        yield f"inputs[{number}]: {_shown(bound)} {item.unit} of {allowed[number]} {item.unit}"
+
+
+def _open_loop_notes(controller: ExportedController) -> tuple[str, ...]:
+    worst = max(
+        abs(Fraction(float(literal(text))) - exact(text))
+        for row in controller.design.claim.inputs
+        for text in row
+    )
+    return (
+        "",
+        "The proof is about the decimals of the certificate. The doubles nearest to them differ",
+        f"by at most {_shown(ball(worst))}." if worst else "are the same numbers.",
+    )
+
+
+def _shown(bound: arb) -> str:
+    """Two digits, rounded upwards."""
+    return f"{UPWARDS * float(bound.upper()):.1e}"

@@ -1,0 +1,131 @@
+"""The controller of a design as it is exported: the numbers of its law, and what they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from compiler.expressions.exact_numbers import decimal
+from compiler.robots.state_and_input import robot_inputs
+from solvers.verifier.claims.certificate import exact
+from srgc.exports.exported_motion import (
+    POSITION_UNITS,
+    Quantity,
+    input_quantities,
+    planned_inputs,
+    quantities,
+)
+from srgc.exports.exported_robot import design_names, design_tree, origin
+from srgc.faults import UsageFault
+from srgc.results.found_design import FoundDesign
+
+RATE_UNITS = {"revolute": "rad/s", "prismatic": "m/s"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExportedController:
+    """The inputs u = u* - K (x - x*) of each of k samples, as decimals in SI units.
+
+    Attributes:
+        design: the design.
+        measured: x, coordinates of the joints, then their rates (2n,).
+        inputs: u (m,).
+        planned: u*, (k, m).
+        reference: x*, (k, 2n); None for an open loop, which measures nothing.
+        gains: K, (k, m, 2n); None for an open loop.
+    """
+
+    design: FoundDesign
+    measured: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]
+    planned: tuple[tuple[str, ...], ...]
+    reference: tuple[tuple[str, ...], ...] | None
+    gains: tuple[tuple[tuple[str, ...], ...], ...] | None
+
+    @property
+    def samples(self) -> int:
+        """The number of samples."""
+        return len(self.planned)
+
+    @property
+    def period(self) -> Fraction:
+        """The time between samples in seconds."""
+        return self.design.task.step
+
+    @property
+    def name(self) -> str:
+        """What names in a program begin with: the task, whose name is one in C and Python."""
+        return self.design.task.name
+
+
+def exported_controller(design: FoundDesign) -> ExportedController:
+    """The controller of a design; of one without feedback, the inputs that it holds.
+
+    Raises:
+        UsageFault: the robot has no inputs, or the numbers of the certificate do not fit it.
+    """
+    model, claim = design.model, design.claim
+    if not robot_inputs(model):
+        raise UsageFault("the robot has no inputs, so there is nothing to control")
+    # They refuse what does not fit.
+    planned_inputs(design)
+    joints = design_names(design, design_tree(design)).joints
+    positions = [f"position of {name}" for name in joints]
+    rates = [f"rate of {name}" for name in joints]
+    measured = quantities(positions, [POSITION_UNITS[dof.kind] for dof in model.dofs])
+    measured += quantities(rates, [RATE_UNITS[dof.kind] for dof in model.dofs])
+    reference, gains = None, None
+    # Of a robot without joints there is nothing to measure.
+    if claim.controller is not None and design.feedback is not None and measured:
+        reference = tuple(map(_literals, claim.controller.reference))
+        gains = tuple(tuple(map(_literals, gain)) for gain in claim.controller.gains)
+    inputs = input_quantities(model, joints)
+    planned = tuple(map(_literals, claim.inputs))
+    return ExportedController(design, measured, inputs, planned, reference, gains)
+
+
+def _literals(row: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(map(literal, row))
+
+
+def literal(text: str) -> str:
+    """A number of a certificate as a decimal with a point; a quotient is rounded to a double.
+
+    Raises:
+        CertificateError: the text is no number.
+    """
+    value = exact(text)
+    if "/" in text:
+        text = decimal(float(value))
+    return text if "." in text else f"{text}.0"
+
+
+def described(controller: ExportedController) -> Iterator[str]:
+    """Lines for a reader: what the numbers are, of what, and when they are read and held."""
+    period, last = decimal(float(controller.period)), controller.samples - 1
+    if controller.gains is None:
+        yield "The inputs of a robot, fixed in advance: an open loop. It measures nothing."
+        yield "At sample k it holds the inputs u*(k) of the certificate until sample k + 1."
+    else:
+        yield "The controller of a robot. At sample k it reads x, and until sample k + 1 it holds"
+        yield "    u = u*(k) - K(k) (x - x*(k))"
+        yield "with the inputs u*, the gains K and the reference x* of the certificate."
+    yield ""
+    yield from origin(controller.design)
+    yield ""
+    yield f"Sample k is at k * {period} s, from 0 to {last}. The proof is about inputs that are"
+    if controller.gains is None:
+        yield "held from that time on."
+    else:
+        yield "computed from what is measured at that time, and held from that time on, without"
+        yield "delay. Angles count turns: they are not reduced to an interval."
+        yield ""
+        yield from _listed("measured", controller.measured)
+    yield ""
+    yield from _listed("inputs", controller.inputs)
+
+
+def _listed(array: str, items: tuple[Quantity, ...]) -> Iterator[str]:
+    for number, item in enumerate(items):
+        yield f"{array}[{number}]: {item.name} ({item.unit})"

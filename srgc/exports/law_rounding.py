@@ -1,0 +1,132 @@
+r"""How far a computer's evaluation of a controller's law is from the law, at most.
+
+In a binary format with p bits, a number z that is read, or is the exact result of an operation, is
+rounded to one that is off by at most :math:`2^{-p} |z| + \eta`, where :math:`\eta` is the least
+number with all its bits, so that those below it may be taken for zero.  Such errors are added up
+along the operations of ``controller_code.py``, in their order, in balls.
+
+Source: Higham, *Accuracy and Stability of Numerical Algorithms* (2002), sections 2.2 and 3.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from compiler.expressions.evaluators.balls import ball, working_precision
+from solvers.verifier.claims.certificate import exact
+from srgc.exports.exported_controller import ExportedController, literal
+
+BITS = 64
+"""Of the balls: what they add to a bound is far below what doubles round."""
+
+
+@dataclass(frozen=True, slots=True)
+class Precision:
+    """A binary format of IEEE 754 by its name in C, with ``bits`` significant bits.
+
+    Constants end in ``suffix``.  Numbers are below 2^``exponent``; those from 2^(2 - ``exponent``)
+    on have all their bits.
+    """
+
+    name: str
+    suffix: str
+    bits: int
+    exponent: int
+
+
+DOUBLE = Precision("double", "", 53, 1024)
+SINGLE = Precision("float", "f", 24, 128)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rounded:
+    """Bounds of the size of a number as it is computed, and of its distance from the exact one."""
+
+    size: arb
+    error: arb
+
+
+@dataclass(frozen=True, slots=True)
+class _Rounding:
+    """The rounding of a precision."""
+
+    unit: arb
+    least: arb
+
+    def of(self, size: arb, error: arb) -> _Rounded:
+        """What becomes of numbers up to ``size`` that are off by up to ``error``."""
+        added = (self.unit * size + self.least).upper()
+        return _Rounded((size + added).upper(), (error + added).upper())
+
+    def constant(self, text: str) -> _Rounded:
+        """A number of the certificate, which is written as a decimal and read as the nearest."""
+        value, written = exact(text), Fraction(literal(text))
+        return self.of(abs(ball(written)).upper(), ball(abs(written - value)).upper())
+
+
+def rounding_bounds(
+    controller: ExportedController, measured: Sequence[Sequence[arb]], precision: Precision
+) -> list[arb]:
+    """Per input (m,) how far from the law what is held may be, in its unit.
+
+    Args:
+        controller: the law, with its gains.
+        measured: per sample all that may be measured (2n,) as balls; the program gets the nearest
+            numbers of the precision.
+        precision: that of all constants and operations.
+    """
+    claim = controller.design.claim.controller
+    if claim is None:
+        raise ValueError("there are no gains")
+    with working_precision(BITS):
+        two = arb(2)
+        rounding = _Rounding(two**-precision.bits, two ** (2 - precision.exponent))
+        largest = two ** (precision.exponent - 1)
+        found = [arb(0)] * len(controller.inputs)
+        rows = zip(
+            controller.design.claim.inputs, claim.reference, claim.gains, measured[:-1], strict=True
+        )
+        for planned, reference, gains, states in rows:
+            off = [_deviation(rounding, x, text) for x, text in zip(states, reference, strict=True)]
+            for i, (text, row) in enumerate(zip(planned, gains, strict=True)):
+                held = _held(rounding, text, row, off, largest)
+                found[i] = found[i].max(held)
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Deviation:
+    """A measured quantity less its reference: as computed, and ``true``, a bound of the exact."""
+
+    computed: _Rounded
+    true: arb
+    read: arb
+
+
+def _deviation(rounding: _Rounding, measured: arb, text: str) -> _Deviation:
+    read, planned = rounding.of(abs(measured).upper(), arb(0)), rounding.constant(text)
+    true = abs(measured - ball(exact(text))).upper()
+    error = read.error + planned.error
+    computed = rounding.of((true + error).upper(), error)
+    return _Deviation(computed, true, read.size.max(planned.size))
+
+
+def _held(
+    rounding: _Rounding, text: str, row: Sequence[str], off: Sequence[_Deviation], largest: arb
+) -> arb:
+    """The error of one input; infinite where a number may be beyond the precision."""
+    held = rounding.constant(text)
+    most = held.size
+    for gain_text, each in zip(row, off, strict=True):
+        gain = rounding.constant(gain_text)
+        product = rounding.of(
+            (gain.size * each.computed.size).upper(),
+            (gain.size * each.computed.error + gain.error * each.true).upper(),
+        )
+        held = rounding.of(held.size + product.size, held.error + product.error)
+        most = most.max(held.size).max(each.computed.size).max(each.read).max(gain.size)
+    return held.error if bool(most < largest) else arb("inf")
