@@ -149,6 +149,17 @@ def identity(size: int) -> arb_mat:
     return arb_mat([[arb(int(i == j)) for j in range(size)] for i in range(size)])
 
 
+def diagonal(entries: Sequence[arb]) -> arb_mat:
+    """A diagonal matrix."""
+    size = len(entries)
+    return arb_mat([[entries[i] if i == j else arb(0) for j in range(size)] for i in range(size)])
+
+
+def beside(left: arb_mat, right: arb_mat) -> arb_mat:
+    """One matrix to the left of another."""
+    return arb_mat([a + b for a, b in zip(left.tolist(), right.tolist(), strict=True)])
+
+
 def absolute(matrix: arb_mat) -> arb_mat:
     """Exact upper bounds of the absolute values of the entries."""
     entries = [abs(item).upper() for item in matrix.entries()]

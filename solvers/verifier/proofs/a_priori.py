@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat
 
-from compiler.expressions.evaluators.balls import SIGNS, absolute, both_signs, column, stacked
+from compiler.expressions.evaluators.balls import (
+    SIGNS,
+    absolute,
+    beside,
+    both_signs,
+    column,
+    diagonal,
+    rows,
+    stacked,
+)
 from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, Path, VectorField
 
 # --- A box that no solution leaves, by the comparison of deviations -------------------------------
@@ -82,21 +91,33 @@ class LinearPart:
 
 
 @dataclass(frozen=True, slots=True)
+class Steady:
+    """What disturbed inputs add on [0, H].
+
+    At H it is ``columns`` r (size, 3 m), all |r_j| <= 1, plus what ``rest`` pushes; ``reach``
+    bounds the former at every instant.  Of disturbances that stay at their bounds it is
+    ``constant``.
+    """
+
+    columns: arb_mat
+    constant: arb_mat
+    reach: list[arb]
+    rest: list[arb]
+
+
+@dataclass(frozen=True, slots=True)
 class Deviation:
     """How solutions deviate from a path on [0, H].
 
     ``radii`` is E, ``push`` the bound k, of which ``residue`` is the defect's part (without the
-    coordinates' zeros).  What disturbed inputs add by the end is ``steady`` times numbers of size 1
-    at most, plus what ``rest`` pushes; ``steady`` (size, m) is exact, and None without
-    disturbances.
+    coordinates' zeros).  ``steady`` is what disturbed inputs add, None without disturbances.
     """
 
     radii: list[arb]
     linear: LinearPart
     push: list[arb]
     residue: list[arb]
-    rest: list[arb]
-    steady: arb_mat | None = None
+    steady: Steady | None = None
 
 
 def comparison(rates: arb_mat, push: Sequence[arb], start: Sequence[arb], time: arb) -> list[arb]:
@@ -175,15 +196,14 @@ def narrowed(field: VectorField, near: NearPath, radii: Sequence[arb], degree: i
     linear = linear_part(field, near, radii, degree)
     residue = absolute(linear.inertia.solve(both_signs(column(near.defect))))
     push = residue
-    steady, rest = None, [*[arb(0)] * field.dofs, *(item.upper() for item in residue.entries())]
+    steady = None
     if near.drive.is_disturbed:
         slopes = linear.inertia.solve(input_slopes(field, near, radii))
         push = residue + absolute(slopes) * column(near.drive.disturbance)
-        steady, rest = steady_part(
-            slopes, near.drive.disturbance, near.path.length, linear.rates, residue
-        )
+        length = near.path.length
+        steady = steady_part(slopes, near.drive.disturbance, length, linear, residue)
     pushed = [*[arb(0)] * field.dofs, *(item.upper() for item in push.entries())]
-    return Deviation(list(radii), linear, pushed, residue.entries(), rest, steady)
+    return Deviation(list(radii), linear, pushed, residue.entries(), steady)
 
 
 def input_slopes(field: VectorField, near: NearPath, radii: Sequence[arb]) -> arb_mat:
@@ -193,29 +213,43 @@ def input_slopes(field: VectorField, near: NearPath, radii: Sequence[arb]) -> ar
 
 
 def steady_part(
-    slopes: arb_mat, bounds: Sequence[arb], length: arb, rates: arb_mat, residue: arb_mat
-) -> tuple[arb_mat, list[arb]]:
-    """What disturbed inputs add that does not depend on when they differ, and bounds of the rest.
+    slopes: arb_mat,
+    bounds: Sequence[arb],
+    length: arb,
+    linear: LinearPart,
+    residue: arb_mat,
+) -> Steady:
+    """What disturbed inputs add, by the two first moments of when they differ, and the rest.
 
-    Let G be ``slopes``, d the disturbance, |d| <= ``bounds``, G' the midpoint of G and w the
-    integral of d.  Then z = e - G' w obeys z' = A z + A G' w + defect + (G - G') d with
-    |w(t)| <= ``bounds`` t.  Half of the largest |w| is enough: weights exp(J (H - t)) fall where it
-    rises (Chebyshev's integral inequality).  So e(H) is what z gets to, plus G' w(H) with
-    |w(H)| <= ``bounds`` H: an image of a box, in which coordinates and rates go together, where a
-    bound of |e| is a box.
+    Let G be ``slopes``, d the disturbance, |d| <= ``bounds``, G' the midpoint of G, T near A G', w
+    the integral of d, and W that of w.  Then z = e - G' w - T W obeys
+
+        z' = A z + (A G' - T) w + A T W + defect + (G - G') d,
+
+    |w(t)| <= ``bounds`` t and |W(t)| <= ``bounds`` t^2 / 2.  The means of these bounds are enough:
+    weights exp(J (H - t)) fall where they rise (Chebyshev's integral inequality).  So e(H) is what
+    z gets to, plus an image of a set, in which coordinates and rates go together, where a bound of
+    |e| is a box: with |d| <= 1 and x = w(H) / H, W(H) = H w(H) / 2 + m H^2, |m| <= (1 - x^2) / 4,
+    which is at most (1 - |x|) / 4 + 1 / 16.
     """
     size = column(bounds)
-    dofs = rates.nrows() - slopes.nrows()
+    dofs = linear.rates.nrows() - slopes.nrows()
     middle = slopes.mid()
     none = arb_mat(dofs, middle.ncols(), [arb(0)] * (dofs * middle.ncols()))
-    whole = stacked(none, middle)
-    pushed = residue + absolute(slopes - middle) * size
-    moved = rates * (absolute(whole) * size) * (length / 2)
+    direct = stacked(none, middle)
+    turned = stacked(rows(direct, dofs, 2 * dofs), linear.lower * direct)
+    turn = turned.mid()
+    moved = absolute(turned - turn) * size * (length / 2)
+    moved = moved + linear.rates * (absolute(turn) * size) * (length**2 / 6)
     rest = [item.upper() for item in moved.entries()]
+    pushed = residue + absolute(slopes - middle) * size
     rest[dofs:] = [(a + b).upper() for a, b in zip(rest[dofs:], pushed.entries(), strict=True)]
-    scales = [(item * length).upper() for item in bounds]
-    columns = [[whole[i, j] * s for j, s in enumerate(scales)] for i in range(whole.nrows())]
-    return arb_mat(columns), rest
+    most = absolute(direct) * size * length + absolute(turn) * size * (length**2 / 2)
+    constant = (direct + turn * (length / 2)) * diagonal([item * length for item in bounds])
+    eighth = turn * diagonal([item * length**2 / 8 for item in bounds])
+    half = constant * (arb(1) / 2)
+    columns = beside(beside(half + eighth, half - eighth), eighth * (arb(1) / 2))
+    return Steady(columns, constant, [item.upper() for item in most.entries()], rest)
 
 
 def linear_part(

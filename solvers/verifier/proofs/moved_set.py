@@ -94,8 +94,14 @@ def moved_set(
 def _by_box(field: VectorField, near: NearPath, found: Deviation) -> MovedSet:
     """The flow of all deviations in a box."""
     transition = flow(field, near.path.length / 2, found.linear)
-    box = transition.added(near.start, found.rest)
-    return MovedSet(transition, Added(box, found.steady, [arb(0)] * field.size), found.radii)
+    still, steady = [arb(0)] * field.size, found.steady
+    if steady is None:
+        box = transition.added(near.start, found.push)
+        return MovedSet(transition, Added(box, None, still, box), found.radii)
+    box = transition.added(near.start, steady.rest)
+    reach = [(b + r).upper() for b, r in zip(box, steady.reach, strict=True)]
+    added = Added(box, steady.columns, still, reach)
+    return MovedSet(transition, added, found.radii)
 
 
 def _closer(

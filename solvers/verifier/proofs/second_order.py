@@ -37,9 +37,10 @@ from compiler.expressions.evaluators.balls import (
     SMOOTH_BALLS,
     UncertainSignError,
     absolute,
+    beside,
     both_signs,
     column,
-    column_of_ones,
+    diagonal,
     stacked,
 )
 from solvers.verifier.proofs.a_priori import (
@@ -73,20 +74,15 @@ MOST_ENTRIES = 40
 
 @dataclass(frozen=True, slots=True)
 class Added:
-    """What a set gains on a segment: a box, an image of the unit box, and a shift."""
+    """What a set gains on a segment: a box, an image of the unit box, and a shift.
+
+    ``reach`` bounds all of it at every instant.
+    """
 
     box: list[arb]
     steady: arb_mat | None
     shift: list[arb]
-
-    @property
-    def reach(self) -> list[arb]:
-        """Bounds of what is added at every t in [0, H]."""
-        found = [(b + abs(s)).upper() for b, s in zip(self.box, self.shift, strict=True)]
-        if self.steady is None:
-            return found
-        most = (absolute(self.steady) * column_of_ones(self.steady.ncols())).entries()
-        return [(a + b).upper() for a, b in zip(found, most, strict=True)]
+    reach: list[arb]
 
 
 def added_by_forms(
@@ -109,7 +105,7 @@ def added_by_forms(
     # First of the box that no deviation leaves, then of closer sets.
     pull = (found.linear.rates * column(found.radii) + column(found.push)).entries()
     most = [*found.radii, *(item.upper() for item in pull[field.dofs : 2 * field.dofs])]
-    parts = [_Columns.of(_diagonal(most))]
+    parts = [_Columns.of(diagonal(most))]
     forms: _Forms | None = None
     added = None
     for _ in range(ROUNDS):
@@ -131,24 +127,15 @@ def added_by_forms(
                 moving.append(stacked(places, lower * places))
         rest = _accelerations(field, linear, near, slopes, forms)
         own = _own_columns(field, lower, added.reach, rest)
-        parts = [_Columns.of(_beside(part, own)) for part in moving]
+        parts = [_Columns.of(beside(part, own)) for part in moving]
     return None if added is None else (transition, added)
-
-
-def _beside(left: arb_mat, right: arb_mat) -> arb_mat:
-    return arb_mat([a + b for a, b in zip(left.tolist(), right.tolist(), strict=True)])
-
-
-def _diagonal(entries: Sequence[arb]) -> arb_mat:
-    size = len(entries)
-    return arb_mat([[entries[i] if i == j else arb(0) for j in range(size)] for i in range(size)])
 
 
 def _own_columns(field: VectorField, lower: arb_mat, box: Sequence[arb], rest: arb_mat) -> arb_mat:
     """The columns of V that are not images of the set's: a box of e, and what e_a - A e may be."""
-    places = _diagonal(box)
+    places = diagonal(box)
     none = arb_mat(field.size, rest.ncols(), [arb(0)] * (field.size * rest.ncols()))
-    return stacked(_beside(places, none), _beside(lower * places, rest))
+    return stacked(beside(places, none), beside(lower * places, rest))
 
 
 def _accelerations(
@@ -159,9 +146,9 @@ def _accelerations(
     As columns, not as a box: an uncertain mass times accelerations is a part of the forces.
     """
     most = [abs(c) + r for c, r in zip(forms.centre, forms.radii, strict=True)]
-    pushed = _diagonal([(a + b).upper() for a, b in zip(most, near.defect, strict=True)])
+    pushed = diagonal([(a + b).upper() for a, b in zip(most, near.defect, strict=True)])
     if slopes is not None:
-        pushed = _beside(pushed, slopes * _diagonal(near.drive.disturbance))
+        pushed = beside(pushed, slopes * diagonal(near.drive.disturbance))
     return arb_mat(linear.inertia.solve(pushed).tolist()[: field.dofs])
 
 
@@ -178,13 +165,19 @@ def _added(
             bounds.append(radius)
             columns.append([arb(int(i == j)) for j in range(height)])
     # The centre of the forms pushes all the time: that is a shift.
-    bounds.append(arb(1))
-    columns.append(list(forms.centre))
-    solved = linear.inertia.solve(arb_mat(columns).transpose())
-    steady, rest = steady_part(solved, bounds, near.path.length, linear.rates, residue)
-    rows = steady.tolist()
-    own = arb_mat([row[:-1] for row in rows]) if len(bounds) > 1 else None
-    return Added(transition.added(near.start, rest), own, [row[-1] for row in rows])
+    length, own = near.path.length, None
+    solved = linear.inertia.solve(arb_mat([list(forms.centre)]).transpose())
+    shift = steady_part(solved, [arb(1)], length, linear, residue)
+    pushed, reach = shift.rest, shift.reach
+    if columns:
+        solved = linear.inertia.solve(arb_mat(columns).transpose())
+        found = steady_part(solved, bounds, length, linear, 0 * residue)
+        own = found.columns
+        pushed = [a + b for a, b in zip(pushed, found.rest, strict=True)]
+        reach = [a + b for a, b in zip(reach, found.reach, strict=True)]
+    box = transition.added(near.start, pushed)
+    total = [(b + r).upper() for b, r in zip(box, reach, strict=True)]
+    return Added(box, own, shift.constant.entries(), total)
 
 
 # --- Second derivatives, and the range of the forms -----------------------------------------------
