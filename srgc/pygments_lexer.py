@@ -317,6 +317,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (_word("by", "at", "rest"), Keyword),
             (_word("effector"), Keyword, "operand"),
             (_word("rates"), Keyword, "bound"),
+            (_word("for"), Keyword, "operand"),
             default("#pop"),
         ],
         "avoided region": [

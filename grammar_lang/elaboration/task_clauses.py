@@ -136,16 +136,6 @@ _PERCENT = {
     "mass": ("`robust mass`", "the error of the masses"),
 }
 
-# pi = 3.14159265358979323846264338327950288419...
-_PI_BELOW = Fraction(314159265358979323846264338327950288, 10**35)
-_PI_ABOVE = _PI_BELOW + Fraction(1, 10**35)
-
-
-def _at_least(value: constants.Monomial) -> Fraction:
-    """A rational at least a positive ``q * pi**k``, and above it by less than 1e-30 of it."""
-    factor, power = value
-    return factor * (_PI_ABOVE**power if power >= 0 else 1 / _PI_BELOW**-power)
-
 
 @dataclass(slots=True)
 class _RadiiReader:
@@ -193,7 +183,8 @@ class _RadiiReader:
         elif exact[0] <= 0:
             message = f"the {self.subject} is not positive"
             self.sink.error(Code.BAD_VALUE, message, expr.span, "write more than zero")
-        self.radii[kind] = (Fraction(0) if exact is None else _at_least(exact), expr.span)
+        radius = Fraction(0) if exact is None else constants.rational_bounds(exact)[1]
+        self.radii[kind] = radius, expr.span
 
 
 def _fraction(item: t.RobustPercent, sink: Sink) -> Fraction:

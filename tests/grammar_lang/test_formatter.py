@@ -79,6 +79,8 @@ STATEMENTS = [
     ("task", "start in S rates <= 2 rad/s;"),
     ("task", "start at (1 deg, 2) rad;"),
     ("task", "reach T by effector -n + 1 at rest;"),
+    ("task", "reach T at rest for 0.3 s;"),
+    ("task", "reach T by effector 2 rates <= v for (d + 1) s;"),
     ("task", "avoid self, O with body, margin 2 cm;"),
     ("task", "avoid O with effector margin (2) cm;"),
     ("task", "effort <= 10 N*m norm 2;"),

@@ -25,14 +25,14 @@ from compiler.tasks.monitor import key
 from compiler.tasks.specification import measurement_radii
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
-from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import InputError, SampledLaw, open_loop, sampled_law
 from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
+from solvers.verifier.proofs.end_conditions import EndConditions
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.region_distance import region_distance
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
-from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
     Constraint,
@@ -40,6 +40,7 @@ from solvers.verifier.proofs.tube_checks import (
     PointMap,
     StateLimit,
     Status,
+    Stretch,
     check_segment,
     close_margins,
     rows_of,
@@ -123,6 +124,7 @@ class Followed:
     limits: list[StateLimit]
     defined: Defined
     formulas: FormulaProof
+    end: EndConditions
     samples: list[Sequence[arb]]
     commanded: list[Sequence[arb]] = field(default_factory=list[Sequence[arb]])
     time: float = 0.0
@@ -135,16 +137,8 @@ class Followed:
     def conditions(self) -> list[CheckedCondition]:
         """All that a complete tube shows, but for what is asked of samples alone."""
         found = self.so_far()
-        scene, effector = self.robot.scene, self.robot.motion.effector
-        task, last = scene.task, self.samples[-1]
-        end = float(task.step) * task.steps
-        if task.reach is not None:
-            tip = self.robot.point_map.positions(last)[effector]
-            target = scene.polytope(scene.workspace.region(task.reach.region))
-            found.append(inside(f"target {task.reach.region}", target, tip, end))
-            if task.reach.at_rest:
-                found.append(at_rest(scene.graph, last, end))
-        found += [self._satisfied(*each) for each in enumerate(task.satisfy)]
+        found += self.end.conditions(self.robot.point_map, self.samples[-1])
+        found += [self._satisfied(*each) for each in enumerate(self.robot.scene.task.satisfy)]
         return found
 
     def so_far(self) -> list[CheckedCondition]:
@@ -195,6 +189,7 @@ def follow(
         state_limits(scene, robot.field.size),
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
         _formulas(scene, robot.point_map, watch.tick),
+        EndConditions(scene, robot.motion.effector),
         [],
     )
     ends: dict[int, Sequence[arb]] = {0: box_of(initial)}
@@ -204,7 +199,9 @@ def follow(
         ):
             watch.tick()
             inputs = segment.inputs
-            check_segment(robot.point_map, segment, inputs, found.constraints, found.limits)
+            whole = Stretch.of(segment, inputs)
+            check_segment(robot.point_map, whole, found.constraints, found.limits)
+            found.end.add(robot.point_map, segment, inputs)
             found.formulas.add(segment, inputs)
             if found.defined.is_needed:
                 found.defined.check(segment, inputs)
