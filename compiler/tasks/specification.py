@@ -241,6 +241,29 @@ def measurement_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
     return joint_radii((task.robust or ir.Robust()).measured, model)
 
 
+@dataclass(frozen=True, slots=True)
+class UncertainMass:
+    """Bodies of a robot, by number, whose masses are times one constant within 1 +- ``part``."""
+
+    part: Fraction
+    bodies: tuple[int, ...]
+
+
+def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, ...]:
+    """The constants by which masses may be off: that of all bodies, then one per occurrence."""
+    robust = task.robust or ir.Robust()
+    found = list[UncertainMass]()
+    if robust.mass and model.bodies:
+        found.append(UncertainMass(robust.mass, tuple(range(len(model.bodies)))))
+    for clause in robust.masses:
+        bodies: dict[int, list[int]] = {}
+        for body, owner in enumerate(model.owners):
+            if owner is not None and owner.module == clause.module:
+                bodies.setdefault(owner.symbol, []).append(body)
+        found += [UncertainMass(clause.part, tuple(own)) for _, own in sorted(bodies.items())]
+    return tuple(found)
+
+
 def input_errors(task: ir.Task, model: RobotModel) -> tuple[Fraction, tuple[Fraction, ...]]:
     """How far inputs may be from what is commanded: the part of themselves, and what comes on top.
 

@@ -231,9 +231,9 @@ class _Reader:
     def robust(self) -> ir.Robust | None:
         if not any(isinstance(i, t.RobustRadii | t.RobustPercent) for i in self.task.items):
             return None
-        from grammar_lang.elaboration.task_clauses import lower_robust
+        from grammar_lang.elaboration.disturbances import lower_robust
 
-        return lower_robust(self.task.items, self.sink)
+        return lower_robust(self.task.items, self.around.names, self.sink)
 
     # --- the rest ------------------------------------------------------------------------------
 

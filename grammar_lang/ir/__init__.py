@@ -74,6 +74,7 @@ from grammar_lang.ir.family import (
     Symbol,
     SymbolKind,
     Torque,
+    owners,
 )
 from grammar_lang.ir.formula import (
     Always,
@@ -100,6 +101,7 @@ from grammar_lang.ir.task import (
     Hull,
     Inequalities,
     MapImage,
+    ModuleMass,
     ObstacleMap,
     Origin,
     Radii,
@@ -162,6 +164,7 @@ __all__ = [
     "MapImage",
     "Matches",
     "Module",
+    "ModuleMass",
     "Move",
     "Next",
     "Not",
@@ -212,6 +215,7 @@ __all__ = [
     "Workspace",
     "World",
     "leaves",
+    "owners",
 ]
 
 

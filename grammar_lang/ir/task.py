@@ -225,16 +225,29 @@ class Radii:
 
 
 @node
+class ModuleMass:
+    """All masses, densities and inertias of an occurrence of a module, times 1 +- ``part``.
+
+    Each occurrence in a word has a constant of its own.
+    """
+
+    module: str
+    part: Fraction
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class Robust:
     """Disturbances that the motion has to bear.
 
     ``start`` holds the radii about the planned start, ``measured`` those of what the controller
     measures about the true state.  Each input is off by up to the fraction ``effort`` of itself and
     the fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities and
-    inertias are multiplied by one constant within 1 +- ``mass``.
+    inertias are multiplied by one constant within 1 +- ``mass``, those of the modules in ``masses``
+    by one more for each of their occurrences.
 
     ``clauses`` are the places of the first clause of each kind: ``start``, ``measure``, ``effort``,
-    ``effort of bound`` and ``mass``.
+    ``effort of bound``, ``mass`` and ``mass of``; and of each radius, as ``start angle``.
     """
 
     start: Radii = Radii()
@@ -242,6 +255,7 @@ class Robust:
     effort: Fraction = Fraction(0)
     effort_of_bound: Fraction = Fraction(0)
     mass: Fraction = Fraction(0)
+    masses: tuple[ModuleMass, ...] = ()
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
 
 

@@ -185,9 +185,9 @@ _TASKS: dict[str, Builder] = {
     "loop": lambda c, _: " ".join(token.text for token in c),
     "robust_start": lambda c, span: t.RobustRadii("start", tuple(c), span),
     "robust_measure": lambda c, span: t.RobustRadii("measure", tuple(c), span),
-    "robust_effort": lambda c, span: t.RobustPercent("effort", c[0], span),
-    "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span),
-    "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], span),
+    "robust_effort": lambda c, span: t.RobustPercent("effort", c[0], span=span),
+    "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span=span),
+    "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], _optional(c[1]), span),
     "item": lambda c, _: c[0],
 }
 

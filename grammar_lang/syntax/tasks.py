@@ -334,10 +334,11 @@ class RobustRadii:
 
 @node
 class RobustPercent:
-    """``robust effort 0.5 %;``, ``… % of bound;`` or ``robust mass 5 %;``; counts hundredths."""
+    """``robust effort 0.5 %;``, ``… % of bound;`` or ``robust mass 5 % of M;``; hundredths."""
 
     of: Literal["effort", "effort of bound", "mass"]
     percent: Expr
+    module: Ident | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

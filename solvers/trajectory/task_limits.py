@@ -12,7 +12,12 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_states
-from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
+from compiler.tasks.specification import (
+    disturbance_radii,
+    input_errors,
+    measurement_radii,
+    uncertain_masses,
+)
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.trajectory import Trajectory
@@ -214,17 +219,18 @@ def disturbance_spread(
 ) -> DisturbanceSpread:
     """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
 
-    Inputs are taken to be off by a constant in every step, and an uncertain mass to act as inputs
-    that are off by its part all the time.  With ``gains`` (k, m, N) what is measured is fed back.
+    Inputs are taken to be off by a constant in every step, and accelerations by what uncertain
+    masses take of them.  With ``gains`` (k, m, N) what is measured is fed back.
     """
     n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
     radii = [float(radius) for radius in disturbance_radii(task, model)]
     noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
     part, most = input_errors(task, model)
     share, added = float(part), np.array([float(value) for value in most])
-    mass = 0.0 if task.robust is None else float(task.robust.mass)
+    heavier = _heavier(numeric, task, trajectory)
+    count = heavier.shape[2]
     step = numeric.step(trajectory.x[:-1], trajectory.u, theta, float(task.step), substeps)
-    columns = np.zeros((numeric.size, 2 * n + 1))
+    columns = np.zeros((numeric.size, 2 * n + count))
     columns[: 2 * n, : 2 * n] = np.diag(radii)
     by_q = numeric.points(trajectory.x[:, :n], theta).by_q
     points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
@@ -244,8 +250,22 @@ def disturbance_spread(
             pushed = by_u * (share * (np.abs(u) + inputs[sample]) + added)
             columns = by_x @ columns
             # The same constant all the time: its effects add up, sign by sign.
-            columns[:, 2 * n] += mass * (by_u @ u)
+            columns[: 2 * n, 2 * n : 2 * n + count] += heavier[sample]
             columns = np.concatenate([columns, pushed, by_u @ misread], axis=1)
     largest = np.max(inputs, axis=0, initial=0.0)
     final = float(np.max(states[-final_samples(task) :, n:], initial=0.0))
     return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest, final)
+
+
+def _heavier(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory) -> Array:
+    """What each uncertain mass at its bound adds to coordinates and rates in a step, (k, 2n, c)."""
+    n, dt = numeric.n, float(task.step)
+    masses = uncertain_masses(task, numeric.graph.model)
+    if not masses:
+        return np.zeros((len(trajectory.u), 2 * n, 0))
+    x = (trajectory.x[1:] + trajectory.x[:-1]) / 2
+    accelerations = np.diff(trajectory.x[:, n : 2 * n], axis=0) / dt
+    groups = tuple(item.bodies for item in masses)
+    parts = np.array([float(item.part) for item in masses])
+    taken = parts * numeric.slowed(groups, x, accelerations, trajectory.theta)
+    return np.concatenate([dt * dt / 2 * taken, dt * taken], axis=1)

@@ -83,7 +83,7 @@ _TASK = {
     "satisfy": "`satisfy FORMULA;`: linear temporal logic on the finite motion.",
     "robust": "`robust start …;` (`effort`, `mass`, `measure`): disturbances to be borne.",
     "measure": "`robust measure 0.1 deg, 0.5 deg/s;`: errors of what the controller measures.",
-    "mass": "`robust mass p %;`: all masses, densities and inertias times one constant.",
+    "mass": "`robust mass p %;`: all masses, or those of a module (`of M`), times one constant.",
     "bound": "`robust effort p % of bound;`: a part of the bound, whatever is commanded.",
     "control": "`control open loop;` or `control feedback;`: either if not given.",
     "open": "`control open loop;`: the inputs are fixed in advance.",

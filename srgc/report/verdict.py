@@ -364,6 +364,10 @@ def _disturbances(robust: ir.Robust) -> str:
         parts.append(f"every input is off by up to {part} % of its bound")
     if robust.mass:
         parts.append(f"all masses are off by up to {_value(100 * robust.mass)} % alike")
+    parts += [
+        f"the masses of each `{item.module}` are off by up to {_value(100 * item.part)} % alike"
+        for item in robust.masses
+    ]
     return " and ".join(parts) or "nothing is disturbed"
 
 

@@ -94,6 +94,7 @@ STATEMENTS = [
     ("task", "robust start 1 mm 2, (3) deg 4;"),
     ("task", "robust effort 0.5 %;"),
     ("task", "robust effort (1 + 1) % of bound;"),
+    ("task", "robust mass 3 % of L;"),
     ("task", "robust measure 1 mm, (3) deg 4 mm/s;"),
     ("task", "robust mass 3 %;"),
     ("task", "control open loop;"),

@@ -15,8 +15,7 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.tasks.specification import disturbance_radii, input_errors
-from grammar_lang import ir
+from compiler.tasks.specification import disturbance_radii, input_errors, uncertain_masses
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.deviation_flow import InitialSet
@@ -134,10 +133,9 @@ def input_error(scene: Scene) -> InputError | None:
 def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
     """The states in which a robot may be at first, in the graph's coordinates.
 
-    The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.  An
-    uncertain mass is the last entry.
+    The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.  The
+    factors of uncertain masses are the last entries.
     """
-    robust = scene.task.robust or ir.Robust()
     radii = disturbance_radii(scene.task, scene.model)
     n, columns = len(scene.model.dofs), list[list[Fraction]]()
     moved = [number for number, radius in enumerate(radii) if radius]
@@ -148,9 +146,10 @@ def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
         whole = [*column, *none] if number < n else [*none, *column]
         columns.append([*whole, *[Fraction(0)] * (len(state) - 2 * n)])
     lengths = [radii[number] for number in moved]
-    if robust.mass:
-        columns.append([*[Fraction(0)] * (len(state) - 1), Fraction(1)])
-        lengths.append(robust.mass)
+    masses = uncertain_masses(scene.task, scene.model)
+    for number, item in enumerate(masses, len(state) - len(masses)):
+        columns.append([Fraction(int(i == number)) for i in range(len(state))])
+        lengths.append(item.part)
     rows = tuple(tuple(ball(column[i]) for column in columns) for i in range(len(state)))
     return InitialSet(tuple(state), rows, tuple(ball(length) for length in lengths))
 

@@ -22,7 +22,7 @@ from compiler.robots.robot import RobotModel, RodBody
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.tasks.formula_parts import atoms, formula_text
 from compiler.tasks.monitor import key
-from compiler.tasks.specification import measurement_radii
+from compiler.tasks.specification import measurement_radii, uncertain_masses
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
@@ -77,21 +77,20 @@ class DrivenRobot:
 def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> DrivenRobot:
     """A motion in the working precision.
 
-    Where it is ``disturbed``, measurements have the task's errors, and the last entry of the state
-    is the factor of an uncertain mass.
+    Where it is ``disturbed``, measurements have the task's errors, and the last entries of the
+    state are the factors of uncertain masses.
     """
     model, task = scene.model, scene.task
-    robust = task.robust or ir.Robust()
-    weighed = disturbed and bool(robust.mass)
+    masses = uncertain_masses(task, model) if disturbed else ()
     law = motion.law
-    if law is None and weighed:
+    if law is None and masses:
         law = open_loop(motion.inputs, 2 * len(model.dofs))
     graph = scene.graph if law is None else scene.graph.holding_inputs
-    graph = graph.weighed if weighed else graph
+    graph = graph.weighed([item.bodies for item in masses]) if masses else graph
     tail = tuple(value.ball for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
     own, n = robot_states(graph.model), len(graph.model.dofs)
-    still = 0 if law is None else len(robot_inputs(model)) + weighed
+    still = 0 if law is None else len(robot_inputs(model)) + len(masses)
     slopes = tape(graph.input_slopes) if task.robust is not None else None
     field = VectorField(
         tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes
@@ -105,7 +104,7 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
         return DrivenRobot(scene, motion, graph, field, point_map, tuple(state), inputs)
     noise = measurement_radii(task, model) if disturbed else ()
     sampled = sampled_law(law, motion.inputs, graph.coordinates.rows, noise, len(own))
-    state += [arb(0)] * (still - weighed) + [arb(1)] * weighed
+    state += [arb(0)] * (still - len(masses)) + [arb(1)] * len(masses)
     return DrivenRobot(
         scene, motion, graph, field, point_map, tuple(state), sampled.inputs, sampled
     )

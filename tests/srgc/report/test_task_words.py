@@ -37,6 +37,8 @@ def words(text: str, folder: Path) -> str:
          "every input is off by up to 2 % of its bound"),
         (TURNER, "  reach T;", "  reach T;\n  robust mass 3 %;",
          "all masses are off by up to 3 % alike"),
+        (TURNER, "  reach T;", "  reach T;\n  robust mass 3 % of L;",
+         "the masses of each `L` are off by up to 3 % alike"),
         (TURNER, "  reach T;", "  reach T;\n  control open loop;",
          "The inputs are fixed in advance"),
         (TURNER, "  reach T;", "  reach T;\n  control feedback;",
