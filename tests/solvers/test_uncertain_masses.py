@@ -16,6 +16,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.robot import BodyOwner
+from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.specification import UncertainMass, uncertain_masses
 from grammar_lang import ir
 from solvers.trajectory.task_limits import disturbance_spread
@@ -172,3 +173,20 @@ def test_the_spread_that_a_search_tightens_by_is_that_of_corners(clauses: str) -
     np.testing.assert_allclose(
         found.states, expected.max(axis=0).reshape(2, 3).T, rtol=0.1, atol=1e-4
     )
+
+
+def test_equal_robots_differ_where_other_masses_are_uncertain() -> None:
+    """In the order of the word, whatever the numbers of the symbols are."""
+    where = task("")
+
+    def key(owners: str, masses: str) -> str:
+        numbered = enumerate(owners.split(), 1)
+        made = tuple(BodyOwner(10 * i + len(owners), name) for i, name in numbered)
+        robust = ir.Robust(masses=tuple(ir.ModuleMass(name, F(1, 50)) for name in masses.split()))
+        return robot_key_in_task(
+            replace(where.model, owners=made), replace(where.task, robust=robust)
+        )
+
+    assert key("L K L", "L") == key("L Long L", "L") != key("L L K", "L")
+    assert key("L K L", "") == key("L L K", "")
+    assert key("L K L", "L K") != key("L K L", "L")
