@@ -250,11 +250,17 @@ class UncertainMass:
 
 
 def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, ...]:
-    """The constants by which masses may be off: that of all bodies, then one per occurrence."""
+    """The constants by which masses may be off: that of all bodies, then one per occurrence.
+
+    Raises:
+        ValueError: the task asks whose the bodies are, and the model does not say it of all.
+    """
     robust = task.robust or ir.Robust()
     found = list[UncertainMass]()
     if robust.mass and model.bodies:
         found.append(UncertainMass(robust.mass, tuple(range(len(model.bodies)))))
+    if robust.masses and len(model.owners) != len(model.bodies):
+        raise ValueError("the owners of the bodies are not known")
     for clause in robust.masses:
         bodies: dict[int, list[int]] = {}
         for body, owner in enumerate(model.owners):

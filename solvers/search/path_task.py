@@ -202,7 +202,7 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
     """
     states = float(np.max(spread.states, initial=0.0))
     inputs = float(np.max(spread.inputs, initial=0.0))
-    most = {"m": spread.widest, "N*m": inputs, "N": inputs}
+    most = {"m": spread.widest, "N*m": inputs, "N": inputs, "SI": spread.final}
     lacking = [0.0]
     for condition in conditions:
         if condition.status is not Status.HOLDS and condition.margin < 0:

@@ -85,3 +85,22 @@ def test_without_disturbances_there_is_none() -> None:
     assert disturbance_spread(numeric, where.task, still, SUBSTEPS).widest == 0
     assert where.task.robust is not None
     assert where.task.robust.effort == Fraction(1, 100)
+
+
+@pytest.mark.parametrize(("clause", "samples"), [("", 1), ("rates <= 1 for 0.25 s", 4)])
+def test_final_rates_spread_as_the_last_samples_say(clause: str, samples: int) -> None:
+    """A slide whose drive is off by 4 % keeps its rate off by what has added up."""
+    u = np.array([[3.0], [-2.0], [0.5], [4.0], [-1.0], [-4.0]])
+    text = spec(6, "robust start 2 cm/s; robust effort 4 %;", clauses=f"reach End {clause};")
+    where = scene(SLIDE, text)
+    numeric = NumericRobot(robot_graph(where.model, where.task.gravity))
+    x = numeric.simulate(np.array([0.2, 0.5]), u, np.zeros(0), 0.1, SUBSTEPS)
+    # Feedback of the rate alone, so that errors fade.
+    gains = np.tile([[0.0, 9.0]], (6, 1, 1))
+    found = disturbance_spread(numeric, where.task, Trajectory(x, u, np.zeros(0)), SUBSTEPS, gains)
+    rates = [0.02]
+    for push in u[:, 0]:
+        kept = 1 - 9 * 0.1 / 1.5
+        rates.append(kept * rates[-1] + 0.1 * 0.04 * (abs(push) + 9 * rates[-1]) / 1.5)
+    assert found.final == pytest.approx(max(rates[-samples:]), rel=0.05)
+    assert found.scaled(3).final == pytest.approx(3 * found.final)
