@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 from compiler.arrays import Array
+from compiler.robots.normal_form import family_of
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
+from grammar_lang.load import load_text
 from solvers.search.closed_loop import unbearable_noise
 from solvers.trajectory.trajectory import Trajectory
 from srgc.cli import run
-from tests.oracles.small_specs import CLOSED, replaced
+from tests.oracles.small_specs import CLOSED, MOTOR, replaced
 from tests.solvers.test_disturbed_proof import SLIDE, TWO, scene, spec
 
 F = Fraction
@@ -64,6 +66,21 @@ def test_slides_have_their_own_errors_and_units() -> None:
     found = said(SLIDE, np.full((2, 1, 2), 100.0), "robust measure 5 cm, 5 cm/s, 9 rad;")
     assert found is not None
     assert "command 10 N at sample 0 (0 s), and the bound leaves 9 N" in found
+
+
+def test_a_declared_input_has_the_unit_of_its_module() -> None:
+    text = replaced(MOTOR, "  reach T;", "  reach T;\n  robust measure 1 deg, 1 deg/s;")
+    program = load_text(text, "motor.srg").program
+    assert program is not None
+    task = program.tasks["Turn"]
+    family = family_of(program, task)
+    model = family.robot(family.replay(("tool", "link", "joint", "base")))
+    gains = np.zeros((10, 1, 2))
+    gains[4] = 2000 / np.pi * 180, 0
+    nowhere = Trajectory(np.zeros((11, 3)), np.zeros((10, 1)), np.array([1.5]))
+    found = unbearable_noise(Gains(model, task, gains), nowhere)  # type: ignore[arg-type]
+    assert found is not None
+    assert "command 2e+03 at sample 4 (0.8 s), and the bound leaves 24" in found
 
 
 @pytest.mark.usefixtures("without_pictures")

@@ -190,3 +190,10 @@ def test_equal_robots_differ_where_other_masses_are_uncertain() -> None:
     assert key("L K L", "L") == key("L Long L", "L") != key("L L K", "L")
     assert key("L K L", "") == key("L L K", "")
     assert key("L K L", "L K") != key("L K L", "L")
+
+
+def test_masses_of_modules_need_owners() -> None:
+    where = task("robust mass 2 % of L;")
+    with pytest.raises(ValueError, match="owners"):
+        uncertain_masses(where.task, replace(where.model, owners=()))
+    assert uncertain_masses(task("").task, replace(where.model, owners=())) == ()
