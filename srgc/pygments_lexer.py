@@ -315,7 +315,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "placement": [
             include("gap"),
             (_word("by", "at", "rest"), Keyword),
-            (_word("effector"), Keyword, "operand"),
+            (_word("effector", "for"), Keyword, "operand"),
             (_word("rates"), Keyword, "bound"),
             default("#pop"),
         ],
@@ -376,9 +376,10 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "percent": [
             include("gap"),
             ("%", Keyword.Type),
-            (_word("of", "bound"), Keyword),
+            (_word("of"), Keyword, ("#pop", "part")),
             default("#pop"),
         ],
+        "part": [include("gap"), (_word("bound"), Keyword, "#pop"), default(("#pop", "reference"))],
         "control": [include("gap"), (_word("open", "loop", "feedback"), Keyword), default("#pop")],
         # --- formulas -----------------------------------------------------------------------
         "formula": [

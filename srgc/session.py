@@ -66,6 +66,10 @@ def check_loaded(loaded: Loaded) -> Checked:
         from compiler.checks.task_checks import task_diagnostics
 
         task_diagnostics(loaded.sound, sink)
+    if any(task.robust or task.control for task in tasks):
+        from compiler.checks.disturbance_checks import disturbance_diagnostics
+
+        disturbance_diagnostics(loaded.sound, sink)
     if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
         from compiler.checks.task_checks import start_diagnostics
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -24,6 +24,9 @@ TRACKING_ROUNDS = 4
 TRACKING_DAMPING = 1e-4
 LONGEST_STEP = 0.3
 """Per round, in radians or metres."""
+
+Groups: TypeAlias = tuple[tuple[int, ...], ...]
+"""Bodies by number, in groups."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +73,7 @@ class NumericRobot:
         )
         self.size = 2 * self.n + self.r
         self._rollouts: dict[tuple[str, int, int], ca.Function] = {}
+        self._burdens: dict[Groups, BatchedFunction] = {}
 
     # Made when first asked for: most structures are judged by their points alone.
 
@@ -186,6 +190,26 @@ class NumericRobot:
     def mass_matrix(self, q: Array, theta: Array) -> Array:
         """M at K samples, (K, n, n), in kg m^2 (kg for prismatic rows); q (K, n), theta (p,)."""
         return self._mass_matrix((q,), np.concatenate([theta, self.constants]))
+
+    def slowed(self, groups: Groups, x: Array, accelerations: Array, theta: Array) -> Array:
+        """The accelerations that the bodies of each group take, M^-1 (M_i a + c_i + g_i).
+
+        Shape (K, n, groups), for states (K, N), accelerations (K, n) and parameters theta (p,).
+        """
+        if groups not in self._burdens:
+            self._burdens[groups] = BatchedFunction.of(_efforts(self.graph, groups))
+        columns = x[:, : self.n], x[:, self.n :], accelerations
+        asked = self._burdens[groups](columns, np.concatenate([theta, self.constants]))
+        return np.asarray(np.linalg.solve(self.mass_matrix(x[:, : self.n], theta), asked))
+
+
+def _efforts(graph: RobotGraph, groups: Groups) -> ca.Function:
+    """What bodies ask of the joints, with theta and k in one column."""
+    function = graph.efforts_of(groups)
+    sizes = [function.size1_in(i) for i in range(function.n_in())]
+    q, w, a, shared = (ca.SX.sym("i", size) for size in (*sizes[:3], sum(sizes[3:])))
+    value = function(q, w, a, *ca.vertsplit(shared, [0, sizes[3], sum(sizes[3:])]))
+    return ca.Function("efforts", [q, w, a, shared], [ca.densify(value)])
 
 
 def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Function:

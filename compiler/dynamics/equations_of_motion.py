@@ -114,14 +114,56 @@ class RobotGraph:
         parts = replace(p, u=added, forces=forces, derivatives=derivatives, conditions=conditions)
         return replace(self, parts=_with_still(parts, held))
 
-    @cached_property
-    def weighed(self) -> RobotGraph:
-        """The same robot with all masses times a factor, which is the last entry of ``w``."""
-        factor = ca.SX.sym("factor")
+    def weighed(self, groups: Sequence[Sequence[int]]) -> RobotGraph:
+        """The same robot with masses times factors, which are the last entries of ``w``.
+
+        A factor is that of all masses and inertias of some bodies, given by their numbers; a body
+        may be in several ``groups``.
+        """
+        factors = ca.SX.sym("factor", len(groups))
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for body in range(len(self.model.bodies)):
+            weights = tuple(i for i, group in enumerate(groups) if body in group)
+            alike.setdefault(weights, []).append(body)
+        mass, regular, pull = ca.SX(0), ca.SX(0), ca.SX(0)
+        for weights, bodies in alike.items():
+            weight = ca.SX(1)
+            for number in weights:
+                weight *= factors[number]
+            part = self._of_bodies(bodies)
+            mass, regular, pull = (
+                total + weight * own for total, own in zip((mass, regular, pull), part, strict=True)
+            )
+        parts = replace(self.parts, mass=mass, regular_mass=regular, gravitational=pull)
+        return replace(self, parts=_with_still(parts, factors))
+
+    def efforts_of(self, groups: Sequence[Sequence[int]]) -> ca.Function:
+        """What the bodies of each group ask of the joints: M a + c + g, a column per group.
+
+        Its inputs are ``q``, ``w``, the accelerations a (n,), ``theta`` and ``k``.
+        """
+        q, v, a = self.parts.q, self._rates, ca.SX.sym("a", len(self.model.dofs))
+        columns = []
+        for group in groups:
+            mass, _, pull = self._of_bodies(group)
+            columns.append(mass @ a + centrifugal_forces(mass, q, v, self.parts.half) + pull)
+        return self._function("efforts", [q, self.parts.w, a], ca.horzcat(*columns))
+
+    def _of_bodies(self, bodies: Sequence[int]) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """What some bodies add to M, to M without literal entries, and to g."""
         p = self.parts
-        mass, regular, pull = (factor * x for x in (p.mass, p.regular_mass, p.gravitational))
-        parts = replace(p, mass=mass, regular_mass=regular, gravitational=pull)
-        return replace(self, parts=_with_still(parts, factor))
+        if len(bodies) == len(self.model.bodies):
+            return p.mass, p.regular_mass, p.gravitational
+        constants = SymbolicEvaluator()
+        at = kinematics(self.model, p.q, p.theta, constants, self.coordinates)
+        model = replace(self.model, bodies=tuple(self.model.bodies[i] for i in bodies))
+        mass = mass_matrix(model, at, p.q, constants, self.coordinates)
+        pull = gravitational_forces(model, at, p.q, self.gravity, constants)
+        # The constants of a part are among those of the whole.
+        known = [self.constants.index(symbol) for symbol in constants.symbols]
+        k = ca.vertcat(*(p.k[i] for i in known)) if known else ca.SX(0, 1)
+        mass, pull = ca.substitute([mass, pull], [constants.vector()], [k])
+        return mass, mass, pull
 
     def _function(self, name: str, inputs: Sequence[ca.SX], output: ca.SX) -> ca.Function:
         columns = [*inputs, self.parts.theta, self.parts.k]

@@ -23,6 +23,7 @@ from compiler.robots.frame_table import (
 )
 from compiler.robots.robot import (
     Body,
+    BodyOwner,
     Joint,
     Offset,
     PointBody,
@@ -64,6 +65,7 @@ def evaluate(
     _carry_out(order, values)
     emitted = _Emitted(values, FrameTable(values.scalars.nodes, values.zero))
     bodies: list[Body] = []
+    owners: list[BodyOwner | None] = []
     effectors: list[int] = []
     for node in emission_order(derivation):
         for emission in semantics[derivation.nodes[node].production.label].emissions:
@@ -71,6 +73,7 @@ def evaluate(
                 effectors.append(emitted.frame(node, emission.frame))
             else:
                 bodies.append(emitted.body(node, emission))
+                owners.append(_owner(derivation, node, emission))
     return RobotModel(
         2 if dimension == 2 else 3,
         tuple(emitted.table.scalars),
@@ -80,7 +83,18 @@ def evaluate(
         tuple(bodies),
         tuple(effectors),
         own=tuple(declared.own),
+        owners=tuple(owners),
     )
+
+
+def _owner(derivation: Derivation, node: int, emission: ir.Emission) -> BodyOwner | None:
+    """The module that a body is that of; None where there is none, or may be several."""
+    current = derivation.nodes[node]
+    found = ir.owners(current.production, emission)
+    if len(found) != 1:
+        return None
+    symbol = current.children[found[0]]
+    return BodyOwner(symbol, derivation.word[symbol])
 
 
 def _carry_out(order: EvaluationOrder, values: AttributeValues) -> None:

@@ -182,6 +182,14 @@ class RobotParameter:
 
 
 @dataclass(frozen=True, slots=True)
+class BodyOwner:
+    """The module, at word index ``symbol``, that a body is that of."""
+
+    symbol: int
+    module: str
+
+
+@dataclass(frozen=True, slots=True)
 class RodBody:
     """A uniform slender rod from the frame's origin along ``sign`` times an axis."""
 
@@ -250,7 +258,8 @@ class RobotModel:
     ``frames`` are in topological order, frame 0 is the world.  ``effectors`` holds frames, in
     word order.  ``removed`` holds the word indices of joints that move nothing, ``own`` the
     dynamics of their own that modules have, in word order.  ``joints`` holds the degrees of freedom
-    of the word, in word order, once they may be others than ``dofs``.
+    of the word, in word order, once they may be others than ``dofs``.  ``owners`` says per body
+    whose it is, where that is known.
     """
 
     dimension: Literal[2, 3]
@@ -263,6 +272,7 @@ class RobotModel:
     removed: tuple[int, ...] = ()
     own: tuple[OwnDynamics, ...] = ()
     joints: tuple[WordDof, ...] | None = None
+    owners: tuple[BodyOwner | None, ...] = ()
 
     @property
     def word_dofs(self) -> tuple[WordDof, ...]:

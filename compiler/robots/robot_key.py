@@ -98,14 +98,24 @@ class _KeyEvaluator(Evaluator[str]):
 
 
 def robot_key_in_task(model: RobotModel, task: ir.Task) -> str:
-    """The key of a robot together with the start that a task gives it.
+    """The key of a robot together with the start that a task gives it, and whose its bodies are.
 
     Words of one normal form may start at different coordinates: they are different robots then.
+    So they are where the masses of some modules are uncertain, and others are equal to them.
     """
     key = robot_key(model)
-    if not isinstance(task.start, ir.StartAt):
-        return key
-    return f"{key}\n{given_start(model, task.start).key}"
+    if isinstance(task.start, ir.StartAt):
+        key += f"\n{given_start(model, task.start).key}"
+    if task.robust is not None and task.robust.masses:
+        key += f"\n{_owners_text(model, {item.module for item in task.robust.masses})}"
+    return key
+
+
+def _owners_text(model: RobotModel, modules: set[str]) -> str:
+    """Which bodies have an owner among some modules, and which of them the same one."""
+    own = [owner if owner and owner.module in modules else None for owner in model.owners]
+    order = {owner: number for number, owner in enumerate(dict.fromkeys(filter(None, own)))}
+    return f"owners {[owner and (owner.module, order[owner]) for owner in own]}"
 
 
 def _own_text(own: OwnDynamics, names: Mapping[int, str]) -> str:

@@ -49,13 +49,6 @@ def _ends(task: ir.Task) -> Iterator[Stop]:
         yield Stop(task.reach.region, reaching, "target")
 
 
-# --- What it means for a robot to be at rest ------------------------------------------------------
-
-
-REST_RATE = Fraction(1, 1000)
-"""``reach ... at rest``: all rates of the joints below this, in SI units."""
-
-
 # --- What every motion does that satisfies a formula, read off the formula alone ------------------
 #
 # *Necessary visits*: an effector is in a region at some instant of [0, T].  *Permanent avoidance*:

@@ -39,7 +39,7 @@ def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | N
     """
     parts = [clause.formula for clause in task.satisfy]
     if task.reach is not None:
-        parts.append(ir.Last(Fraction(0), ir.Atom(task.reach.region, recorded + 1)))
+        parts.append(_stay(task, task.reach, recorded))
     parts += [
         ir.Always(ir.Not(ir.Atom(region, effector)), _THROUGHOUT)
         for avoid in task.avoid
@@ -50,6 +50,19 @@ def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | N
     if len(parts) < 2:
         return parts[0] if parts else None
     return ir.And(tuple(parts))
+
+
+def _stay(task: ir.Task, reach: ir.Reach, recorded: int) -> ir.Formula:
+    """The effector, from 0, is in the target at the end, and as long before as the task says."""
+    return ir.Last(task.stay, ir.Atom(reach.region, recorded + 1))
+
+
+def path_formulas(task: ir.Task, recorded: int) -> tuple[ir.Formula, ...]:
+    """What paths through cells have to satisfy besides their ends; ``recorded`` reaches, from 0."""
+    formulas = tuple(clause.formula for clause in task.satisfy)
+    if task.reach is None or not task.stay:
+        return formulas
+    return (*formulas, _stay(task, task.reach, recorded))
 
 
 def recorded_effector(task: ir.Task) -> int | None:
@@ -152,7 +165,7 @@ def planning_problem(
         start_cells: by effector (from 0) the cells to start in, where they depend on the robot;
             an effector that is not named, nor starts in a region, may start anywhere.
     """
-    clauses = [clause.formula for clause in task.satisfy]
+    clauses = path_formulas(task, effector)
     formula = sampled(_conjunction(clauses), task.step, task.steps) if clauses else None
     known = {} if start_cells is None else start_cells
     planned = {effector} | (set() if formula is None else _named(formula))
@@ -226,6 +239,35 @@ def disturbance_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
 def measurement_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
     """Per joint's coordinate, then per rate, how far off it is measured at most, in SI."""
     return joint_radii((task.robust or ir.Robust()).measured, model)
+
+
+@dataclass(frozen=True, slots=True)
+class UncertainMass:
+    """Bodies of a robot, by number, whose masses are times one constant within 1 +- ``part``."""
+
+    part: Fraction
+    bodies: tuple[int, ...]
+
+
+def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, ...]:
+    """The constants by which masses may be off: that of all bodies, then one per occurrence.
+
+    Raises:
+        ValueError: the task asks whose the bodies are, and the model does not say it of all.
+    """
+    robust = task.robust or ir.Robust()
+    found = list[UncertainMass]()
+    if robust.mass and model.bodies:
+        found.append(UncertainMass(robust.mass, tuple(range(len(model.bodies)))))
+    if robust.masses and len(model.owners) != len(model.bodies):
+        raise ValueError("the owners of the bodies are not known")
+    for clause in robust.masses:
+        bodies: dict[int, list[int]] = {}
+        for body, owner in enumerate(model.owners):
+            if owner is not None and owner.module == clause.module:
+                bodies.setdefault(owner.symbol, []).append(body)
+        found += [UncertainMass(clause.part, tuple(own)) for _, own in sorted(bodies.items())]
+    return tuple(found)
 
 
 def input_errors(task: ir.Task, model: RobotModel) -> tuple[Fraction, tuple[Fraction, ...]]:

@@ -21,7 +21,6 @@ from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ba
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.robots.robot import RobotDof, RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_inputs, unbounded_kinds
-from compiler.tasks.necessary import REST_RATE
 from compiler.unreachability.actuation_bounds import BoxEvaluator, LeafBox
 from compiler.unreachability.actuation_levels import Budget, least, needed
 from compiler.unreachability.actuation_measures import (
@@ -145,12 +144,12 @@ def _region(
     if isinstance(passage.start, GivenPose):
         near = ball(NEAR) * arb(0, 1)
         given = reader.read([closed_ball(value) + near for value in passage.start.values])
-    rests = task.reach is not None and task.reach.at_rest and passage.arrives
+    slow = task.final_rates if passage.arrives else None
     backwards = all(item.low.is_zero() and item.high.is_zero() for item in damping)
     limits = Limits(
         ball(task.steps * task.step),
         ball(task.start.rates if isinstance(task.start, ir.StartIn) else Fraction(0)),
-        ball(REST_RATE) if rests and backwards else None,
+        ball(slow.most) if slow is not None and backwards else None,
         None if drive.groups is None else most_power(drive.groups, drive.rates),
         _pushes(drive, damping, turned),
     )

@@ -87,6 +87,9 @@ class Code(Enum):
     TOO_FEW_MODULES = "SRG0706"
     START_OF_NO_ROBOT = "SRG0707"
     OPEN_LOOP_MEASUREMENT = "SRG0708"
+    MIXED_OWNERS = "SRG0715"
+    WIDE_RADIUS = "SRG0716"
+    UNDRIVEN_JOINT = "SRG0717"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -1,17 +1,15 @@
-"""The clauses of a task about inputs, disturbances and an existing robot."""
+"""The clauses of a task about inputs, and about an existing robot."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
-from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
-from grammar_lang.elaboration.closed import Constants, not_rational
+from grammar_lang.elaboration.closed import Constants
 from grammar_lang.elaboration.modules import ModuleInfo
 from grammar_lang.elaboration.sorts import Sort, Typed, mismatch, warn_implausible
 from grammar_lang.ir import constants
@@ -19,7 +17,7 @@ from grammar_lang.names.declarations import Entity, Occurrences, report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
-from grammar_lang.units import FORCE, FREQUENCY, LENGTH, ONE, SPEED, TORQUE, Dimension, describe
+from grammar_lang.units import FORCE, ONE, TORQUE, Dimension
 
 # --- ``effort <= v``: bounds on the free inputs, one for each kind of degree of freedom -----------
 
@@ -107,149 +105,6 @@ def lower_efforts(task: t.Task, kinds: tuple[ir.DofKind, ...], sink: Sink) -> tu
             if kind not in reader.found:
                 reader.missing(kind)
     return tuple(reader.found.values())
-
-
-# --- ``robust …``: disturbances that a motion has to bear -----------------------------------------
-
-
-Radius: TypeAlias = Literal["length", "angle", "speed", "angular_rate"]
-
-_KINDS: dict[Dimension, Radius] = {
-    LENGTH: "length",
-    ONE: "angle",
-    SPEED: "speed",
-    FREQUENCY: "angular_rate",
-}
-_ARTICLED: dict[Radius, str] = {
-    "length": "a length",
-    "angle": "an angle",
-    "speed": "a speed",
-    "angular_rate": "an angular rate",
-}
-_HINT = (
-    "write a length, an angle, a speed or an angular rate: `1 mm`, `0.1 deg`, `1 mm/s`, `1 deg/s`"
-)
-_SUBJECT = {"start": "disturbance", "measure": "measurement error"}
-_PERCENT = {
-    "effort": ("`robust effort`", "the disturbance of the efforts"),
-    "effort of bound": ("`robust effort … of bound`", "the disturbance of the efforts"),
-    "mass": ("`robust mass`", "the error of the masses"),
-}
-
-# pi = 3.14159265358979323846264338327950288419...
-_PI_BELOW = Fraction(314159265358979323846264338327950288, 10**35)
-_PI_ABOVE = _PI_BELOW + Fraction(1, 10**35)
-
-
-def _at_least(value: constants.Monomial) -> Fraction:
-    """A rational at least a positive ``q * pi**k``, and above it by less than 1e-30 of it."""
-    factor, power = value
-    return factor * (_PI_ABOVE**power if power >= 0 else 1 / _PI_BELOW**-power)
-
-
-@dataclass(slots=True)
-class _RadiiReader:
-    """Reads the radii of all clauses ``robust start``, or of all ``robust measure``."""
-
-    subject: str
-    sink: Sink
-    radii: dict[Radius, tuple[Fraction, Span]] = field(
-        default_factory=dict[Radius, tuple[Fraction, Span]]
-    )
-
-    def read(self, item: t.RobustRadii) -> None:
-        for expr in item.values:
-            value = Constants(self.sink).typed(expr)
-            kind = self._kind(value, expr.span)
-            if kind is not None:
-                self._radius(kind, value, expr)
-
-    def found(self) -> ir.Radii:
-        return ir.Radii(**{kind: value for kind, (value, _) in self.radii.items()})
-
-    def _kind(self, value: Typed, at: Span) -> Radius | None:
-        if value.sort is not Sort.SCALAR:
-            return None
-        if value.dimension is None:
-            self.sink.error(Code.UNIT_MISMATCH, f"a {self.subject} without a unit", at, _HINT)
-            return None
-        kind = _KINDS.get(value.dimension)
-        if kind is None or (kind == "angle" and not value.angular):
-            message = f"{describe(value.dimension)} is no {self.subject} of a state"
-            self.sink.error(Code.UNIT_MISMATCH, message, at, _HINT)
-            return None
-        return kind
-
-    def _radius(self, kind: Radius, value: Typed, expr: s.Expr) -> None:
-        if kind in self.radii:
-            message = f"a second {self.subject} by {_ARTICLED[kind]}"
-            notes = [(self.radii[kind][1], "first here")]
-            self.sink.error(Code.REPEATED_CLAUSE, message, expr.span, "remove one", notes)
-            return
-        # A larger disturbance is bounded than the one written, where that one is irrational.
-        exact = constants.evident(value.expr)
-        if exact is None:
-            not_rational(expr.span, self.sink)
-        elif exact[0] <= 0:
-            message = f"the {self.subject} is not positive"
-            self.sink.error(Code.BAD_VALUE, message, expr.span, "write more than zero")
-        self.radii[kind] = (Fraction(0) if exact is None else _at_least(exact), expr.span)
-
-
-def _fraction(item: t.RobustPercent, sink: Sink) -> Fraction:
-    """The percentage as a fraction; zero where an error was reported."""
-    value = Constants(sink).rational(item.percent, ONE)
-    if value is not None and not 0 < value < 100:
-        message = f"{_PERCENT[item.of][1]} is not between 0 % and 100 %"
-        hint = "write a percentage such as `5 %`"
-        sink.error(Code.BAD_VALUE, message, item.percent.span, hint)
-    return (value or Fraction(0)) / 100
-
-
-def _check_control(items: tuple[t.TaskItem, ...], measured: Span | None, sink: Sink) -> None:
-    """Report errors of measurements where the inputs follow no measurement."""
-    controls = [item for item in items if isinstance(item, t.Control)]
-    if measured is not None and {item.loop for item in controls} == {"open loop"}:
-        message = "an open-loop controller measures nothing"
-        hint = "remove `robust measure`, or write `control feedback;`"
-        notes = [(controls[0].span, "the inputs follow no measurement")]
-        sink.error(Code.OPEN_LOOP_MEASUREMENT, message, measured, hint, notes)
-
-
-def lower_robust(items: tuple[t.TaskItem, ...], sink: Sink) -> ir.Robust:
-    """What the ``robust`` clauses of a task say together.
-
-    Args:
-        items: all clauses of the task, also the others.
-        sink: where errors go.
-    """
-    radii = {of: _RadiiReader(subject, sink) for of, subject in _SUBJECT.items()}
-    fractions: dict[str, Fraction] = {}
-    places: dict[str, Span] = {}
-    for item in items:
-        match item:
-            case t.RobustRadii():
-                radii[item.of].read(item)
-                places.setdefault(item.of, item.span)
-            case t.RobustPercent() if item.of in fractions:
-                notes = [(places[item.of], "first here")]
-                message = f"a second {_PERCENT[item.of][0]}"
-                sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
-            case t.RobustPercent():
-                fractions[item.of] = _fraction(item, sink)
-                places[item.of] = item.span
-            case _:
-                pass
-    _check_control(items, places.get("measure"), sink)
-    none = Fraction(0)
-    return ir.Robust(
-        start=radii["start"].found(),
-        measured=radii["measure"].found(),
-        effort=fractions.get("effort", none),
-        effort_of_bound=fractions.get("effort of bound", none),
-        mass=fractions.get("mass", none),
-        clauses=places,
-    )
 
 
 # --------------------------------------------------------------------------------------------------

@@ -11,35 +11,23 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import Constants, coordinates, list_unit
-from grammar_lang.elaboration.modules import ModuleInfo
-from grammar_lang.elaboration.sorts import (
-    DimensionUse,
-    Sort,
-    Typed,
-    mismatch,
-    warn_turn,
-    wrong_sort,
+from grammar_lang.elaboration.joint_values import (
+    check_duration,
+    final_rates,
+    start_rates,
+    start_values,
 )
+from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.sorts import DimensionUse
 from grammar_lang.elaboration.task_clauses import lower_efforts
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
-from grammar_lang.units import (
-    ACCELERATION,
-    FREQUENCY,
-    LENGTH,
-    ONE,
-    SPEED,
-    TIME,
-    Dimension,
-)
+from grammar_lang.units import ACCELERATION, LENGTH, ONE, TIME, Dimension
 
 DEFAULT_SLACK = Fraction(1, 10**6)
 MOST_STEPS = 100_000
-COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
-"""What a coordinate of a degree of freedom is; a bare number is of either kind."""
-
 Clause = TypeVar("Clause", bound=t.TaskItem)
 Named = TypeVar("Named")
 
@@ -79,6 +67,11 @@ class _Reader:
     @property
     def constants(self) -> Constants:
         return Constants(self.sink)
+
+    @property
+    def kinds(self) -> tuple[ir.DofKind, ...]:
+        """The kinds of joints that the family has; none where that is not known."""
+        return () if self.family is None else self.family.kinds
 
     def one(self, kind: type[Clause], name: str, hint: str | None) -> Clause | None:
         """The clause of a kind; a second one is reported, and with a hint a missing one."""
@@ -160,48 +153,12 @@ class _Reader:
             case t.StartIn(region=region, effector=effector, rates=rates, span=span):
                 name = self.place(region)
                 number = self.effector(effector)
-                return ir.StartIn(name, number, self._rates(rates), span)
+                bound = Fraction(0)
+                if rates is not None:
+                    bound = start_rates(rates, self.kinds, self.sink)
+                return ir.StartIn(name, number, bound, span)
             case t.StartAt(point=point, span=span):
-                return self._given(point, span)
-
-    def _of_kinds(self, value: Typed, dimensions: Mapping[ir.DofKind, Dimension], at: Span) -> bool:
-        """Whether a value has the dimension that some kind of dof of the family requires."""
-        if value.sort is not Sort.SCALAR:
-            wrong_sort(value, "a number", at, self.sink)
-            return False
-        kinds = self.family.kinds if self.family is not None else tuple(dimensions)
-        due = [dimensions[kind] for kind in kinds or tuple(dimensions)]
-        if value.dimension is None or value.dimension in due:
-            return True
-        mismatch(value, due[0], at, self.sink)
-        return False
-
-    def _rates(self, expr: s.Expr | None) -> Fraction:
-        if expr is None:
-            return Fraction(0)
-        value = self.constants.typed(expr)
-        if not self._of_kinds(value, {"revolute": FREQUENCY, "prismatic": SPEED}, expr.span):
-            return Fraction(0)
-        exact = self.constants.exact(value.expr, expr.span)
-        if exact is not None and exact < 0:
-            self.sink.error(
-                Code.BAD_VALUE, "the rates are negative", expr.span, "write zero or more"
-            )
-        return exact or Fraction(0)
-
-    def _given(self, point: t.Point, span: Span) -> ir.StartAt:
-        """The start with these coordinates, without those that are reported."""
-        unit = list_unit(point.unit, None, self.sink)
-        found: list[tuple[ir.Expr, ir.DofKind | None, Span]] = []
-        for item in point.items:
-            value = self.constants.typed(item, unit)
-            if self.family is not None and self.family.kinds == ("revolute",):
-                warn_turn(value, item.span, self.sink)
-            if self._of_kinds(value, COORDINATES, item.span):
-                kinds = (kind for kind, due in COORDINATES.items() if due == value.dimension)
-                found.append((value.expr, next(kinds, None), item.span))
-        values, kinds_due, places = zip(*found, strict=True) if found else ((), (), ())
-        return ir.StartAt(values, span, kinds_due, places)
+                return start_values(point, span, self.kinds, self.sink)
 
     def reach(self) -> ir.Reach | None:
         wanted = not any(isinstance(i, t.Satisfy) for i in self.task.items)
@@ -209,8 +166,9 @@ class _Reader:
         item = self.one(t.Reach, "reach", hint)
         if item is None:
             return None
-        effector = self.effector(item.effector)
-        return ir.Reach(self.place(item.region), effector, item.at_rest, item.span)
+        region, effector = self.place(item.region), self.effector(item.effector)
+        rates = None if item.rates is None else final_rates(item.rates, self.kinds, self.sink)
+        return ir.Reach(region, effector, rates, item.span)
 
     def avoid(self) -> tuple[ir.Avoid, ...]:
         found = (self._avoid(i) for i in self.task.items if isinstance(i, t.Avoid))
@@ -273,9 +231,9 @@ class _Reader:
     def robust(self) -> ir.Robust | None:
         if not any(isinstance(i, t.RobustRadii | t.RobustPercent) for i in self.task.items):
             return None
-        from grammar_lang.elaboration.task_clauses import lower_robust
+        from grammar_lang.elaboration.disturbances import lower_robust
 
-        return lower_robust(self.task.items, self.sink)
+        return lower_robust(self.task.items, self.around.names, self.sink)
 
     # --- the rest ------------------------------------------------------------------------------
 
@@ -370,6 +328,7 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
     avoid = reader.avoid()
     effort = lower_efforts(task, () if reader.family is None else reader.family.driven, sink)
     steps, step = reader.horizon()
+    check_duration(task, reach, steps * step, sink)
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None
     origin, robust = reader.origin(), reader.robust()

@@ -74,27 +74,35 @@ from grammar_lang.ir.family import (
     Symbol,
     SymbolKind,
     Torque,
+    owners,
 )
-from grammar_lang.ir.task import (
+from grammar_lang.ir.formula import (
     Always,
     And,
     Atom,
+    Eventually,
+    Formula,
+    Implies,
+    Last,
+    Next,
+    Not,
+    Or,
+    Until,
+    Window,
+)
+from grammar_lang.ir.task import (
+    REST_RATE,
     Avoid,
     AvoidSelf,
     Effort,
-    Eventually,
+    FinalRates,
     Fixed,
-    Formula,
     HalfSpace,
     Hull,
-    Implies,
     Inequalities,
-    Last,
     MapImage,
-    Next,
-    Not,
+    ModuleMass,
     ObstacleMap,
-    Or,
     Origin,
     Radii,
     Reach,
@@ -105,14 +113,13 @@ from grammar_lang.ir.task import (
     StartAt,
     StartIn,
     Task,
-    Until,
-    Window,
     Workspace,
 )
 from grammar_lang.source import Source, Span
 
 __all__ = [
     "NOWHERE",
+    "REST_RATE",
     "THIS",
     "Accept",
     "AllOf",
@@ -141,6 +148,7 @@ __all__ = [
     "EndsWith",
     "Eventually",
     "Expr",
+    "FinalRates",
     "Fixed",
     "Formula",
     "Function",
@@ -156,6 +164,7 @@ __all__ = [
     "MapImage",
     "Matches",
     "Module",
+    "ModuleMass",
     "Move",
     "Next",
     "Not",
@@ -206,6 +215,7 @@ __all__ = [
     "Workspace",
     "World",
     "leaves",
+    "owners",
 ]
 
 

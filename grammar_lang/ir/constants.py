@@ -182,6 +182,18 @@ _FUNCTIONS: dict[ir.Function, Callable[[float], float]] = {
 }
 
 
+# pi = 3.14159265358979323846264338327950288419...
+_PI_BELOW = Fraction(314159265358979323846264338327950288, 10**35)
+_PI_ABOVE = _PI_BELOW + Fraction(1, 10**35)
+
+
+def rational_bounds(value: Monomial) -> tuple[Fraction, Fraction]:
+    """Rationals at most and at least a positive ``q * pi**k``, each within 1e-30 of it."""
+    factor, power = value
+    ends = _PI_BELOW**power, _PI_ABOVE**power
+    return factor * min(ends), factor * max(ends)
+
+
 def _operate(operator: ir.Operator, a: float, b: float) -> float:
     match operator:
         case "+":

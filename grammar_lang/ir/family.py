@@ -294,6 +294,16 @@ class Effector:
 Emission: TypeAlias = Rod | PointMass | Solid | Effector
 
 
+def owners(production: Production, emission: Emission) -> tuple[int, ...]:
+    """The modules on the right side, by position, that an emitted body may be that of.
+
+    It is that of the only module of its production, or of those that its quantities name; none
+    where the production has no module.
+    """
+    modules = tuple(i for i, x in enumerate(production.right) if x.kind == "module")
+    return modules if len(modules) < 2 else emission.mentions or modules
+
+
 @node
 class SemanticBlock:
     """The semantic rules of one production."""

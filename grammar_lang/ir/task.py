@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 
 from grammar_lang.ir.expressions import NOWHERE, Expr
 from grammar_lang.ir.family import DofKind
+from grammar_lang.ir.formula import Formula
 from grammar_lang.source import Span, node
 
 
@@ -122,13 +123,32 @@ class StartAt:
         return self.kinds[number] if self.kinds else None
 
 
+REST_RATE = Fraction(1, 1000)
+"""``reach ... at rest``: all rates of the joints are below this, in SI units."""
+
+
+@node
+class FinalRates:
+    """Rates of joints are below ``bound``, in SI, throughout the last ``duration`` seconds.
+
+    ``most`` is at least what is written, and above ``bound`` only where that is irrational.
+    """
+
+    bound: Fraction = REST_RATE
+    most: Fraction = REST_RATE
+    duration: Fraction = Fraction(0)
+
+
 @node
 class Reach:
-    """Some effector (or the ``effector``-th, from 1) is in the region at the final instant."""
+    """Some effector (or the ``effector``-th, from 1) is in the region at the final instant.
+
+    It is there throughout the last seconds where ``rates`` have a duration; None: they are free.
+    """
 
     region: str
     effector: int | None
-    at_rest: bool
+    rates: FinalRates | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -205,16 +225,29 @@ class Radii:
 
 
 @node
+class ModuleMass:
+    """All masses, densities and inertias of an occurrence of a module, times 1 +- ``part``.
+
+    Each occurrence in a word has a constant of its own.
+    """
+
+    module: str
+    part: Fraction
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class Robust:
     """Disturbances that the motion has to bear.
 
     ``start`` holds the radii about the planned start, ``measured`` those of what the controller
     measures about the true state.  Each input is off by up to the fraction ``effort`` of itself and
     the fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities and
-    inertias are multiplied by one constant within 1 +- ``mass``.
+    inertias are multiplied by one constant within 1 +- ``mass``, those of the modules in ``masses``
+    by one more for each of their occurrences.
 
     ``clauses`` are the places of the first clause of each kind: ``start``, ``measure``, ``effort``,
-    ``effort of bound`` and ``mass``.
+    ``effort of bound``, ``mass`` and ``mass of``; and of each radius, as ``start angle``.
     """
 
     start: Radii = Radii()
@@ -222,6 +255,7 @@ class Robust:
     effort: Fraction = Fraction(0)
     effort_of_bound: Fraction = Fraction(0)
     mass: Fraction = Fraction(0)
+    masses: tuple[ModuleMass, ...] = ()
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
 
 
@@ -264,110 +298,12 @@ class Task:
             raise LookupError(f"task {self.name} has no reach clause")
         return self.reach
 
+    @property
+    def final_rates(self) -> FinalRates | None:
+        """What binds the rates at the end of the motion; None: they are free."""
+        return None if self.reach is None else self.reach.rates
 
-# --------------------------------------------------------------------------------------------------
-# Formulas of the intermediate representation: linear temporal logic on the finite trace [0, T].
-#
-# Times are exact, in seconds.  Windows are closed and relative to the instant where the formula is
-# evaluated; whatever of them lies after T is cut off.
-
-
-@node
-class Atom:
-    """The ``effector``-th effector (from 1, in word order) is in the region.
-
-    ``numbered`` says that the number is written; a plain region is the only effector's.
-    """
-
-    region: str
-    effector: int
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-    numbered: bool = field(default=True, compare=False, repr=False)
-
-
-@node
-class Not:
-    """Negation."""
-
-    operand: Formula
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class And:
-    """Conjunction of two or more."""
-
-    operands: tuple[Formula, ...]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Or:
-    """Disjunction of two or more."""
-
-    operands: tuple[Formula, ...]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Implies:
-    """``left`` is false or ``right`` is true."""
-
-    left: Formula
-    right: Formula
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Until:
-    """Strong: ``right`` holds at some instant from now on, ``left`` at all instants before it."""
-
-    left: Formula
-    right: Formula
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Window:
-    """The instants from ``lower`` to ``upper`` seconds after the present one; None: to the end."""
-
-    lower: Fraction
-    upper: Fraction | None
-
-
-@node
-class Always:
-    """At every instant of the window."""
-
-    operand: Formula
-    window: Window
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Eventually:
-    """At some instant of the window."""
-
-    operand: Formula
-    window: Window
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Next:
-    """One step of the horizon later; false at the last instant."""
-
-    operand: Formula
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Last:
-    """Throughout the last ``duration`` seconds, [T - duration, T]."""
-
-    duration: Fraction
-    operand: Formula
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-Formula: TypeAlias = Atom | Not | And | Or | Implies | Until | Always | Eventually | Next | Last
+    @property
+    def stay(self) -> Fraction:
+        """How long before its end the motion has to be in the target, in seconds."""
+        return Fraction(0) if self.final_rates is None else self.final_rates.duration

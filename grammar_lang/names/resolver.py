@@ -259,6 +259,9 @@ class _Resolver:
                     self.add(named(declared.workspaces[name.text]), name)
                 case t.From():
                     self._origin(item)
+                case t.RobustPercent(module=module) if module is not None:
+                    if module.text in declared.modules:
+                        self.add(declared.terminals.get(module.text), module)
                 case _:
                     for name in _region_names(item):
                         self.add(known.get(name.text), name)

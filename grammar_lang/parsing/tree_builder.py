@@ -57,6 +57,11 @@ def _start_in(c: Children, span: Span) -> object:
     return t.StartIn(_ident(c[0]), c[1], rates, span)
 
 
+def _final_rates(c: Children, span: Span) -> object:
+    bound = c[0].rates if isinstance(c[0], t.StartIn) else None
+    return t.FinalRates(bound, c[1], span)
+
+
 def _avoid(c: Children, span: Span) -> object:
     names = tuple(_ident(n) for n in c[:-2])
     return t.Avoid(names, c[-2], c[-1], span)
@@ -158,7 +163,8 @@ _TASKS: dict[str, Builder] = {
     "task_workspace": lambda c, span: t.TaskWorkspace(_ident(c[0]), span),
     "start_in": _start_in,
     "start_at": lambda c, span: t.StartAt(c[0], span),
-    "reach": lambda c, span: t.Reach(_ident(c[0]), c[1], c[2] is not None, span),
+    "reach": lambda c, span: t.Reach(_ident(c[0]), c[1], c[2], span),
+    "final_rates": _final_rates,
     "by_effector": lambda c, _: c[0],
     "at_rest": lambda _, span: span,
     "rates": _rates,
@@ -179,9 +185,9 @@ _TASKS: dict[str, Builder] = {
     "loop": lambda c, _: " ".join(token.text for token in c),
     "robust_start": lambda c, span: t.RobustRadii("start", tuple(c), span),
     "robust_measure": lambda c, span: t.RobustRadii("measure", tuple(c), span),
-    "robust_effort": lambda c, span: t.RobustPercent("effort", c[0], span),
-    "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span),
-    "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], span),
+    "robust_effort": lambda c, span: t.RobustPercent("effort", c[0], span=span),
+    "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span=span),
+    "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], _optional(c[1]), span),
     "item": lambda c, _: c[0],
 }
 

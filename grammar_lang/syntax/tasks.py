@@ -210,12 +210,21 @@ class StartAt:
 
 
 @node
+class FinalRates:
+    """``at rest for d`` (``bound`` is None) or ``rates <= bound for d``."""
+
+    bound: Expr | None
+    duration: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class Reach:
-    """``reach R by effector n at rest;``."""
+    """``reach R by effector n at rest;``, or ``rates <= v``."""
 
     region: Ident
     effector: Expr | None
-    at_rest: bool
+    rates: FinalRates | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -325,10 +334,11 @@ class RobustRadii:
 
 @node
 class RobustPercent:
-    """``robust effort 0.5 %;``, ``… % of bound;`` or ``robust mass 5 %;``; counts hundredths."""
+    """``robust effort 0.5 %;``, ``… % of bound;`` or ``robust mass 5 % of M;``; hundredths."""
 
     of: Literal["effort", "effort of bound", "mass"]
     percent: Expr
+    module: Ident | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -179,9 +179,15 @@ def _reach(posed: PosedTask, reach: ir.Reach, line: TaskLine) -> Iterator[Change
     if reach.effector is not None:
         anyone = posed.with_task(reach=replace(reach, effector=None))
         yield Change(line, f"with any effector ending in `{reach.region}`", anyone)
-    if reach.at_rest:
-        moving = posed.with_task(reach=replace(reach, at_rest=False))
-        yield Change(line, "without `at rest` at the end", moving)
+    if reach.rates is not None:
+        rest = reach.rates.bound == ir.REST_RATE
+        bound = "at rest" if rest else f"rates <= {number_text(reach.rates.bound)}"
+        if reach.rates.duration:
+            brief = replace(reach.rates, duration=Fraction(0))
+            says = f"with `{bound}` at the last instant alone"
+            yield Change(line, says, posed.with_task(reach=replace(reach, rates=brief)))
+        moving = posed.with_task(reach=replace(reach, rates=None))
+        yield Change(line, f"without `{bound}` at the end", moving)
 
 
 def _avoid(posed: PosedTask, line: TaskLine) -> Iterator[Change]:

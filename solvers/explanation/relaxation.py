@@ -149,5 +149,5 @@ def _placed(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
     dropped = {line.key[0] for line in lines if line.kind == "satisfy"}
     satisfy = tuple(clause for i, clause in enumerate(task.satisfy) if i not in dropped)
     if "reach" in kinds or (reach is None and not satisfy):
-        reach = ir.Reach(EVERYWHERE, None, at_rest=False)
+        reach = ir.Reach(EVERYWHERE, None)
     return posed.with_task(start=start, reach=reach, satisfy=satisfy)

@@ -7,7 +7,8 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import input_bounds
+from compiler.robots.state_and_input import input_bounds, robot_inputs
+from compiler.tasks.specification import measurement_radii
 from grammar_lang import ir
 from solvers.search.path_task import WIDEST
 from solvers.trajectory.control_problem import ControlOutcome
@@ -34,6 +35,40 @@ def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tupl
     spread = path_problem.spreading(outcome.trajectory, 1.0).spread
     fits = spread is not None and spread.widest < WIDEST
     return (False, True) if fits else (True,)
+
+
+def unbearable_noise(path_problem: PathProblem, trajectory: Trajectory) -> str | None:
+    """Where errors of measurements alone command more than a bound allows, in words; else None.
+
+    They do so by the gains about this motion, whatever is planned.  It is no proof: other gains may
+    bear more.
+    """
+    model, task = path_problem.model, path_problem.task
+    noise = np.array([float(radius) for radius in measurement_radii(task, model)])
+    if not path_problem.feedback or not noise.any():
+        return None
+    with np.errstate(all="ignore"):
+        gains = path_problem.gains(trajectory)[:, :, : len(noise)]
+    commanded = np.abs(gains) @ noise
+    for sample, row in enumerate(commanded):
+        for group in input_groups(model, task):
+            place = max(group.inputs, key=lambda i: float(row[i]))
+            if row[place] > group.widest_margin:
+                unit, time = effort_unit(model, place), float(sample * task.step)
+                return (
+                    f"errors of measurements alone make feedback command {row[place]:.3g}{unit} "
+                    f"at sample {sample} ({time:.4g} s), and the bound leaves "
+                    f"{group.widest_margin:.3g}{unit}"
+                )
+    return None
+
+
+def effort_unit(model: RobotModel, place: int) -> str:
+    """The unit of an input, after a blank; empty for one that a module declares."""
+    dof = robot_inputs(model)[place].dof
+    if dof is None:
+        return ""
+    return " N*m" if model.dofs[dof].kind == "revolute" else " N"
 
 
 def controlled(

@@ -11,7 +11,9 @@ import numpy as np
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
-from compiler.tasks.word_formula import SampledFormula
+from compiler.tasks.sampled_formula import sampled
+from compiler.tasks.specification import path_formulas
+from compiler.tasks.word_formula import SampledFormula, every
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
@@ -58,9 +60,17 @@ class PathTask:
             self.seed,
             substeps=stable_parts(self.numeric, float(self.task.step), SUBSTEPS),
             recorded=recorded,
-            formula=self.formula,
+            formula=self.on_samples(recorded),
             solver=self.solver,
         )
+
+    def on_samples(self, recorded: int) -> SampledFormula | None:
+        """What a motion in which that effector reaches has to satisfy at the samples."""
+        staying = path_formulas(self.task, recorded)[len(self.task.satisfy) :]
+        if not staying:
+            return self.formula
+        parts = [sampled(formula, self.task.step, self.task.steps) for formula in staying]
+        return every(parts if self.formula is None else [self.formula, *parts])
 
     def along(
         self, cells: Abstraction, recorded: int, leader: int, names: Sequence[Sequence[str]]
@@ -77,7 +87,7 @@ class PathTask:
         others = tuple(path for path in paths if path is not None and path is not own)
         path_problem = self.path_problem(cells, recorded, leader, own.cells)
         return replace(
-            path_problem, timing=own.entries, others=() if self.formula is None else others
+            path_problem, timing=own.entries, others=() if path_problem.formula is None else others
         )
 
 
@@ -192,7 +202,7 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
     """
     states = float(np.max(spread.states, initial=0.0))
     inputs = float(np.max(spread.inputs, initial=0.0))
-    most = {"m": spread.widest, "N*m": inputs, "N": inputs}
+    most = {"m": spread.widest, "N*m": inputs, "N": inputs, "SI": spread.final}
     lacking = [0.0]
     for condition in conditions:
         if condition.status is not Status.HOLDS and condition.margin < 0:

@@ -22,7 +22,7 @@ from compiler.workspaces.bisection import halving
 from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.run_context import RunContext
-from solvers.search.closed_loop import controlled, feedback_choices
+from solvers.search.closed_loop import controlled, feedback_choices, unbearable_noise
 from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
@@ -301,7 +301,9 @@ class StructureSearch:
             path_problem, found = within_limits(path_problem, found)
             if not found.outcome.feasible:
                 if path_problem.spread is not None:
-                    self.obstacle = f"{tried}; {no_margin_text(path_problem.spread)}"
+                    noise = unbearable_noise(path_problem, found.outcome.trajectory)
+                    why = noise or no_margin_text(path_problem.spread)
+                    self.obstacle = f"{tried}; {why}"
                 break
             self.lacking = 0.0
             if tightening.is_last or seems_to_satisfy(path_problem, found.outcome.trajectory):

@@ -191,7 +191,7 @@ def limit_excess(limits: MotionLimits, x: Array) -> float:
     q, v = x[:, :n], x[:, n : 2 * n]
     gaps = [limits.lower - q, q - limits.upper, (limits.rate_lower - v)[1:]]
     gaps += [(v - limits.rate_upper)[1:], np.abs(v[:1]) - limits.start_rates]
-    gaps.append(np.abs(v[-1:]) - limits.final_rates)
+    gaps.append(np.abs(v[-limits.final_samples :]) - limits.final_rates)
     if limits.start_values is not None:
         gaps.append(np.abs(q[:1] - limits.start_values))
     gaps.append(np.abs(x[0, 2 * n :] - limits.own_start))

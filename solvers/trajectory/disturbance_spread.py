@@ -14,8 +14,14 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
-from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
+from compiler.tasks.specification import (
+    disturbance_radii,
+    input_errors,
+    measurement_radii,
+    uncertain_masses,
+)
 from grammar_lang import ir
+from solvers.trajectory.task_limits import final_samples
 from solvers.trajectory.trajectory import Trajectory
 
 MOST_COLUMNS, KEPT_COLUMNS = 16, 10
@@ -32,11 +38,13 @@ class DisturbanceSpread:
         points: (k + 1, m) of the positions of all points at the samples, in metres.
         states: (n, 2) of coordinates and rates, the largest along the motion, in SI units.
         inputs: (m,) of what feedback commands, the largest along the motion, in SI units.
+        final: of any rate at the samples where the task binds final rates, in SI units.
     """
 
     points: Array
     states: Array
     inputs: Array = field(default_factory=lambda: np.zeros(0))
+    final: float = 0.0
 
     @property
     def widest(self) -> float:
@@ -45,7 +53,9 @@ class DisturbanceSpread:
 
     def scaled(self, factor: float) -> DisturbanceSpread:
         """So many times as wide."""
-        return DisturbanceSpread(factor * self.points, factor * self.states, factor * self.inputs)
+        return DisturbanceSpread(
+            factor * self.points, factor * self.states, factor * self.inputs, factor * self.final
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,16 +154,18 @@ def disturbance_spread(
 
     ``step`` is the linearisation of its steps; with ``second`` and ``gains``, what is of second
     order is added.
-    Inputs are taken to be off by a constant in every step, and an uncertain mass to act as inputs
-    that are off by its part all the time.  With ``gains`` (k, m, N) what is measured is fed back.
+    Inputs are taken to be off by a constant in every step, and accelerations by what uncertain
+    masses take of them.  With ``gains`` (k, m, N) what is measured is fed back.
     """
     n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
     radii = [float(radius) for radius in disturbance_radii(task, model)]
     noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
     part, most = input_errors(task, model)
     share, added = float(part), np.array([float(value) for value in most])
-    mass = 0.0 if task.robust is None else float(task.robust.mass)
-    columns = np.zeros((numeric.size, 2 * n + 1))
+    heavier = _heavier(numeric, task, trajectory)
+    count = heavier.shape[2]
+    mass = max((float(item.part) for item in uncertain_masses(task, model)), default=0.0)
+    columns = np.zeros((numeric.size, 2 * n + count))
     columns[: 2 * n, : 2 * n] = np.diag(radii)
     by_q = numeric.points(trajectory.x[:, :n], theta).by_q
     points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
@@ -174,7 +186,7 @@ def disturbance_spread(
             before = columns
             columns = by_x @ columns
             # The same constant all the time: its effects add up, sign by sign.
-            columns[:, 2 * n] += mass * (by_u @ u)
+            columns[: 2 * n, 2 * n : 2 * n + count] += heavier[sample]
             columns = np.concatenate([columns, by_u * off, by_u @ misread], axis=1)
             if second is not None and gains is not None:
                 held = np.zeros((numeric.m, columns.shape[1]))
@@ -182,9 +194,24 @@ def disturbance_spread(
                 held[:, columns.shape[1] - 2 * n :] = misread
                 misjudged = mass * (inputs[sample] + off)
                 more = second.added(sample, columns, held, off, misjudged)
-                columns = _reduced(np.concatenate([columns, more], axis=1), 2 * n + 1)
+                columns = _reduced(np.concatenate([columns, more], axis=1), 2 * n + count)
         if not np.isfinite(columns).all():
             points[sample:], states[sample:], inputs[sample:] = np.inf, np.inf, np.inf
             break
     largest = np.max(inputs, axis=0, initial=0.0)
-    return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest)
+    final = float(np.max(states[-final_samples(task) :, n:], initial=0.0))
+    return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest, final)
+
+
+def _heavier(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory) -> Array:
+    """What each uncertain mass at its bound adds to coordinates and rates in a step, (k, 2n, c)."""
+    n, dt = numeric.n, float(task.step)
+    masses = uncertain_masses(task, numeric.graph.model)
+    if not masses:
+        return np.zeros((len(trajectory.u), 2 * n, 0))
+    x = (trajectory.x[1:] + trajectory.x[:-1]) / 2
+    accelerations = np.diff(trajectory.x[:, n : 2 * n], axis=0) / dt
+    groups = tuple(item.bodies for item in masses)
+    parts = np.array([float(item.part) for item in masses])
+    taken = parts * numeric.slowed(groups, x, accelerations, trajectory.theta)
+    return np.concatenate([dt * dt / 2 * taken, dt * taken], axis=1)

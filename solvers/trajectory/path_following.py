@@ -125,7 +125,8 @@ class PathProblem:
         """The limits of the motion, narrowed so that the proof passes."""
         insets = 0.0 if self.insets is None else self.insets
         tightening = 0.0 if self.spread is None else self.spread.states[:, :, None]
-        return motion_limits(self.model, self.task, self.limit_margin + insets + tightening)
+        final = 0.0 if self.spread is None else self.spread.final
+        return motion_limits(self.model, self.task, self.limit_margin + insets + tightening, final)
 
     # --- timing and formulas --------------------------------------------------------------------
 

@@ -192,7 +192,8 @@ class _Step:
         q, rates, own = self.x[:, :n], self.x[:, n : 2 * n], self.x[0, 2 * n :]
         found = _between(q[first:], limits.lower, limits.upper)
         found += _between(rates, limits.rate_lower, limits.rate_upper)
-        for end, bound in (rates[0], limits.start_rates), (rates[-1], limits.final_rates):
+        final = rates[-limits.final_samples :]
+        for end, bound in (rates[0], limits.start_rates), (final, limits.final_rates):
             if np.isfinite(bound):
                 found.append(cp.abs(end) <= bound)
         if limits.start_values is not None:

@@ -72,9 +72,10 @@ class StepProgram:
         given = [(layout.x[0, 2 * n :], limits.own_start)]
         if limits.start_values is not None:
             given.append((layout.x[0, :n], limits.start_values))
-        for sample, bound in ((0, limits.start_rates), (k, limits.final_rates)):
+        for samples, bound in _end_rates(limits, k):
             if bound == 0.0:
-                given.append((layout.x[sample, n : 2 * n], np.zeros(n)))
+                columns = layout.x[samples, n : 2 * n].ravel()
+                given.append((columns, np.zeros(len(columns))))
         for columns, _ in given:
             entries.add(columns[:, None])
         self._equal = entries.compressed(layout.size)
@@ -229,13 +230,19 @@ def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:
     shape = (steps + 1, len(limits.lower))
     low = np.array(np.broadcast_to(limits.rate_lower, shape))
     high = np.array(np.broadcast_to(limits.rate_upper, shape))
-    for sample, bound in ((0, limits.start_rates), (steps, limits.final_rates)):
+    for samples, bound in _end_rates(limits, steps):
         if bound == 0.0:
-            low[sample], high[sample] = -np.inf, np.inf
+            low[samples], high[samples] = -np.inf, np.inf
         else:
-            low[sample] = np.maximum(low[sample], -bound)
-            high[sample] = np.minimum(high[sample], bound)
+            low[samples] = np.maximum(low[samples], -bound)
+            high[samples] = np.minimum(high[samples], bound)
     return low, high
+
+
+def _end_rates(limits: MotionLimits, steps: int) -> tuple[tuple[slice, float], ...]:
+    """The samples at the two ends, with the bounds of their rates."""
+    final = slice(steps + 1 - limits.final_samples, steps + 1)
+    return (slice(0, 1), limits.start_rates), (final, limits.final_rates)
 
 
 # --- A sparse matrix whose entries are known in place before they are known in value --------------

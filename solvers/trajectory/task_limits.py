@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from math import ceil
 
 import numpy as np
 
@@ -19,7 +20,9 @@ from grammar_lang.ir.constants import to_float
 NARROW = 0.1
 """Limits are narrowed at most by this part of a range's width."""
 RATE_MARGIN = 0.5
-"""A final rest is asked for at this fraction of its bound."""
+"""Final rates are bound by at most this fraction of what the task says."""
+LEAST_RATE = 0.05
+"""They are so by at least this fraction, however far disturbed motions spread."""
 
 
 def state_limits(model: RobotModel) -> Array:
@@ -38,11 +41,19 @@ def state_limits(model: RobotModel) -> Array:
     return np.array(limits).reshape(-1, 2, 2)
 
 
-def motion_limits(model: RobotModel, task: ir.Task, slack: Array | float = 0.0) -> MotionLimits:
+def final_samples(task: ir.Task) -> int:
+    """At how many of the last samples final rates are bound."""
+    return 1 + min(ceil(task.stay / task.step), task.steps)
+
+
+def motion_limits(
+    model: RobotModel, task: ir.Task, slack: Array | float = 0.0, spread: float = 0.0
+) -> MotionLimits:
     """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
 
     Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width; an
     array gives the slacks of ranges and rates at their lower and upper ends, shape (n, 2, 2).
+    Disturbed motions are to be off by ``spread`` from the final rates, in SI units.
     """
     slacks = np.broadcast_to(slack, (len(model.dofs), 2, 2))
     limits = state_limits(model)
@@ -55,12 +66,14 @@ def motion_limits(model: RobotModel, task: ir.Task, slack: Array | float = 0.0) 
     if isinstance(start, ir.StartAt):
         values = np.array([to_float(value) for value in given_start(model, start).values])
     start_rates = float(start.rates) if isinstance(start, ir.StartIn) else 0.0
-    rests = task.reach is not None and task.reach.at_rest
-    final = RATE_MARGIN * 1e-3 if rests else np.inf
+    final = np.inf
+    if task.final_rates is not None:
+        bound = float(task.final_rates.bound)
+        final = min(RATE_MARGIN * bound, max(bound - spread, LEAST_RATE * bound))
     own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
     return MotionLimits(
         ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values,
-        np.array(own),
+        np.array(own), final_samples(task),
     )  # fmt: skip
 
 
@@ -137,8 +150,8 @@ class MotionLimits:
 
     Arrays have one entry per degree of freedom: coordinates in rad or m, rates in the same per
     second.  ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones
-    (inf: free), ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial
-    states of the modules' own.
+    (inf: free) at the last ``final_samples`` samples, ``start_values`` fixes the initial
+    coordinates and ``own_start`` (r,) the initial states of the modules' own.
     """
 
     lower: Array
@@ -149,3 +162,4 @@ class MotionLimits:
     final_rates: float
     start_values: Array | None
     own_start: Array = field(default_factory=lambda: np.zeros(0))
+    final_samples: int = 1

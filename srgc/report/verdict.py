@@ -256,7 +256,7 @@ def _sentences(program: ir.Program, task: ir.Task) -> Iterator[str]:
         yield f"They are made from the existing robot `{word}`{_kept(program, task.origin)}"
     yield _start(program, task)
     if task.reach is not None:
-        yield _reach(task, task.reach)
+        yield _reach(program, task, task.reach)
     yield from _avoided(task)
     bodies = "all bodies of the robot stay" if task.bounds_body else "every effector stays"
     yield f"At every instant {bodies} within the bounds of `{workspace.name}`"
@@ -306,13 +306,19 @@ def _rate_unit(program: ir.Program, task: ir.Task) -> str:
     return " or ".join(units)
 
 
-def _reach(task: ir.Task, reach: ir.Reach) -> str:
+def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
     end = _value(task.steps * task.step)
     steps = f"{many(task.steps, 'step')} of {_value(task.step)} s"
     bound = isinstance(task.start, ir.StartIn) and task.start.effector is None
     who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
-    rest = ", at rest" if reach.at_rest else ""
-    return f"At {end} s ({steps}) {who} is in `{reach.region}`{rest}"
+    found = f"At {end} s ({steps}) {who} is in `{reach.region}`"
+    rates = reach.rates
+    if rates is None:
+        return found
+    rest = rates.bound == ir.REST_RATE
+    slow = f"with rates of at most {_value(rates.bound)} {_rate_unit(program, task)}"
+    found += ", at rest" if rest else f", {slow}"
+    return found + (f", for the last {_value(rates.duration)} s" if rates.duration else "")
 
 
 def _avoided(task: ir.Task) -> Iterator[str]:
@@ -358,6 +364,10 @@ def _disturbances(robust: ir.Robust) -> str:
         parts.append(f"every input is off by up to {part} % of its bound")
     if robust.mass:
         parts.append(f"all masses are off by up to {_value(100 * robust.mass)} % alike")
+    parts += [
+        f"the masses of each `{item.module}` are off by up to {_value(100 * item.part)} % alike"
+        for item in robust.masses
+    ]
     return " and ".join(parts) or "nothing is disturbed"
 
 

@@ -46,6 +46,23 @@ def test_weight_counts_with_its_direction(effort, height, rest, refuted):
     assert (lifted(height, effort, rest) is not None) is refuted
 
 
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(
+    ("height", "rates", "refuted"),
+    [
+        # t = (v + 21.6) / 23.6 s up at 2 m/s^2, then down at 21.6 m/s^2 to v: 0.952 m
+        (0.94, "rates <= 0.5 m/s", False), (0.985, "rates <= 0.5 m/s", True),
+        (0.985, "rates <= 2.1 m/s", False), (0.94, "rates <= 0.01 m/s", True),
+    ],
+)  # fmt: skip
+def test_the_rate_at_the_end_counts(height, rates, refuted, side):
+    weight = side * 9.8
+    target = spot((1, side * height))
+    clauses = f"start at (0); reach T {rates}; effort <= 11.8 N; gravity (0, {-weight}) m/s^2;"
+    found = answer(problem([LIFT], target, f"{clauses} {SECOND}"), [9])
+    assert (found is not None) is refuted
+
+
 def test_friction_does_not_lift():
     brake = Segment(1, axis="y", kind="prismatic", limits="in [-8, 8] m",
                     own="torque(q) = u - 0.5 N*s/m * rate(q);")  # fmt: skip

@@ -52,6 +52,21 @@ def test_a_rod_turns_by_u_over_2_inertia_times_the_time_squared(angle, rest, ref
         assert found.unit == "rad"
 
 
+@pytest.mark.parametrize(
+    ("rates", "most"),
+    # Speeding up to V = (a T + v) / 2, then slowing down to v, a = 3 rad/s^2: V^2 / a - v^2 / 2 a.
+    [("rates <= 0.6 rad/s", 0.69), ("rates <= 0.6 rad/s for 0.4 s", 0.69), ("rates <= 2.4", 0.96),
+     ("rates <= 9", 0.96), ("rates <= 0.001", 0.4804), ("rates <= 0.0001", 0.48004)],
+)  # fmt: skip
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_faster_a_rod_may_end_the_farther_it_turns(rates, most, side):
+    clauses = f"start at (0); reach T {rates}; {PUSH} horizon 8 steps of 0.1 s;"
+    assert turned(side * (most - 0.02), clauses) is None
+    found = turned(side * (most + 0.04), clauses)
+    assert found is not None
+    assert found.available == pytest.approx(most, abs=6e-4)  # it has three digits
+
+
 @pytest.mark.parametrize(("angle", "refuted"), [(1.05, False), (1.12, True), (-1.12, True)])
 def test_a_full_turn_leads_both_ways(angle, refuted):
     # From 3 rad past pi: the way is that on the circle, 1.0667 rad in a second and 2/3 N m.

@@ -389,12 +389,12 @@ def test_a_long_arm_has_a_short_script():
 
 def test_a_task_asks_about_its_regions():
     task = ir.Task(
-        "T", "G", "Bench", ir.StartIn("S", 2, Fraction(0)), ir.Reach("T", None, at_rest=False),
+        "T", "G", "Bench", ir.StartIn("S", 2, Fraction(0)), ir.Reach("T", None),
         (), (), 81, Fraction(1, 8), Fraction(0), (), None, bounds_body=False,
     )  # fmt: skip
     assert pose_questions(bench(), task) == (question(start_effector=1, effectors=2),)
     pose = ir.StartAt((ir.Num(Fraction(1)), ir.Pi()))
-    fixed = replace(task, start=pose, reach=ir.Reach("T", 1, at_rest=False))
+    fixed = replace(task, start=pose, reach=ir.Reach("T", 1))
     wanted = question(start=None, reach_effector=0, start_at=pose, effectors=1)
     assert pose_questions(bench(), fixed) == (wanted,)
 

@@ -50,7 +50,7 @@ AT = ir.StartAt((ir.Num(F(0)),))
     ("given", "recorded"),
     [
         (task(), None),
-        (replace(task(), reach=ir.Reach("A", 3, at_rest=False)), 2),
+        (replace(task(), reach=ir.Reach("A", 3)), 2),
         (task(start=START_BY), None),
         (free(A1, start=START_IN), None),
         (free(A1, start=START_BY), 1),
@@ -68,7 +68,7 @@ def test_the_recorded_effector(given: ir.Task, recorded: int | None) -> None:
     [
         (free(ir.And((A1, ir.Not(ir.Next(C2))))), {0: 2, 1: 2, 2: None}),
         (task(start=START_BY), {1: 2, 2: None}),
-        (replace(task(), reach=ir.Reach("A", 3, at_rest=False)), {2: 3, 3: None}),
+        (replace(task(), reach=ir.Reach("A", 3)), {2: 3, 3: None}),
         (task(), {1: None}),
     ],
 )

@@ -22,10 +22,20 @@ task P {{
 """
 
 
+SEMANTICS = """
+semantics G {
+  base  { this.frame = world; }
+  joint { this.frame = N.frame * rot(z, JO.q); }
+  link  { this.frame = N.frame * move(x, L.length); point(frame: N.frame, mass: 1 kg); }
+  tool  { this.frame = N.frame; effector(frame: N.frame); }
+}
+"""
+
+
 @pytest.fixture(scope="session")
 def robust(build: Build) -> Callable[[str], ir.Robust | None]:
     def make(text: str) -> ir.Robust | None:
-        loaded = load_text(build(task=TASK.format(text)), "t")
+        loaded = load_text(build(semantics=SEMANTICS, task=TASK.format(text)), "t")
         assert loaded.program is not None, loaded.diagnostics
         return loaded.program.tasks["P"].robust
 
@@ -49,6 +59,67 @@ def test_each_kind(robust: Callable[[str], ir.Robust | None]) -> None:
     assert robust("robust mass 3 %;") == ir.Robust(mass=Fraction(3, 100))
 
 
+def test_masses_of_modules(robust: Callable[[str], ir.Robust | None]) -> None:
+    part = Fraction(3, 100)
+    one = ir.ModuleMass("L", part)
+    assert robust("robust mass 3 % of L;") == ir.Robust(masses=(one,))
+    assert robust("robust mass 3 % of L; robust mass 3 %;") == ir.Robust(mass=part, masses=(one,))
+
+
+OWNERS = """
+module B {{ role base; const mass = 1 kg; }}
+module K {{ role link; const mass = 2 kg; }}
+module L {{ role link; const mass = 3 kg; dof q: revolute z; }}
+module E {{ role effector; }}
+grammar G {{ start S; all: S -> N E; one: N -> B; two: N -> N K L; more: N -> N L L; }}
+semantics G {{
+  all {{ effector(frame: N.f); point(frame: N.f, mass: 9 kg + B); }}
+  one {{ this.f = world; point(frame: world, mass: 1 kg); }}
+  two {{ this.f = N.f * rot(z, L.q); point(frame: this.f, mass: TWO); }}
+  more {{ this.f = N.f * rot(z, L1.q) * rot(z, L2.q); point(frame: this.f, mass: MORE); }}
+}}
+workspace W {{ plane xy; bounds box [-1, 1] x [-1, 1] m; region R box [0, 1] x [0, 1] m; }}
+task P {{
+  robot G; workspace W; start in R; reach R; effort <= 1 N*m; horizon 1 steps of 1 s;
+  robust mass 5 % of {module};
+}}
+""".replace("9 kg + B", "9 kg")
+
+
+@pytest.mark.parametrize(
+    ("two", "more", "module", "mixed"),
+    [
+        ("K.mass", "L2.mass", "L", ""),
+        ("2 * L.mass + 1 kg", "L1.mass", "L", ""),
+        ("L.mass", "L2.mass", "B", ""),
+        ("L.mass", "L2.mass", "E", ""),
+        ("K.mass + L.mass", "L2.mass", "L", "K.mass + L.mass"),
+        ("K.mass + L.mass", "L2.mass", "K", "K.mass + L.mass"),
+        ("K.mass + L.mass", "L1.mass + L2.mass", "B", ""),
+        ("3 kg", "L2.mass", "K", "3 kg"),
+        ("K.mass", "L1.mass + L2.mass", "L", "L1.mass + L2.mass"),
+        ("K.mass", "3 kg", "L", "3 kg"),
+    ],
+)
+def test_whose_a_body_is(
+    two: str, more: str, module: str, mixed: str, check_fragment: Check
+) -> None:
+    """The module of the production, or the one that the quantities name."""
+    text = OWNERS.format(module=module).replace("TWO", two).replace("MORE", more)
+    found = [item for item in check_fragment(text) if item[0] != "UNUSED_NAME"]
+    bodies = {"K": "two", "L": "more"}
+    if mixed:
+        assert found == [("MIXED_OWNERS", f"point(frame: this.f, mass: {mixed});")]
+    else:
+        assert found == []
+        assert module not in bodies or bodies[module] in text
+
+
+def test_a_module_without_a_body_has_no_mass(check_fragment: Check) -> None:
+    text = OWNERS.format(module="K").replace("TWO", "L.mass").replace("MORE", "L1.mass")
+    assert ("BAD_VALUE", "robust mass 5 % of K;") in check_fragment(text)
+
+
 def test_all_kinds_together(robust: Callable[[str], ir.Robust | None]) -> None:
     clauses = {
         "mass": "robust mass 0.5 %;",
@@ -69,7 +140,9 @@ def test_all_kinds_together(robust: Callable[[str], ir.Robust | None]) -> None:
     assert found is not None
     first = min(span.start for span in found.clauses.values())
     places = {kind: span.start - first for kind, span in found.clauses.items()}
-    assert places == {kind: text.index(clause) for kind, clause in clauses.items()}
+    radii = {"start length": "2 mm", "start speed": "1 m/s", "measure length": "1 mm",
+             "measure speed": "3 m/s"}  # fmt: skip
+    assert places == {kind: text.index(clause) for kind, clause in (clauses | radii).items()}
 
 
 @pytest.mark.parametrize("text", ["180 deg", "0.1 deg", "(180 / pi) deg", "(1 / (7 * pi)) rad"])
@@ -119,6 +192,13 @@ def test_angles_are_rounded_up(text: str, robust: Callable[[str], ir.Robust | No
         ("robust mass 1 kg %;", [("UNIT_MISMATCH", "1 kg")]),
         ("robust mass (sqrt(2)) %;", [("NOT_RATIONAL", "sqrt(2)")]),
         ("robust mass 1 %; robust mass 1 %;", [("REPEATED_CLAUSE", "robust mass 1 %;")]),
+        ("robust mass 1 % of L; robust mass 2 % of L;",
+         [("REPEATED_CLAUSE", "robust mass 2 % of L;")]),
+        ("robust mass 0 % of L;", [("BAD_VALUE", "0")]),
+        ("robust mass 1 % of M;", [("UNKNOWN_NAME", "M")]),
+        ("robust mass 1 % of eps;", [("WRONG_KIND", "eps")]),
+        ("robust mass 1 % of G;", [("WRONG_KIND", "G")]),
+        ("robust mass 1 % of JO;", [("BAD_VALUE", "robust mass 1 % of JO;")]),
         ("robust measure 1;", [("UNIT_MISMATCH", "1")]),
         ("robust measure 1 kg;", [("UNIT_MISMATCH", "1 kg")]),
         ("robust measure 0 deg;", [("BAD_VALUE", "0 deg")]),
@@ -140,7 +220,7 @@ def test_angles_are_rounded_up(text: str, robust: Callable[[str], ir.Robust | No
 def test_findings(
     text: str, found: list[tuple[str, str]], check_fragment: Check, build: Build
 ) -> None:
-    assert check_fragment(build(task=TASK.format(text))) == found
+    assert check_fragment(build(semantics=SEMANTICS, task=TASK.format(text))) == found
 
 
 @pytest.mark.parametrize(
@@ -148,7 +228,7 @@ def test_findings(
     [("", None), ("control open loop;", "open loop"), ("control\tfeedback ;", "feedback")],
 )
 def test_control(text: str, found: str | None, build: Build) -> None:
-    program = load_text(build(task=TASK.format(text)), "t").program
+    program = load_text(build(semantics=SEMANTICS, task=TASK.format(text)), "t").program
     assert program is not None
     task = program.tasks["P"]
     assert task.control == found

@@ -88,7 +88,7 @@ def test_the_running_example(arm: str) -> None:
         grammar="PlanarArm",
         workspace="Bench",
         start=ir.StartIn("S", None, F(0)),
-        reach=ir.Reach("T", None, at_rest=False),
+        reach=ir.Reach("T", None),
         avoid=(ir.Avoid(("O",), "effector", F(0)),),
         effort=(ir.Effort("revolute", F(10), norm2=False),),
         steps=81,

@@ -3,6 +3,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
+import mpmath
 import pytest
 
 from grammar_lang import ir
@@ -43,7 +44,7 @@ def test_defaults(task: Callable[..., ir.Task]) -> None:
         grammar="G",
         workspace="W",
         start=ir.StartIn("S", None, Fraction(0)),
-        reach=ir.Reach("T", None, at_rest=False),
+        reach=ir.Reach("T", None),
         avoid=(),
         effort=(ir.Effort("revolute", Fraction(10), norm2=False),),
         steps=80,
@@ -64,7 +65,7 @@ def test_clauses(task: Callable[..., ir.Task]) -> None:
         (sixth, ir.Num(Fraction(1, 2))), kinds=("revolute", "revolute")
     )
     assert task(start="start at (0);").start == ir.StartAt((ir.Num(Fraction(0)),), kinds=(None,))
-    assert task(reach="reach T by effector 3 at rest;").reach == ir.Reach("T", 3, at_rest=True)
+    assert task(reach="reach T by effector 3 at rest;").reach == ir.Reach("T", 3, ir.FinalRates())
     avoid = task(more="avoid S, T with body, margin 2 cm; avoid S with effector margin 0;").avoid
     assert avoid == (
         ir.Avoid(("S", "T"), "body", Fraction(1, 50)),
@@ -199,11 +200,60 @@ workspace W { plane xy; bounds box [0, 5] x [0, 5] m;
     assert found.avoid_self is None
 
 
+@pytest.mark.parametrize(
+    ("written", "bound", "duration"),
+    [
+        ("at rest", Fraction(1, 1000), Fraction(0)),
+        ("at rest for 0.3 s", Fraction(1, 1000), Fraction(3, 10)),
+        ("rates <= 0.02 rad/s", Fraction(1, 50), Fraction(0)),
+        ("rates <= 2 * 0.01 for 300 ms", Fraction(1, 50), Fraction(3, 10)),
+        ("rates <= 0.02 rad/s for 10 s", Fraction(1, 50), Fraction(10)),
+    ],
+)
+def test_final_rates(
+    task: Callable[..., ir.Task], written: str, bound: Fraction, duration: Fraction
+) -> None:
+    found = task(reach=f"reach T by effector 2 {written};")
+    assert found.reach == ir.Reach("T", 2, ir.FinalRates(bound, bound, duration))
+    assert (found.final_rates, found.stay) == (ir.FinalRates(bound, bound, duration), duration)
+
+
+def test_an_irrational_bound_of_final_rates_is_rounded_both_ways(
+    task: Callable[..., ir.Task],
+) -> None:
+    rates = task(reach="reach T rates <= 2 deg/s;").final_rates
+    assert rates is not None
+    with mpmath.workdps(50):
+        exact = mpmath.pi / 90
+        low, high = (mpmath.mpf(x.numerator) / x.denominator for x in (rates.bound, rates.most))
+        assert low < exact < high < low * (1 + mpmath.mpf("1e-30"))
+
+
+@pytest.mark.parametrize(
+    ("written", "code", "at"),
+    [
+        ("rates <= 0", "BAD_VALUE", "0"),
+        ("rates <= 0 - 1 deg/s", "BAD_VALUE", "0 - 1 deg/s"),
+        ("rates <= 1 m", "UNIT_MISMATCH", "1 m"),
+        ("rates <= 1 m/s", "UNIT_MISMATCH", "1 m/s"),
+        ("rates <= (sqrt(2) + 1) rad/s", "NOT_RATIONAL", "(sqrt(2) + 1) rad/s"),
+        ("at rest for 0 s", "BAD_VALUE", "0 s"),
+        ("at rest for -1 s", "BAD_VALUE", "-1 s"),
+        ("at rest for 1 m", "UNIT_MISMATCH", "1 m"),
+        ("at rest for 10.001 s", "BAD_VALUE", "10.001 s"),
+    ],
+)
+def test_final_rates_that_make_no_sense(
+    check: Check, build: Build, written: str, code: str, at: str
+) -> None:
+    assert check(build(task=clauses(reach=f"reach T {written};"))) == [(code, at)]
+
+
 def test_reach_is_optional_beside_a_formula(task: Callable[..., ir.Task]) -> None:
     found = task(reach="satisfy eventually T; satisfy always not S;")
     assert found.reach is None
     assert len(found.satisfy) == 2
-    assert task(more="satisfy eventually T;").reach == ir.Reach("T", None, at_rest=False)
+    assert task(more="satisfy eventually T;").reach == ir.Reach("T", None)
     with pytest.raises(LookupError, match="task P has no reach clause"):
         _ = found.goal
 

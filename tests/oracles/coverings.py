@@ -50,7 +50,7 @@ def errand(**changes: object) -> ir.Task:
         "grammar": "G",
         "workspace": "W",
         "start": ir.StartIn("S", None, Fraction(0)),
-        "reach": ir.Reach("T", None, False),
+        "reach": ir.Reach("T", None),
         "avoid": (),
         "effort": (),
         "steps": 4,

@@ -150,3 +150,49 @@ CLOSED = replaced(
     "  robust mass 2 %;\n",
 )
 """The link with a controller, and with all kinds of disturbances."""
+
+PAIR = """\
+module B { role base; }
+module J { role joint; dof q: revolute z in [-170, 170] deg rate in [-3, 3] rad/s; }
+module L { role link; const length = 1.3 m; const density = 1 kg/m; }
+module K { role link; const length = 0.9 m; const density = 1.5 kg/m; }
+module E { role effector; }
+edge eps;
+grammar Pair {
+  start N;
+  base: N -> B; turn: N -> N eps J; upper: N -> N eps L; fore: N -> N eps K; hand: N -> N eps E;
+  accept matches B eps J eps L eps J eps K eps E;
+}
+semantics Pair {
+  base { this.frame = world; }
+  turn { this.frame = N.frame * rot(z, J.q); }
+  upper { this.frame = N.frame * move(x, L.length);
+          rod(frame: N.frame, axis: x, length: L.length, density: L.density); }
+  fore { this.frame = N.frame * move(x, K.length);
+         rod(frame: N.frame, axis: x, length: K.length, density: K.density); }
+  hand { this.frame = N.frame; effector(frame: N.frame); }
+}
+workspace Table {
+  plane xy;
+  bounds box [-3, 3] x [-3, 3] m;
+  region S box [1.4, 1.7] x [1.1, 1.4] m;
+  obstacle O box [1.2, 1.5] x [1.9, 2.2] m;
+  target T polytope { 3*x + 4*y <= 10.3; 3*x + 4*y >= 7; 4*x - 3*y <= -2.1; 4*x - 3*y >= -5.4; } m;
+}
+task Turn {
+  robot Pair;
+  workspace Table;
+  start in S at rest;
+  reach T rates <= 0.5 rad/s;
+  avoid O with effector;
+  effort <= 10 N*m;
+  horizon 12 steps of 0.1 s;
+  control feedback;
+  robust start 0.2 deg, 0.2 deg/s;
+  robust effort 0.3 % of bound;
+  robust measure 0.02 deg, 0.05 deg/s;
+  robust mass 0.1 %;
+  robust mass 0.2 % of L;
+}
+"""
+"""Two links of 1.3 m and 0.9 m with a controller and all kinds of disturbances."""

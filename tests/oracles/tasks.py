@@ -22,7 +22,7 @@ def task(*avoids, start="S", reach="T", workspace="W", name="Do"):
         grammar="G",
         workspace=workspace,
         start=given,
-        reach=Reach(reach, None, False, REACH),
+        reach=Reach(reach, None, None, REACH),
         avoid=avoids,
         effort=(Effort("revolute", Fraction(10), False),),
         steps=10,

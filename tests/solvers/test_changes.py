@@ -82,6 +82,10 @@ def test_bounds_grow_on_every_side() -> None:
     [
         ("reach T;", "reach T by effector 1 at rest;", "reach",
          ["with any effector ending in `T`", "without `at rest` at the end"]),
+        ("reach T;", "reach T at rest for 0.3 s;", "reach",
+         ["with `at rest` at the last instant alone", "without `at rest` at the end"]),
+        ("reach T;", "reach T rates <= 0.02 rad/s;", "reach",
+         ["without `rates <= 0.02` at the end"]),
         ("start in S at rest;", "start in S by effector 1 at rest;", "start",
          ["with any effector starting in `S`"]),
         ("with effector;", "with body margin 1 cm;", "avoid",

@@ -1,59 +1,97 @@
-"""The allowance for rounding that a controller states: by hand, and within its bound."""
+"""Noise that no bound bears: where it shows, by hand, and as the reason of a whole search."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from compiler.arrays import Array
+from compiler.robots.normal_form import family_of
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.load import load_text
-from solvers.search.closed_loop import rounding_allowance
+from solvers.search.closed_loop import unbearable_noise
 from solvers.trajectory.trajectory import Trajectory
-from tests.oracles.robots import rod_chain
-from tests.oracles.small_specs import CLOSED, replaced
+from srgc.cli import run
+from tests.oracles.small_specs import CLOSED, MOTOR, replaced
+from tests.solvers.test_disturbed_proof import SLIDE, TWO, scene, spec
 
-MOTION = Trajectory(
-    np.array([[1.0, -2.0, 0.5, 0.0], [0.0, 3.0, 0.0, 0.0], [9.0, 9.0, 9.0, 9.0]]),
-    np.array([[4.0, -1.0], [0.0, 2.0]]),
-    np.zeros(0),
-)
-GAINS = np.array(
-    [
-        [[10.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0]],
-        [[0.0, -20.0, 0.0, 2.0], [0.0, 0.0, 0.0, 5.0]],
-    ]
-)
-# |u| + sum of |K| (2 |x| + 1), of the two samples; the last state is not measured.
-NEEDED = (max(4 + 10 * 3 + 2, 20 * 7 + 2), max(1, 2 + 5))
+F = Fraction
 
 
-def task(text: str = CLOSED) -> ir.Task:
-    program = load_text(text, "spec.srg").program
+@dataclass(frozen=True)
+class Gains:
+    """What is asked of a path problem, with gains (k, m, N) that are given."""
+
+    model: RobotModel
+    task: ir.Task
+    given: Array
+    feedback: bool = True
+
+    def gains(self, trajectory: Trajectory) -> Array:
+        del trajectory
+        return self.given
+
+
+def said(labels: tuple[str, ...], gains: Array, clauses: str, **more: bool) -> str | None:
+    where = scene(labels, spec(len(gains), clauses))
+    n = len(where.model.dofs)
+    nowhere = Trajectory(np.zeros((len(gains) + 1, 2 * n)), np.zeros((len(gains), n)), np.zeros(0))
+    return unbearable_noise(Gains(where.model, where.task, gains, **more), nowhere)  # type: ignore[arg-type]
+
+
+def test_the_first_sample_at_which_noise_commands_too_much() -> None:
+    """|K| n, entry by entry: 0.1 (40 + 2) + 0.5 (8 + 3) = 9.7 N*m, of a bound of 9 N*m."""
+    gains = np.zeros((5, 2, 4))
+    gains[1, 0] = (-40, 2, 8, 1)
+    gains[3, 1] = (-40, 2, 8, -3)
+    gains[4, 0] = (900, 0, 0, 0)
+    noise = "robust measure 0.1 rad, 0.5 rad/s;"
+    found = said(TWO, gains, noise)
+    assert found == (
+        "errors of measurements alone make feedback command 9.7 N*m at sample 3 (0.3 s), "
+        "and the bound leaves 9 N*m"
+    )
+    assert said(TWO, gains[:3], noise) is None
+    assert said(TWO, gains, "robust start 0.1 rad, 0.5 rad/s;") is None
+    assert said(TWO, gains, "") is None
+    assert said(TWO, gains, noise, feedback=False) is None
+
+
+def test_slides_have_their_own_errors_and_units() -> None:
+    found = said(SLIDE, np.full((2, 1, 2), 100.0), "robust measure 5 cm, 5 cm/s, 9 rad;")
+    assert found is not None
+    assert "command 10 N at sample 0 (0 s), and the bound leaves 9 N" in found
+
+
+def test_a_declared_input_has_the_unit_of_its_module() -> None:
+    text = replaced(MOTOR, "  reach T;", "  reach T;\n  robust measure 1 deg, 1 deg/s;")
+    program = load_text(text, "motor.srg").program
     assert program is not None
-    (found,) = program.tasks.values()
-    return found
+    task = program.tasks["Turn"]
+    family = family_of(program, task)
+    model = family.robot(family.replay(("tool", "link", "joint", "base")))
+    gains = np.zeros((10, 1, 2))
+    gains[4] = 2000 / np.pi * 180, 0
+    nowhere = Trajectory(np.zeros((11, 3)), np.zeros((10, 1)), np.array([1.5]))
+    found = unbearable_noise(Gains(model, task, gains), nowhere)  # type: ignore[arg-type]
+    assert found is not None
+    assert "command 2e+03 at sample 4 (0.8 s), and the bound leaves 24" in found
 
 
-def allowed(gains: np.ndarray, of: ir.Task) -> list[float]:
-    return [float(text) for text in rounding_allowance(MOTION, gains, rod_chain(2), of)]
-
-
-@pytest.mark.parametrize(("digits", "robust"), [(24, True), (53, False)])
-def test_twice_what_a_precision_rounds(digits: int, robust: bool) -> None:
-    of = task() if robust else replace(task(), robust=None)
-    expected = [2 * needed * 2.0**-digits for needed in NEEDED]
-    assert allowed(GAINS, of) == pytest.approx(expected, rel=0.05)
-
-
-def test_no_more_than_a_part_of_the_bound() -> None:
-    """Of 10 N*m, or of 4 N*m for the norm."""
-    assert allowed(1e4 * GAINS, task()) == [1e-3, 1e-3]
-    norm = replaced(CLOSED, "effort <= 10 N*m;", "effort <= 4 N*m norm 2;")
-    assert allowed(1e4 * GAINS, task(norm)) == [4e-4, 4e-4]
-
-
-def test_a_decimal_for_every_input() -> None:
-    texts = rounding_allowance(MOTION, np.zeros_like(GAINS), rod_chain(2), task())
-    assert texts == ("0.00000048", "0.00000024")
+@pytest.mark.usefixtures("without_pictures")
+def test_a_search_says_that_noise_is_too_much(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = replaced(CLOSED, "measure 0.05 deg, 0.1 deg/s", "measure 80 deg, 200 deg/s")
+    text = replaced(text, "horizon 10", "modules <= 4;\n  horizon 10")
+    (tmp_path / "spec.srg").write_text(text, encoding="utf-8")
+    run(["synth", str(tmp_path / "spec.srg"), "-q", "-o", str(tmp_path / "out")])
+    printed = capsys.readouterr().out
+    assert "unknown" in printed
+    assert "errors of measurements alone make feedback command" in printed
+    assert "at sample 0 (0 s), and the bound leaves 10 N*m" in printed

@@ -113,6 +113,8 @@ CASES = {
     "free": Case(),
     "far: needs sigma": Case(offset=4.0, radius=0.3),
     "rest to rest": Case(replace(FREE, final_rates=0.0), offset=0.1),
+    "rests for a while": Case(replace(FREE, final_rates=0.0, final_samples=3), offset=0.1),
+    "slow for a while": Case(replace(FREE, final_rates=0.05, final_samples=3), offset=0.1),
     "bounded rates": Case(replace(FREE, start_rates=0.2, final_rates=0.05), offset=0.1),
     "limits": Case(RATED, offset=0.1, radius=0.6),
     "limits of the initial rates": Case(

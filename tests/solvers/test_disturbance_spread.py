@@ -27,9 +27,11 @@ def moved(labels: Sequence[str], disturbances: str, start: Array, u: Array):
     return where, numeric, Trajectory(x, u, theta)
 
 
-def spread_of(numeric: NumericRobot, task: ir.Task, motion: Trajectory) -> DisturbanceSpread:
+def spread_of(
+    numeric: NumericRobot, task: ir.Task, motion: Trajectory, gains: Array | None = None
+) -> DisturbanceSpread:
     steps = numeric.step(motion.x[:-1], motion.u, motion.theta, float(task.step), SUBSTEPS)
-    return disturbance_spread(numeric, task, motion, steps)
+    return disturbance_spread(numeric, task, motion, steps, gains)
 
 
 def test_a_slide_against_its_closed_form() -> None:
@@ -91,3 +93,22 @@ def test_without_disturbances_there_is_none() -> None:
     assert spread_of(numeric, where.task, still).widest == 0
     assert where.task.robust is not None
     assert where.task.robust.effort == Fraction(1, 100)
+
+
+@pytest.mark.parametrize(("clause", "samples"), [("", 1), ("rates <= 1 for 0.25 s", 4)])
+def test_final_rates_spread_as_the_last_samples_say(clause: str, samples: int) -> None:
+    """A slide whose drive is off by 4 % keeps its rate off by what has added up."""
+    u = np.array([[3.0], [-2.0], [0.5], [4.0], [-1.0], [-4.0]])
+    text = spec(6, "robust start 2 cm/s; robust effort 4 %;", clauses=f"reach End {clause};")
+    where = scene(SLIDE, text)
+    numeric = NumericRobot(robot_graph(where.model, where.task.gravity))
+    x = numeric.simulate(np.array([0.2, 0.5]), u, np.zeros(0), 0.1, SUBSTEPS)
+    # Feedback of the rate alone, so that errors fade.
+    gains = np.tile([[0.0, 9.0]], (6, 1, 1))
+    found = spread_of(numeric, where.task, Trajectory(x, u, np.zeros(0)), gains)
+    rates = [0.02]
+    for push in u[:, 0]:
+        kept = 1 - 9 * 0.1 / 1.5
+        rates.append(kept * rates[-1] + 0.1 * 0.04 * (abs(push) + 9 * rates[-1]) / 1.5)
+    assert found.final == pytest.approx(max(rates[-samples:]), rel=0.05)
+    assert found.scaled(3).final == pytest.approx(3 * found.final)

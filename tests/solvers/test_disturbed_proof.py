@@ -15,9 +15,9 @@ from scipy.integrate import solve_ivp
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.normal_form import family_of
-from compiler.tasks.necessary import REST_RATE
 from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
+from grammar_lang.ir import REST_RATE
 from grammar_lang.load import load
 from solvers.verifier.proofs.checked_condition import CheckedCondition, decisive
 from solvers.verifier.proofs.disturbed_proof import disturbed_start

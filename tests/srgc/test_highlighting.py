@@ -97,7 +97,8 @@ task Turn {
   robot robot; workspace workspace;
   start in in by effector 1 rates <= 0.1 rad/s;
   start at (0 deg, 2 m, 3);
-  reach reach by effector 1 at rest;
+  reach reach by effector 1 at rest; reach for rates <= 0.1 rad/s for (1 + 1) s;
+  reach rates at rest for 1 s;
   avoid with, with with body, margin 2 cm;
   avoid O with effector margin (1 + 2) cm;
   avoid self with body;
@@ -110,6 +111,7 @@ task Turn {
     e by effector 1 or f by effector 1 and (g) implies h by effector 1 implies i;
   robust start 1 mm 0.1 deg, (1 + 1) m; robust effort 0.5 %;
   robust measure 0.1 deg, 2 mm/s; robust effort (1 + 1) % /* */ of bound; robust mass 3 %;
+  robust mass 3 % of of; robust mass (1 + 1) % of Tube;
   control open loop; control feedback;
 }
 """

@@ -15,15 +15,19 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.tasks.specification import disturbance_radii, input_errors
-from grammar_lang import ir
+from compiler.tasks.specification import disturbance_radii, input_errors, uncertain_masses
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.effort_bounds import effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
+from solvers.verifier.proofs.end_conditions import (
+    end_names,
+    final_rates,
+    rates_name,
+    target_name,
+)
 from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
-from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import (
     DrivenRobot,
@@ -70,7 +74,7 @@ def _cut_short(
         why="the enclosure of the disturbed motions ends",
     )  # fmt: skip
     known = [each for each in told if each.status is not Status.HOLDS]
-    about = {each.name for each in told} | {_target(scene), "rest at the end"}
+    about = {each.name for each in told} | end_names(scene.task)
     rest = [
         replace(ended, name=each.name, margin=NO_MARGIN, unit=each.unit)
         for each in planned
@@ -78,11 +82,6 @@ def _cut_short(
         and each.name not in {item.name for item in known}
     ]
     return [*known, ended, *rest]
-
-
-def _target(scene: Scene) -> str | None:
-    reach = scene.task.reach
-    return None if reach is None else f"target {reach.region}"
 
 
 def with_counterexample(
@@ -97,7 +96,8 @@ def with_counterexample(
     # Corners are simulated in an open loop alone.
     if worst is None or worst.status is Status.FAILS or motion.law is not None:
         return conditions
-    target = _target(scene)
+    reach = scene.task.reach
+    target = None if reach is None else target_name(reach)
     for each in conditions:
         # What has no margin is open because the tube ends, not because it is nearly violated.
         lost = each.status is Status.UNDECIDED and each.margin < NO_MARGIN
@@ -134,10 +134,9 @@ def input_error(scene: Scene) -> InputError | None:
 def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
     """The states in which a robot may be at first, in the graph's coordinates.
 
-    The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.  An
-    uncertain mass is the last entry.
+    The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.  The
+    factors of uncertain masses are the last entries.
     """
-    robust = scene.task.robust or ir.Robust()
     radii = disturbance_radii(scene.task, scene.model)
     n, columns = len(scene.model.dofs), list[list[Fraction]]()
     moved = [number for number, radius in enumerate(radii) if radius]
@@ -148,9 +147,10 @@ def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
         whole = [*column, *none] if number < n else [*none, *column]
         columns.append([*whole, *[Fraction(0)] * (len(state) - 2 * n)])
     lengths = [radii[number] for number in moved]
-    if robust.mass:
-        columns.append([*[Fraction(0)] * (len(state) - 1), Fraction(1)])
-        lengths.append(robust.mass)
+    masses = uncertain_masses(scene.task, scene.model)
+    for number, item in enumerate(masses, len(state) - len(masses)):
+        columns.append([Fraction(int(i == number)) for i in range(len(state))])
+        lengths.append(item.part)
     rows = tuple(tuple(ball(column[i]) for column in columns) for i in range(len(state)))
     return InitialSet(tuple(state), rows, tuple(ball(length) for length in lengths))
 
@@ -292,7 +292,7 @@ def _measure(scene: Scene, motion: Motion, name: str) -> Measure | None:
     if name in limits:
         return Measure(lambda _, state: float(limits[name].gap(state).mid()))
     reach = scene.task.reach
-    if reach is not None and name == f"target {reach.region}":
+    if reach is not None and name == target_name(reach):
         target = scene.polytope(scene.workspace.region(reach.region))
         return Measure(
             lambda robot, state: (
@@ -300,8 +300,9 @@ def _measure(scene: Scene, motion: Motion, name: str) -> Measure | None:
             ),
             at_end=True,
         )
-    if name == "rest at the end":
-        return Measure(lambda _, state: at_rest(scene.graph, state, 0.0).margin, at_end=True)
+    if reach is not None and reach.rates is not None and name == rates_name(reach.rates):
+        rates = final_rates(scene.graph, reach.rates)
+        return Measure(lambda _, state: float(rates.gap(state).lower()), at_end=True)
     return None
 
 

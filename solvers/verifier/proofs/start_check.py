@@ -12,7 +12,6 @@ from compiler.expressions.evaluators.balls import BALLS, ball, closed_ball, scal
 from compiler.expressions.tape import tape
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
-from compiler.tasks.necessary import REST_RATE
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside, least
 from solvers.verifier.proofs.scene import Motion, Scene
@@ -50,13 +49,6 @@ def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]
         for i in amounts_of(body)
         if scalars[i] < 0
     ]
-
-
-def at_rest(graph: RobotGraph, state: Sequence[arb], time: float) -> CheckedCondition:
-    """All rates of the joints are below the bound of a rest, at an instant in seconds."""
-    rates = [_weighed(row, state[len(row) :]) for row in graph.coordinates.rows]
-    gaps = [ball(REST_RATE) - abs(rate) for rate in rates]
-    return least("rest at the end", gaps, "SI", time)
 
 
 def start_conditions(

@@ -48,6 +48,12 @@ class Stretch:
     half: arb
     depth: int
 
+    @staticmethod
+    def of(segment: TubeSegment, inputs: Sequence[arb]) -> Stretch:
+        """A whole segment."""
+        half = segment.length / 2
+        return Stretch(segment, inputs, half, half, 0)
+
     def halves(self) -> tuple[Stretch, Stretch]:
         """The later half, and the earlier one."""
         quarter = self.half / 2
@@ -195,14 +201,13 @@ class StateLimit:
 
 def check_segment(
     point_map: PointMap,
-    segment: TubeSegment,
-    u: Sequence[arb],
+    whole: Stretch,
     constraints: Sequence[Constraint],
     limits: Sequence[StateLimit],
 ) -> None:
-    """Hold every constraint and limit against one segment, updating their margins and status."""
-    half = segment.length / 2
-    pending = [(Stretch(segment, u, half, half, 0), tuple(constraints), tuple(limits))]
+    """Hold every constraint and limit against a stretch, updating their margins and status."""
+    segment, u = whole.segment, whole.inputs
+    pending = [(whole, tuple(constraints), tuple(limits))]
     while pending:
         stretch, open_constraints, open_limits = pending.pop()
         found = point_map.over(segment, u, stretch.middle, stretch.half)

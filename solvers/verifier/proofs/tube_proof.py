@@ -22,24 +22,24 @@ from compiler.robots.robot import RobotModel, RodBody
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.tasks.formula_parts import atoms, formula_text
 from compiler.tasks.monitor import key
-from compiler.tasks.specification import measurement_radii
-from compiler.workspaces.polytope import Polytope
+from compiler.tasks.specification import measurement_radii, uncertain_masses
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
-from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside, least
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import InputError, SampledLaw, open_loop, sampled_law
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
+from solvers.verifier.proofs.end_conditions import EndConditions
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.region_distance import region_distance
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
-from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
     Constraint,
     Inside,
     StateLimit,
     Status,
+    Stretch,
     check_segment,
     close_margins,
     rows_of,
@@ -77,22 +77,21 @@ class DrivenRobot:
 def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> DrivenRobot:
     """A motion in the working precision.
 
-    Where it is ``disturbed``, measurements have the task's errors, and the last entry of the state
-    is the factor of an uncertain mass.  A law is rounded there, and where the task names no
+    Where it is ``disturbed``, measurements have the task's errors, and the last entries of the
+    state are the factors of uncertain masses.  A law is rounded there, and where the task names no
     disturbances, so that there is no other proof.
     """
     model, task = scene.model, scene.task
-    robust = task.robust or ir.Robust()
-    weighed = disturbed and bool(robust.mass)
+    masses = uncertain_masses(task, model) if disturbed else ()
     law = motion.law
-    if law is None and weighed:
+    if law is None and masses:
         law = open_loop(motion.inputs, 2 * len(model.dofs))
     graph = scene.graph if law is None else scene.graph.holding_inputs
-    graph = graph.weighed if weighed else graph
+    graph = graph.weighed([item.bodies for item in masses]) if masses else graph
     tail = tuple(value.ball for value in motion.theta)
     tail += tuple(constant_ball(constant) for constant in graph.constants)
     own, n = robot_states(graph.model), len(graph.model.dofs)
-    still = 0 if law is None else len(robot_inputs(model)) + weighed
+    still = 0 if law is None else len(robot_inputs(model)) + len(masses)
     slopes = tape(graph.input_slopes) if task.robust is not None else None
     curvature = None
     if task.robust is not None:
@@ -113,7 +112,7 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
     rounding = law.rounding if disturbed or task.robust is None else ()
     rows = graph.coordinates.rows
     sampled = sampled_law(law, motion.inputs, rows, noise, rounding, len(own))
-    state += [arb(0)] * (still - weighed) + [arb(1)] * weighed
+    state += [arb(0)] * (still - len(masses)) + [arb(1)] * len(masses)
     return DrivenRobot(
         scene, motion, graph, field, point_map, tuple(state), sampled.inputs, sampled
     )
@@ -133,6 +132,7 @@ class Followed:
     limits: list[StateLimit]
     defined: Defined
     formulas: FormulaProof
+    end: EndConditions
     samples: list[Sequence[arb]]
     commanded: list[Sequence[arb]] = field(default_factory=list[Sequence[arb]])
     time: float = 0.0
@@ -146,29 +146,9 @@ class Followed:
     def conditions(self) -> list[CheckedCondition]:
         """All that a complete tube shows, but for what is asked of samples alone."""
         found = self.so_far()
-        scene, effector = self.robot.scene, self.robot.motion.effector
-        task, last = scene.task, self.samples[-1]
-        end = float(task.step) * task.steps
-        if task.reach is not None:
-            target = scene.polytope(scene.workspace.region(task.reach.region))
-            found.append(self._reached(f"target {task.reach.region}", target, effector, end))
-            if task.reach.at_rest:
-                found.append(at_rest(scene.graph, last, end))
-        found += [self._satisfied(*each) for each in enumerate(task.satisfy)]
+        found += self.end.conditions(self.robot.point_map, self.samples[-1], self.last)
+        found += [self._satisfied(*each) for each in enumerate(self.robot.scene.task.satisfy)]
         return found
-
-    def _reached(self, name: str, target: Polytope, effector: int, end: float) -> CheckedCondition:
-        """Whether an effector is in a polytope at the end."""
-        point_map = self.robot.point_map
-        found = inside(name, target, point_map.positions(self.samples[-1])[effector], end)
-        if found.status is not Status.UNDECIDED or self.last is None:
-            return found
-        over = point_map.instant(self.last)
-        gaps = [
-            (row.offset - over.form(row.normal, effector)[1]) / row.length
-            for row in rows_of(target)
-        ]
-        return least(name, gaps, "m", end, over.middle(effector))
 
     def so_far(self) -> list[CheckedCondition]:
         """What has to hold at every instant."""
@@ -218,6 +198,7 @@ def follow(
         state_limits(scene, robot.field.size),
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
         _formulas(scene, robot.point_map, watch.tick),
+        EndConditions(scene, robot.motion.effector),
         [],
     )
     ends: dict[int, Sequence[arb]] = {0: box_of(initial)}
@@ -227,7 +208,9 @@ def follow(
         ):
             watch.tick()
             inputs = segment.inputs
-            check_segment(robot.point_map, segment, inputs, found.constraints, found.limits)
+            whole = Stretch.of(segment, inputs)
+            check_segment(robot.point_map, whole, found.constraints, found.limits)
+            found.end.add(robot.point_map, segment, inputs)
             found.formulas.add(segment, inputs)
             if found.defined.is_needed:
                 found.defined.check(segment, inputs)

@@ -101,6 +101,12 @@ class Zonotope:
         """The smallest balls about m that hold the set."""
         return [m + SIGNS * r for m, r in zip(self.middle, self.radii, strict=True)]
 
+    def values(self, weights: Sequence[Sequence[int]]) -> list[arb]:
+        """Enclosures of weighted sums of the entries, a row of weights each."""
+        matrix = arb_mat([[arb(w) for w in row] for row in weights])
+        middle = (matrix * arb_mat([[x] for x in self.middle])).entries()
+        return [m + SIGNS * r for m, r in zip(middle, self.radii_under(matrix), strict=True)]
+
     def widened(self, radii: Sequence[arb]) -> Zonotope:
         """The set of all x + d with all |d| <= ``radii``."""
         columns = [*self.columns, *_box(radii)]

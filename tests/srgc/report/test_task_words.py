@@ -25,6 +25,8 @@ def words(text: str, folder: Path) -> str:
     [
         (TURNER, "start in S at rest", "start in S rates <= 0.1", "at most 0.1 rad/s, with"),
         (SLIDER, "start in S", "start in S rates <= 0.1", "at most 0.1 m/s, with"),
+        (TURNER, "reach T", "reach T at rest for 0.3 s", "is in `T`, at rest, for the last 0.3 s"),
+        (TURNER, "reach T", "reach T rates <= 0.02", "with rates of at most 0.02 rad/s."),
         (TURNER, "horizon 10 steps", "horizon 1 steps", "(1 step of 0.2 s)"),
         (TURNER, "O with effector", "O with effector margin 5 mm", "by at least 0.005 m"),
         (TURNER, "  reach T;", "  reach T;\n  robust start 2 deg, 3 deg/s;",
@@ -35,6 +37,8 @@ def words(text: str, folder: Path) -> str:
          "every input is off by up to 2 % of its bound"),
         (TURNER, "  reach T;", "  reach T;\n  robust mass 3 %;",
          "all masses are off by up to 3 % alike"),
+        (TURNER, "  reach T;", "  reach T;\n  robust mass 3 % of L;",
+         "the masses of each `L` are off by up to 3 % alike"),
         (TURNER, "  reach T;", "  reach T;\n  control open loop;",
          "The inputs are fixed in advance"),
         (TURNER, "  reach T;", "  reach T;\n  control feedback;",

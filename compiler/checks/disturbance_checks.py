@@ -1,0 +1,118 @@
+"""Checks of disturbances, and of what corrects them, against the joints of the robot family."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from grammar_lang import ir
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.ir import constants
+from grammar_lang.source import Span
+
+
+def disturbance_diagnostics(program: ir.Program, sink: Sink) -> None:
+    """Report radii that are too wide for joints, and joints that feedback does not drive."""
+    for task in program.tasks.values():
+        grammar = program.grammars[task.grammar]
+        names = dict.fromkeys(x.name for rule in grammar.productions for x in rule.right)
+        modules = [program.modules[name] for name in names if name in program.modules]
+        _radii(task, modules, sink)
+        _undriven(task, modules, sink)
+
+
+# --- Radii against the ranges of joints and of their rates ----------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Radius:
+    """A radius of a ``robust`` clause, and what it is about."""
+
+    of: str
+    name: str
+    value: Fraction
+    kind: ir.DofKind
+    is_rate: bool
+
+
+def _given(task: ir.Task) -> Iterator[_Radius]:
+    robust = task.robust or ir.Robust()
+    for of, radii in (("start", robust.start), ("measure", robust.measured)):
+        yield _Radius(of, "angle", radii.angle, "revolute", is_rate=False)
+        yield _Radius(of, "length", radii.length, "prismatic", is_rate=False)
+        yield _Radius(of, "angular_rate", radii.angular_rate, "revolute", is_rate=True)
+        yield _Radius(of, "speed", radii.speed, "prismatic", is_rate=True)
+
+
+def _radii(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
+    """Report radii with which a joint is anywhere in its range, or starts beyond it.
+
+    An error where that is so of all joints that the radius is about, else a warning.
+    """
+    clauses: Mapping[str, Span] = {} if task.robust is None else task.robust.clauses
+    for radius in _given(task):
+        if not radius.value:
+            continue
+        joints = [(m.name, dof) for m in modules for dof in m.dofs if dof.kind == radius.kind]
+        narrow = [(name, dof) for name, dof in joints if _too_wide(radius, dof)]
+        if not narrow:
+            continue
+        name, dof = narrow[0]
+        what = "rates" if radius.is_rate else "range"
+        joint = f"the {what} of `{name}.{dof.name}`"
+        message = f"no start leaves these errors room in {joint}"
+        hint = "write less than half of its width"
+        if radius.of == "measure":
+            message = f"these errors are as wide as {joint}: nothing is measured"
+            hint = "write less than its width"
+        at = clauses.get(f"{radius.of} {radius.name}", task.span)
+        notes = [(dof.span, "declared here")]
+        report = sink.error if len(narrow) == len(joints) else sink.warning
+        report(Code.WIDE_RADIUS, message, at, hint, notes)
+
+
+def _too_wide(radius: _Radius, dof: ir.Dof) -> bool:
+    """Whether a start would have to leave a range, or any of its values may be measured."""
+    interval = dof.rate if radius.is_rate else dof.range
+    if interval is None:
+        return False
+    width = ir.Binary("-", interval.upper, interval.lower)
+    needed = radius.value * (2 if radius.of == "start" else 1)
+    try:
+        return not constants.less(ir.Num(needed), width)
+    except ValueError:
+        return False
+
+
+# --- Joints without an input ----------------------------------------------------------------------
+
+
+def _undriven(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
+    """Report joints that no input acts on where inputs are to follow measurements."""
+    measured = task.robust is not None and task.robust.measured != ir.Radii()
+    if task.control != "feedback" and not measured:
+        return
+    clauses = {} if task.robust is None else task.robust.clauses
+    asked = task.clauses.get("control") or clauses.get("measure", task.span)
+    for module in modules:
+        for torque in module.torques:
+            if not _driven(module, torque):
+                message = f"no input acts on `{module.name}.{torque.dof}`"
+                hint = "other joints alone can correct it: give its torque an input, such as `u`"
+                notes = [(asked, "feedback is asked for here")]
+                sink.warning(Code.UNDRIVEN_JOINT, message, torque.span, hint, notes)
+
+
+def _driven(module: ir.Module, torque: ir.Torque) -> bool:
+    """Whether a torque depends on an input, perhaps by states of the module's own."""
+    states = {state.name: state.derivative for state in module.states}
+    todo, seen = [torque.value], set[str]()
+    while todo:
+        for leaf in ir.leaves(todo.pop()):
+            if isinstance(leaf, ir.EffortOf | ir.InputOf):
+                return True
+            if isinstance(leaf, ir.StateOf) and leaf.name not in seen:
+                seen.add(leaf.name)
+                todo.append(states[leaf.name])
+    return False

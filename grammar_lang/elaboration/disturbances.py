@@ -1,0 +1,180 @@
+"""The ``robust`` clauses of a task: disturbances that a motion has to bear."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Literal, TypeAlias
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.elaboration.closed import Constants, not_rational
+from grammar_lang.elaboration.sorts import Sort, Typed
+from grammar_lang.ir import constants
+from grammar_lang.names.declarations import report_unknown
+from grammar_lang.names.table import NameTable
+from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
+from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, Dimension, describe
+
+Radius: TypeAlias = Literal["length", "angle", "speed", "angular_rate"]
+
+_KINDS: dict[Dimension, Radius] = {
+    LENGTH: "length",
+    ONE: "angle",
+    SPEED: "speed",
+    FREQUENCY: "angular_rate",
+}
+_ARTICLED: dict[Radius, str] = {
+    "length": "a length",
+    "angle": "an angle",
+    "speed": "a speed",
+    "angular_rate": "an angular rate",
+}
+_HINT = (
+    "write a length, an angle, a speed or an angular rate: `1 mm`, `0.1 deg`, `1 mm/s`, `1 deg/s`"
+)
+_SUBJECT = {"start": "disturbance", "measure": "measurement error"}
+_PERCENT = {
+    "effort": ("`robust effort`", "the disturbance of the efforts"),
+    "effort of bound": ("`robust effort … of bound`", "the disturbance of the efforts"),
+    "mass": ("`robust mass`", "the error of the masses"),
+}
+
+
+@dataclass(slots=True)
+class _RadiiReader:
+    """Reads the radii of all clauses ``robust start``, or of all ``robust measure``."""
+
+    subject: str
+    sink: Sink
+    radii: dict[Radius, tuple[Fraction, Span]] = field(
+        default_factory=dict[Radius, tuple[Fraction, Span]]
+    )
+
+    def read(self, item: t.RobustRadii) -> None:
+        for expr in item.values:
+            value = Constants(self.sink).typed(expr)
+            kind = self._kind(value, expr.span)
+            if kind is not None:
+                self._radius(kind, value, expr)
+
+    def places(self) -> Iterator[tuple[str, Span]]:
+        """Where each radius stands, by kind."""
+        return ((kind, at) for kind, (_, at) in self.radii.items())
+
+    def found(self) -> ir.Radii:
+        return ir.Radii(**{kind: value for kind, (value, _) in self.radii.items()})
+
+    def _kind(self, value: Typed, at: Span) -> Radius | None:
+        if value.sort is not Sort.SCALAR:
+            return None
+        if value.dimension is None:
+            self.sink.error(Code.UNIT_MISMATCH, f"a {self.subject} without a unit", at, _HINT)
+            return None
+        kind = _KINDS.get(value.dimension)
+        if kind is None or (kind == "angle" and not value.angular):
+            message = f"{describe(value.dimension)} is no {self.subject} of a state"
+            self.sink.error(Code.UNIT_MISMATCH, message, at, _HINT)
+            return None
+        return kind
+
+    def _radius(self, kind: Radius, value: Typed, expr: s.Expr) -> None:
+        if kind in self.radii:
+            message = f"a second {self.subject} by {_ARTICLED[kind]}"
+            notes = [(self.radii[kind][1], "first here")]
+            self.sink.error(Code.REPEATED_CLAUSE, message, expr.span, "remove one", notes)
+            return
+        # A larger disturbance is bounded than the one written, where that one is irrational.
+        exact = constants.evident(value.expr)
+        if exact is None:
+            not_rational(expr.span, self.sink)
+        elif exact[0] <= 0:
+            message = f"the {self.subject} is not positive"
+            self.sink.error(Code.BAD_VALUE, message, expr.span, "write more than zero")
+        radius = Fraction(0) if exact is None else constants.rational_bounds(exact)[1]
+        self.radii[kind] = radius, expr.span
+
+
+def _fraction(item: t.RobustPercent, sink: Sink) -> Fraction:
+    """The percentage as a fraction; zero where an error was reported."""
+    value = Constants(sink).rational(item.percent, ONE)
+    if value is not None and not 0 < value < 100:
+        message = f"{_PERCENT[item.of][1]} is not between 0 % and 100 %"
+        hint = "write a percentage such as `5 %`"
+        sink.error(Code.BAD_VALUE, message, item.percent.span, hint)
+    return (value or Fraction(0)) / 100
+
+
+def _check_control(items: tuple[t.TaskItem, ...], measured: Span | None, sink: Sink) -> None:
+    """Report errors of measurements where the inputs follow no measurement."""
+    controls = [item for item in items if isinstance(item, t.Control)]
+    if measured is not None and {item.loop for item in controls} == {"open loop"}:
+        message = "an open-loop controller measures nothing"
+        hint = "remove `robust measure`, or write `control feedback;`"
+        notes = [(controls[0].span, "the inputs follow no measurement")]
+        sink.error(Code.OPEN_LOOP_MEASUREMENT, message, measured, hint, notes)
+
+
+def _module_mass(
+    item: t.RobustPercent,
+    module: s.Ident,
+    masses: dict[str, ir.ModuleMass],
+    names: NameTable,
+    sink: Sink,
+) -> None:
+    """Read ``robust mass p % of M``; a module that is none, or stands twice, is reported."""
+    if names.entity(module) is None:
+        report_unknown(module, "a module", names.declared.modules, names.declared, sink)
+    elif module.text in masses:
+        notes = [(masses[module.text].span, "first here")]
+        message = f"a second `robust mass` of `{module.text}`"
+        sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
+    else:
+        masses[module.text] = ir.ModuleMass(module.text, _fraction(item, sink), item.span)
+
+
+def lower_robust(items: tuple[t.TaskItem, ...], names: NameTable, sink: Sink) -> ir.Robust:
+    """What the ``robust`` clauses of a task say together.
+
+    Args:
+        items: all clauses of the task, also the others.
+        names: what the names of the file stand for.
+        sink: where errors go.
+    """
+    radii = {of: _RadiiReader(subject, sink) for of, subject in _SUBJECT.items()}
+    fractions: dict[str, Fraction] = {}
+    masses: dict[str, ir.ModuleMass] = {}
+    places: dict[str, Span] = {}
+    for item in items:
+        match item:
+            case t.RobustRadii():
+                radii[item.of].read(item)
+                places.setdefault(item.of, item.span)
+            case t.RobustPercent(module=module) if module is not None:
+                _module_mass(item, module, masses, names, sink)
+                places.setdefault("mass of", item.span)
+            case t.RobustPercent() if item.of in fractions:
+                notes = [(places[item.of], "first here")]
+                message = f"a second {_PERCENT[item.of][0]}"
+                sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
+            case t.RobustPercent():
+                fractions[item.of] = _fraction(item, sink)
+                places[item.of] = item.span
+            case _:
+                pass
+    for of, reader in radii.items():
+        places |= {f"{of} {kind}": at for kind, at in reader.places()}
+    _check_control(items, places.get("measure"), sink)
+    none = Fraction(0)
+    return ir.Robust(
+        start=radii["start"].found(),
+        measured=radii["measure"].found(),
+        effort=fractions.get("effort", none),
+        effort_of_bound=fractions.get("effort of bound", none),
+        mass=fractions.get("mass", none),
+        masses=tuple(masses.values()),
+        clauses=places,
+    )

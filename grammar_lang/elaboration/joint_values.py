@@ -1,0 +1,131 @@
+"""What a task says of the coordinates and rates of joints: where they start, how fast they end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.elaboration.closed import Constants, list_unit, not_rational
+from grammar_lang.elaboration.sorts import Sort, Typed, mismatch, warn_turn, wrong_sort
+from grammar_lang.ir import constants
+from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
+from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, TIME, Dimension
+
+COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
+"""What a coordinate of a degree of freedom is; a bare number is of either kind."""
+RATES: Mapping[ir.DofKind, Dimension] = {"revolute": FREQUENCY, "prismatic": SPEED}
+
+
+def _of_kinds(
+    value: Typed,
+    dimensions: Mapping[ir.DofKind, Dimension],
+    kinds: tuple[ir.DofKind, ...],
+    at: Span,
+    sink: Sink,
+) -> bool:
+    """Whether a value has the dimension that some of the ``kinds`` of joints requires."""
+    if value.sort is not Sort.SCALAR:
+        wrong_sort(value, "a number", at, sink)
+        return False
+    due = [dimensions[kind] for kind in kinds or tuple(dimensions)]
+    if value.dimension is None or value.dimension in due:
+        return True
+    mismatch(value, due[0], at, sink)
+    return False
+
+
+def start_rates(expr: s.Expr, kinds: tuple[ir.DofKind, ...], sink: Sink) -> Fraction:
+    """A bound of all rates at the start, in SI units; zero where an error was reported.
+
+    Args:
+        expr: what is written, an angular rate or a speed.
+        kinds: the kinds of joints of the family; none: any.
+        sink: where errors go.
+    """
+    reader = Constants(sink)
+    value = reader.typed(expr)
+    if not _of_kinds(value, RATES, kinds, expr.span, sink):
+        return Fraction(0)
+    exact = reader.exact(value.expr, expr.span)
+    if exact is not None and exact < 0:
+        sink.error(Code.BAD_VALUE, "the rates are negative", expr.span, "write zero or more")
+    return exact or Fraction(0)
+
+
+def final_rates(item: t.FinalRates, kinds: tuple[ir.DofKind, ...], sink: Sink) -> ir.FinalRates:
+    """What binds the rates at the end of a motion, for how long.
+
+    Args:
+        item: what is written.
+        kinds: the kinds of joints of the family; none: any.
+        sink: where errors go.
+    """
+    bounds, duration = (ir.REST_RATE, ir.REST_RATE), Fraction(0)
+    if item.bound is not None:
+        bounds = _final_bounds(item.bound, kinds, sink)
+    if item.duration is not None:
+        value = Constants(sink).rational(item.duration, TIME)
+        if value is not None and value <= 0:
+            message = "the duration is not positive"
+            sink.error(Code.BAD_VALUE, message, item.duration.span, "write more than zero")
+        duration = max(value or Fraction(0), Fraction(0))
+    return ir.FinalRates(*bounds, duration)
+
+
+def _final_bounds(
+    expr: s.Expr, kinds: tuple[ir.DofKind, ...], sink: Sink
+) -> tuple[Fraction, Fraction]:
+    """Rationals at most and at least the bound that is written; zero where it is reported."""
+    none = Fraction(0), Fraction(0)
+    value = Constants(sink).typed(expr)
+    if not _of_kinds(value, RATES, kinds, expr.span, sink):
+        return none
+    exact = constants.evident(value.expr)
+    if exact is None:
+        not_rational(expr.span, sink)
+        return none
+    if exact[0] <= 0:
+        hint = "write `at rest`, or more than zero"
+        sink.error(Code.BAD_VALUE, "the rates are not positive", expr.span, hint)
+        return none
+    return constants.rational_bounds(exact)
+
+
+def check_duration(task: t.Task, reach: ir.Reach | None, horizon: Fraction, sink: Sink) -> None:
+    """Report an end that is to last longer than the whole motion, of ``horizon`` seconds."""
+    if reach is None or reach.rates is None or reach.rates.duration <= horizon:
+        return
+    written = next(item for item in task.items if isinstance(item, t.Reach))
+    at = written.span
+    if written.rates is not None and written.rates.duration is not None:
+        at = written.rates.duration.span
+    message = "the end of the motion lasts longer than the horizon"
+    sink.error(Code.BAD_VALUE, message, at, "write a shorter time, or a longer horizon")
+
+
+def start_values(
+    point: t.Point, span: Span, kinds: tuple[ir.DofKind, ...], sink: Sink
+) -> ir.StartAt:
+    """The start with these coordinates, without those that are reported.
+
+    Args:
+        point: the coordinates, in the order of the word.
+        span: the whole clause.
+        kinds: the kinds of joints of the family; none: any.
+        sink: where errors go.
+    """
+    reader, unit = Constants(sink), list_unit(point.unit, None, sink)
+    found: list[tuple[ir.Expr, ir.DofKind | None, Span]] = []
+    for item in point.items:
+        value = reader.typed(item, unit)
+        if kinds == ("revolute",):
+            warn_turn(value, item.span, sink)
+        if _of_kinds(value, COORDINATES, kinds, item.span, sink):
+            due = (kind for kind, each in COORDINATES.items() if each == value.dimension)
+            found.append((value.expr, next(due, None), item.span))
+    values, kinds_due, places = zip(*found, strict=True) if found else ((), (), ())
+    return ir.StartAt(values, span, kinds_due, places)

@@ -1,0 +1,154 @@
+"""What a ``reach`` clause asks of the end of a motion, or of all disturbed ones.
+
+Without a duration it is about the last instant, where the sets of states are known closest.  With
+one of d seconds it is about every instant of [T - d, T], also between the steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from flint import arb
+
+from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.expressions.evaluators.balls import ball
+from grammar_lang import ir
+from solvers.verifier.proofs.checked_condition import CheckedCondition, inside, least
+from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.point_map import PointMap
+from solvers.verifier.proofs.scene import Scene
+from solvers.verifier.proofs.tube_checks import (
+    Inside,
+    StateLimit,
+    Status,
+    Stretch,
+    check_segment,
+    close_margins,
+    rows_of,
+)
+from solvers.verifier.proofs.zonotope import Zonotope
+
+
+def target_name(reach: ir.Reach) -> str:
+    """What the condition on positions is called."""
+    return f"target {reach.region}"
+
+
+def rates_name(rates: ir.FinalRates) -> str:
+    """What the condition on rates is called."""
+    return "rest at the end" if rates.bound == ir.REST_RATE else "rates at the end"
+
+
+def end_names(task: ir.Task) -> frozenset[str]:
+    """The names of all conditions on the end of a motion."""
+    if task.reach is None:
+        return frozenset()
+    rates = task.reach.rates
+    return frozenset([target_name(task.reach)] + ([] if rates is None else [rates_name(rates)]))
+
+
+@dataclass(slots=True)
+class FinalRates(StateLimit):
+    """All rates of the joints, q' = D y', are within a bound; ``rows`` are those of D."""
+
+    rows: tuple[tuple[int, ...], ...] = ()
+
+    def gaps(self, state: Sequence[arb]) -> list[arb]:
+        """Per joint how far its rate is from the bound, for a state given as balls."""
+        bound = arb("inf") if self.upper is None else self.upper
+        rates = state[len(self.rows) : 2 * len(self.rows)]
+        weighed = (zip(row, rates, strict=True) for row in self.rows)
+        return [bound - abs(sum((w * x for w, x in pairs if w), arb(0))) for pairs in weighed]
+
+    def gaps_of(self, states: Zonotope) -> list[arb]:
+        """Per joint how far its rate is from the bound, on a set in which rates go together."""
+        bound = arb("inf") if self.upper is None else self.upper
+        none = [0] * len(self.rows)
+        size = len(states.middle)
+        weights = [[*none, *row, *[0] * (size - 2 * len(row))] for row in self.rows]
+        return [bound - abs(value) for value in states.values(weights)]
+
+    def gap(self, state: Sequence[arb]) -> arb:
+        """The least of them."""
+        worst = arb("inf")
+        for each in self.gaps(state):
+            worst = worst.min(each)
+        return worst
+
+
+def final_rates(graph: RobotGraph, rates: ir.FinalRates) -> FinalRates:
+    """The bound of all rates at the end, in balls."""
+    rows = tuple(tuple(row) for row in graph.coordinates.rows)
+    return FinalRates(rates_name(rates), "SI", (), None, ball(rates.bound), rows=rows)
+
+
+@dataclass(slots=True)
+class EndConditions:
+    """A ``reach`` clause along a tube; ``effector`` is the one that reaches, from 0.
+
+    ``first`` is when it begins to bind, in steps, where it binds for a time.
+    """
+
+    scene: Scene
+    effector: int
+    target: Inside | None = None
+    rates: FinalRates | None = None
+    first: Fraction | None = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        task, reach = self.scene.task, self.scene.task.reach
+        if reach is None:
+            return
+        region = self.scene.polytope(self.scene.workspace.region(reach.region))
+        self.target = Inside(target_name(reach), (self.effector,), rows=rows_of(region))
+        if reach.rates is not None:
+            self.rates = final_rates(self.scene.graph, reach.rates)
+        if task.stay:
+            self.first = max(Fraction(0), task.steps - task.stay / task.step)
+
+    def add(self, point_map: PointMap, segment: TubeSegment, inputs: Sequence[arb]) -> None:
+        """Hold the clause against as much of the next segment as it binds."""
+        if self.first is None or self.target is None or segment.steps[1] <= self.first:
+            return
+        step, before = self.scene.task.step, self.first - segment.steps[0]
+        start = ball(before * step) if before > 0 else arb(0)
+        middle, half = (segment.length + start) / 2, (segment.length - start) / 2
+        limits = [] if self.rates is None else [self.rates]
+        part = Stretch(segment, inputs, middle, half, 0)
+        check_segment(point_map, part, [self.target], limits)
+
+    def conditions(
+        self, point_map: PointMap, last: Sequence[arb], states: Zonotope | None
+    ) -> Iterator[CheckedCondition]:
+        """What a complete tube shows; ``last`` is the state at its end, one of ``states``."""
+        task = self.scene.task
+        target, rates, end = self.target, self.rates, float(task.step * task.steps)
+        if target is None or task.reach is None:
+            return
+        if self.first is not None:
+            close_margins(point_map, [target])
+            yield CheckedCondition(
+                target.name, target.status, target.margin, "m", target.time, target.place
+            )
+            if rates is not None:
+                yield CheckedCondition(
+                    rates.name, rates.status, rates.margin, rates.unit, rates.time
+                )
+            return
+        region = self.scene.polytope(self.scene.workspace.region(task.reach.region))
+        reached = inside(target.name, region, point_map.positions(last)[self.effector], end)
+        if reached.status is Status.UNDECIDED and states is not None:
+            over = point_map.instant(states)
+            gaps = [
+                (row.offset - over.form(row.normal, self.effector)[1]) / row.length
+                for row in target.rows
+            ]
+            reached = least(target.name, gaps, "m", end, over.middle(self.effector))
+        yield reached
+        if rates is not None:
+            slow = least(rates.name, rates.gaps(last), rates.unit, end)
+            if slow.status is Status.UNDECIDED and states is not None:
+                slow = least(rates.name, rates.gaps_of(states), rates.unit, end)
+            yield slow
