@@ -84,7 +84,7 @@ class TubeSegment:
 
     ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
     states) in the time since ``start``.  ``steps`` holds the exact ends of the segment in units of
-    the step.
+    the step.  ``last`` is the set at the end, of which ``end`` is the box; None without states.
     """
 
     start: arb
@@ -94,6 +94,7 @@ class TubeSegment:
     end: tuple[arb, ...]
     inputs: tuple[arb, ...] = ()
     commanded: tuple[arb, ...] = ()
+    last: Zonotope | None = None
 
     @property
     def number(self) -> int:
@@ -274,7 +275,7 @@ def tube(
             steps = first, first + length
             yield TubeSegment(
                 start, seconds, steps, _states(passage), tuple(passage.end.hull()),
-                tuple(drive.all), tuple(commanded),
+                tuple(drive.all), tuple(commanded), passage.end,
             )  # fmt: skip
             states, first, start = passage.end, steps[1], dt * ball(steps[1])
 
