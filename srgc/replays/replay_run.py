@@ -199,7 +199,7 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
     if request.simulator == "mujoco":
         refuse_unsimulable(design, _count(design, request) * 2**request.halvings)
     # Before the motions: what has no tube may spin as fast as it likes.
-    tube = _tube(folder)
+    tube = replayed_tube(folder)
     motions = list(_motions(design, request))
     names = design_names(design, design_tree(design))
     units = [POSITION_UNITS[dof.kind] for dof in design.model.dofs]
@@ -225,7 +225,13 @@ def _count(design: FoundDesign, request: ReplayRequest) -> int:
     return max(1, ceil(design.task.step / request.timestep))
 
 
-def _tube(folder: Path) -> CertifiedTube:
+def replayed_tube(folder: Path) -> CertifiedTube:
+    """The tube of a result folder.
+
+    Raises:
+        UsageFault: there is none.
+        NoAnswer: the motion cannot be enclosed.
+    """
     try:
         return certified_tube(folder)
     except (CertificateError, Refused) as error:
