@@ -145,7 +145,11 @@ class Simulator:
         full[:, at_q], full[:, at_v] = states[:, 0, :n], states[:, 0, n:]
         commanded = np.zeros((len(models), *planned.u.shape))
         data = [self.mujoco.MjData(model) for _ in range(self.threads)]
-        with silent(self.mujoco), rollout.Rollout(nthread=self.threads) as pool:
+        with (
+            np.errstate(all="ignore"),
+            silent(self.mujoco),
+            rollout.Rollout(nthread=self.threads) as pool,
+        ):
             for k, u in enumerate(planned.u):
                 commanded[:, k] = u
                 if feedback is not None:

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from compiler.arrays import Array
-from compiler.robots.state_and_input import robot_inputs
+from compiler.robots.state_and_input import input_bounds, robot_inputs
+from solvers.verifier.proofs.effort_bounds import bound_name
 from srgc.render.charts import Curve, colour_class, lines_chart, thinned
-from srgc.render.html_text import text
+from srgc.render.html_text import text, with_unit
 from srgc.report.evidence import Evidence
 from srgc.report.tables import Trajectory
 from srgc.results.found_design import Feedback, FoundDesign
@@ -56,6 +57,21 @@ def gains_section(evidence: Evidence) -> str:
         f'<section id="gains"><h2>The controller</h2><p>{LAW}</p>'
         f'<div class="charts">{charts}</div></section>'
     )
+
+
+def commanded_peak(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]]:
+    """What feedback commands at most of each kind of effort, anywhere in the proved tube."""
+    if evidence.report is None or found.claim.controller is None or evidence.task.robust is None:
+        return
+    margins = {each.name: each.margin for each in evidence.report.conditions}
+    bounds = input_bounds(found.model, found.task)
+    most = [
+        with_unit(float(bound.upper) - margins[bound_name(bound)], bound.unit)
+        for bound in bounds
+        if bound.effort and bound_name(bound) in margins
+    ]
+    if most:
+        yield "peak effort in the tube", " and ".join(most)
 
 
 def _figure(title: str, curves: Sequence[Curve], name: str) -> str:

@@ -8,14 +8,14 @@ from fractions import Fraction
 from math import degrees
 
 from compiler.descriptions.model_symbols import closed_text
-from compiler.robots.state_and_input import EFFORT_UNITS, input_bounds
+from compiler.robots.state_and_input import EFFORT_UNITS
 from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim, control_of
-from solvers.verifier.proofs.effort_bounds import bound_name
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, number, text, with_unit
+from srgc.report.controller import commanded_peak
 from srgc.report.evidence import Evidence, tried_robots
 from srgc.results.found_design import FoundDesign
 from srgc.text_reports.synthesis_report import used_inputs
@@ -208,7 +208,7 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
     for each in used:
         if not each.effort:
             yield each.name, f"{number(each.low)} to {with_unit(each.high, each.unit)}"
-    yield from _commanded(evidence, found)
+    yield from commanded_peak(evidence, found)
     if used:
         yield "control", control_of(found.claim)
     least = min(used, key=lambda each: each.margin, default=None)
@@ -220,21 +220,6 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
     clearance = _least_clearance(evidence)
     if clearance is not None:
         yield "least clearance", clearance
-
-
-def _commanded(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]]:
-    """What feedback commands at most of each kind of effort, anywhere in the proved tube."""
-    if evidence.report is None or found.claim.controller is None or evidence.task.robust is None:
-        return
-    margins = {each.name: each.margin for each in evidence.report.conditions}
-    bounds = input_bounds(found.model, found.task)
-    most = [
-        with_unit(float(bound.upper) - margins[bound_name(bound)], bound.unit)
-        for bound in bounds
-        if bound.effort and bound_name(bound) in margins
-    ]
-    if most:
-        yield "peak effort in the tube", " and ".join(most)
 
 
 def _least_clearance(evidence: Evidence) -> str | None:
