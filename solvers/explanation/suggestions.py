@@ -79,7 +79,7 @@ class SuggestionSearch:
 
     def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
         """Changes that may help where there are poses and no motion was found or proved."""
-        self.feedback()
+        self.feedback("open loop")
         for line in sorted(lines, key=lambda line: line.kind != "effort"):
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
@@ -91,16 +91,18 @@ class SuggestionSearch:
             start = next(line for line in lines if line.kind == "start")
             calm = self.posed.with_task(robust=None)
             self.tried(Change(start, "without `robust`", calm))
+            # Last: a search that may choose has tried feedback, unless it was ended before.
+            self.feedback(None)
         if bound is not None:
             self.modules(bound)
         for line in () if self.runs.found else lines:
             if line.kind in LIMITS:
                 self.singles(line)
 
-    def feedback(self) -> None:
-        """Inputs that follow what is measured, where they are fixed or motions are disturbed."""
+    def feedback(self, control: str | None) -> None:
+        """Inputs that follow what is measured, where this is what the task says of ``control``."""
         line = control_line(self.posed)
-        if line is not None:
+        if line is not None and self.posed.task.control == control:
             self.tried(with_feedback(self.posed, line))
 
     def tried(self, change: Change) -> Suggestion | None:
