@@ -85,7 +85,7 @@ BENCHMARKS = {
         "Disturbed motions",
         "Motions with feedback in MuJoCo, under disturbances at random and at corners, against the "
         "certified tube.",
-        "benchmarks/disturbed.py --motions 100 --cases planar_arm robust_arm robust_arm-hanging",
+        "benchmarks/disturbed.py",
     ),
     "case_study": Benchmark(
         "The case study",
