@@ -17,8 +17,8 @@ from srgc.results.found_design import Feedback, FoundDesign
 if TYPE_CHECKING:
     from solvers.verifier.certified_tube import CertifiedTube
 
-MOST_GAINS = 120
-"""So many values of a gain are drawn: a robot has many gains."""
+MOST_VALUES, FEWEST = 10_000, 20
+"""So many values of all gains together are drawn, and of each gain so many at least."""
 UNITS = {"revolute": ("rad", "rad/s"), "prismatic": ("m", "m/s")}
 LAW = (
     "At each sample the controller measures coordinates and rates, and holds the planned inputs, "
@@ -126,6 +126,7 @@ def _gains(
 ) -> Iterator[tuple[str, str, list[Curve]]]:
     """Per input, and per unit of what is measured: name, title and curves."""
     n = len(found.model.dofs)
+    most = max(FEWEST, MOST_VALUES // max(1, feedback.gains[0].size))
     for j, item in enumerate(robot_inputs(found.model)):
         for rank, mark in enumerate(("q", "q̇")):
             for unit, places in _by_unit(found, rank):
@@ -133,7 +134,7 @@ def _gains(
                     thinned(
                         Curve(f"gain-{j + 1}-{mark}{i + 1}", f"{mark}{i + 1}", "1", motion.t,
                               feedback.gains[:, j, rank * n + i], held=True, series=i + 1),
-                        MOST_GAINS,
+                        most,
                     )
                     for i in places
                 ]  # fmt: skip
