@@ -110,8 +110,10 @@ def _disturbed(
     """Replay so many disturbed motions."""
     from srgc.replays.disturbed_replay import DisturbedRequest, disturbed_replay
     from srgc.replays.replay_report import disturbed_json, disturbed_text
+    from srgc.results.progress_display import progress
 
     request = DisturbedRequest(range(count), seed, timestep, integrator or "rk4")
-    found = disturbed_replay(folder, request)
+    with progress(f"replay {folder}", quiet=False, unit="parts", plain=False) as display:
+        found = disturbed_replay(folder, request, display.part)
     click.echo(disturbed_json(found) if as_json else disturbed_text(found))
     return REFUSED if found.left else 0

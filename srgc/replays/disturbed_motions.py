@@ -7,7 +7,7 @@ random, or at corners of their bounds: motion i, of any number, depends on the s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
 from types import ModuleType
@@ -90,6 +90,10 @@ class SimulatedMotions:
     commanded: Array
 
 
+def untold(_done: int, _count: int) -> None:
+    """Nobody is told how far a simulation is."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Simulator:
     """MuJoCo with the robot of a design; ``text`` is its MJCF, ``threads`` how many run at once."""
@@ -100,8 +104,12 @@ class Simulator:
     integrator: str
     threads: int
 
-    def motions(self, disturbed: Disturbances, count: int) -> SimulatedMotions:
+    def motions(
+        self, disturbed: Disturbances, count: int, part: Callable[[int, int], None] = untold
+    ) -> SimulatedMotions:
         """Motions with so many steps of the simulation per step of the task.
+
+        ``part`` is told how many parts of how many are done.
 
         Raises:
             UsageFault: a simulation diverges.
@@ -112,24 +120,30 @@ class Simulator:
         model.opt.disableflags |= flags.mjDSBL_CLAMPCTRL | flags.mjDSBL_LIMIT
         width = count * (1 + model.nq + model.nv + model.nu)
         size = max(1, MOST_NUMBERS // width)
-        every = range(len(disturbed.mass))
-        chunks = [
-            self._together(model, disturbed.of(every[first : first + size]), count)
-            for first in every[::size]
-        ]
+        every, steps = range(len(disturbed.mass)), self.design.task.steps
+        firsts, chunks = every[::size], list[SimulatedMotions]()
+        for place, first in enumerate(firsts):
+
+            def step(done: int, before: int = place * steps) -> None:
+                part(before + done, len(firsts) * steps)
+
+            chosen = disturbed.of(every[first : first + size])
+            chunks.append(self._together(model, chosen, count, step))
         found = SimulatedMotions(
             np.concatenate([each.states for each in chunks]),
             np.concatenate([each.commanded for each in chunks]),
         )
         if not np.isfinite(found.states).all():
-            step = float(model.opt.timestep)
             raise UsageFault(
-                f"MuJoCo's simulation diverges with steps of {step:g} s ({self.integrator})"
+                f"MuJoCo's simulation diverges with steps of {model.opt.timestep:g} s "
+                f"({self.integrator})"
             )
         return found
 
-    def _together(self, model: Any, disturbed: Disturbances, count: int) -> SimulatedMotions:
-        """Motions that are simulated at once."""
+    def _together(
+        self, model: Any, disturbed: Disturbances, count: int, told: Callable[[int], None]
+    ) -> SimulatedMotions:
+        """Motions that are simulated at once; how many steps of the task are done, is told."""
         # It loads a library of its own.
         from mujoco import rollout
 
@@ -160,6 +174,7 @@ class Simulator:
                 control[:, 0, places.motors] = applied[:, columns]
                 full = pool.rollout(models, data, full, control, nstep=count)[0][:, -1]
                 states[:, k + 1, :n], states[:, k + 1, n:] = full[:, at_q], full[:, at_v]
+                told(k + 1)
         return SimulatedMotions(states, commanded)
 
     def _weighed(self, model: Any, factor: float) -> Any:

@@ -8,7 +8,7 @@ again with half the step, those nearest to the faces of the tube first.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
@@ -24,7 +24,7 @@ from srgc.exports.design_export import mujoco_text
 from srgc.exports.exported_motion import EFFORT_UNITS, POSITION_UNITS
 from srgc.exports.exported_robot import design_names, design_tree
 from srgc.faults import UsageFault
-from srgc.replays.disturbed_motions import Simulator, disturbances
+from srgc.replays.disturbed_motions import Simulator, disturbances, untold
 from srgc.replays.mujoco_replay import mujoco_module
 from srgc.replays.replay_run import Farthest, replayed_tube
 from srgc.results.found_design import FoundDesign, found_design
@@ -90,8 +90,12 @@ class DisturbedReplay:
     verified: Report
 
 
-def disturbed_replay(folder: Path, request: DisturbedRequest) -> DisturbedReplay:
+def disturbed_replay(
+    folder: Path, request: DisturbedRequest, part: Callable[[int, int], None] = untold
+) -> DisturbedReplay:
     """Simulate disturbed motions of a result folder, and hold them against its tube at all samples.
+
+    ``part`` is told how many parts of how many are simulated.
 
     Raises:
         UsageFault: there is no robot, its task names no disturbances, it cannot be simulated in
@@ -111,7 +115,7 @@ def disturbed_replay(folder: Path, request: DisturbedRequest) -> DisturbedReplay
     steps, n = design.task.steps, len(design.model.dofs)
     drawn = disturbances(request.seed, request.numbers, steps, n, len(robot_inputs(design.model)))
     simulator = Simulator(mujoco, text, design, request.integrator, os.cpu_count() or 1)
-    coarse = simulator.motions(drawn, count)
+    coarse = simulator.motions(drawn, count, part)
     names = _names(design)
     kinds = [
         _Kind(names[0], tube.samples[:, :n], coarse.states[..., :n]),

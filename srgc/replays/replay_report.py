@@ -160,7 +160,7 @@ def _reached_lines(found: DisturbedReplay) -> Iterator[str]:
         where = f"({share.name} at {share.time:.3f} s, number {item.motion})"
         beyond = f", {item.outside:.2e} outside" if item.outside else ""
         yield (
-            f"  {kind:<12} at most {100 * share.value:.3g} % of the way to a face {where}{beyond}; "
+            f"  {kind:<12} at most {100 * share.value:.4g} % of the way to a face {where}{beyond}; "
             f"error {item.error:.1e}"
         )
 

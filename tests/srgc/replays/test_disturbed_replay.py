@@ -175,7 +175,9 @@ def test_numbers_may_be_any(made: Result) -> None:
     """Parts of a long run have the motions of the whole."""
     folder = made("closed") / "out"
     asked = DisturbedRequest(range(6, 9), 3, disturbed_replay.USUAL_STEP * 100)
-    found = disturbed_replay.disturbed_replay(folder, asked)
+    told: list[tuple[int, int]] = []
+    found = disturbed_replay.disturbed_replay(folder, asked, lambda *done: told.append(done))
+    assert told == [(step, 10) for step in range(1, 11)]
     assert found.left == ()
     assert found.again == 3
     assert found.coordinates is not None
