@@ -81,6 +81,12 @@ BENCHMARKS = {
         "Verification against synthesis, and how it grows with links and steps.",
         "benchmarks/verify.py",
     ),
+    "disturbed": Benchmark(
+        "Disturbed motions",
+        "Motions with feedback in MuJoCo, under disturbances at random and at corners, against the "
+        "certified tube.",
+        "benchmarks/disturbed.py",
+    ),
     "case_study": Benchmark(
         "The case study",
         "`specs/planar_arm.srg` from the command line, and the parts of it.",

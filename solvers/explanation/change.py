@@ -97,6 +97,11 @@ def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
             return
 
 
+def with_feedback(posed: PosedTask, line: TaskLine) -> Change:
+    """With inputs that follow what is measured; all else is asked for as before."""
+    return Change(line, "with `control feedback`", posed.with_task(control="feedback"))
+
+
 def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:
     """With another bound on modules."""
     changed = posed.with_task(modules=modules)

@@ -28,12 +28,13 @@ from solvers.explanation.change import (
     rounded_up,
     scales,
     single_changes,
+    with_feedback,
     with_modules,
 )
 from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Runs, Suggestion
-from solvers.explanation.task_line import TaskLine
+from solvers.explanation.task_line import TaskLine, control_line
 from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
@@ -78,6 +79,7 @@ class SuggestionSearch:
 
     def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
         """Changes that may help where there are poses and no motion was found or proved."""
+        self.feedback("open loop")
         for line in sorted(lines, key=lambda line: line.kind != "effort"):
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
@@ -89,11 +91,19 @@ class SuggestionSearch:
             start = next(line for line in lines if line.kind == "start")
             calm = self.posed.with_task(robust=None)
             self.tried(Change(start, "without `robust`", calm))
+            # Last: a search that may choose has tried feedback, unless it was ended before.
+            self.feedback(None)
         if bound is not None:
             self.modules(bound)
         for line in () if self.runs.found else lines:
             if line.kind in LIMITS:
                 self.singles(line)
+
+    def feedback(self, control: str | None) -> None:
+        """Inputs that follow what is measured, where this is what the task says of ``control``."""
+        line = control_line(self.posed)
+        if line is not None and self.posed.task.control == control:
+            self.tried(with_feedback(self.posed, line))
 
     def tried(self, change: Change) -> Suggestion | None:
         """A run of a change, if there may be one."""

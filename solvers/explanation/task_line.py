@@ -13,7 +13,7 @@ from solvers.explanation.posed_task import PosedTask
 
 LineKind: TypeAlias = Literal[
     "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "avoid",
-    "bounds_body", "effort", "horizon", "gravity", "bounds", "modules",
+    "bounds_body", "effort", "horizon", "gravity", "bounds", "modules", "control",
 ]  # fmt: skip
 
 
@@ -51,6 +51,23 @@ def modules_line(posed: PosedTask) -> TaskLine | None:
         return None
     says = f"a robot has at most {task.modules} modules"
     return TaskLine("modules", (), says, task.clauses.get("modules", task.span))
+
+
+def control_line(posed: PosedTask) -> TaskLine | None:
+    """What keeps feedback out, or where it would help: a fixed list of inputs, or disturbances.
+
+    None where neither is asked for, or feedback is.
+    """
+    task = posed.task
+    if task.control == "open loop":
+        says = "the inputs are fixed in advance"
+        return TaskLine("control", (), says, task.clauses.get("control", task.span))
+    if task.control is None and task.robust is not None:
+        spans = task.robust.clauses.values()
+        return TaskLine(
+            "control", (), "all of this holds under disturbances", min(spans, default=task.span)
+        )
+    return None
 
 
 def _ends(task: ir.Task) -> Iterator[TaskLine]:

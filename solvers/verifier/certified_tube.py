@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from flint import arb
+from flint import arb, arb_mat
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
@@ -22,8 +22,8 @@ from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSe
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
-from solvers.verifier.proofs.tube_proof import DrivenRobot, box_of, driven_robot
-from solvers.verifier.proofs.zonotope import InitialSet
+from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
+from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, zonotope
 from solvers.verifier.report import Outcome, Refused
 from solvers.verifier.verification import claimed_robot
 
@@ -41,9 +41,11 @@ class CertifiedTube:
             in rad or m.
         rates: (m, n, 2) bounds of their rates.
         points: (m, p, d, 2) bounds of the positions of all points in m; effectors come first.
+        samples: (k + 1, 2 n, 2) bounds of coordinates and rates at the ends of the task's steps.
+        sample_points: (k + 1, p, d, 2) bounds of the positions of all points there.
+        commanded: (k, inputs, 2) bounds of the inputs that are commanded in each step.
         disturbed: whether it holds all disturbed motions of a task with ``robust``.
         segments: the solutions themselves, as polynomials in the coordinates of the equations.
-        samples: per sample bounds of the joints' coordinates, then rates (2n,), as balls.
         point_map: how positions follow from the coordinates of the equations.
         rows: (n, n) the integer matrix D that gives the joints' coordinates, q = D y.
     """
@@ -52,9 +54,11 @@ class CertifiedTube:
     coordinates: Array
     rates: Array
     points: Array
+    samples: Array
+    sample_points: Array
+    commanded: Array
     disturbed: bool
     segments: tuple[TubeSegment, ...]
-    samples: tuple[tuple[arb, ...], ...]
     point_map: PointMap
     rows: tuple[tuple[int, ...], ...]
 
@@ -74,9 +78,7 @@ class CertifiedTube:
             ValueError: the motion has ended, or has not begun.
         """
         with working_precision(FLOAT_BITS):
-            return np.array(
-                [_bounds(place) for place in self.point_map.positions(self._state(time))]
-            )
+            return _places(self.point_map, self._state(time))
 
     def _state(self, time: float) -> list[arb]:
         if not 0 <= time <= self.times[-1]:
@@ -136,23 +138,26 @@ def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
         error = input_error(robot.scene)
     rows = robot.scene.graph.coordinates.rows
     segments, states, points = list[TubeSegment](), list[Array](), list[Array]()
-    samples = [_joint_states(rows, box_of(initial))]
+    sets, commanded = [zonotope(initial)], list[Array]()
     for segment in tube(
         robot.field, initial, robot.inputs, ball(task.step), accuracy, error, robot.law
     ):
         half = segment.length / 2
         over = segment.at(half + SIGNED * half)
         segments.append(segment)
+        if segment.number == len(commanded):
+            commanded.append(_bounds(segment.commanded))
         if segment.steps[1].denominator == 1:
-            samples.append(_joint_states(rows, segment.end))
+            sets.append(segment.last or sets[-1])
         states.append(_bounds(_joint_states(rows, over)))
-        places = robot.point_map.positions(over)
-        points.append(np.array([_bounds(place) for place in places]))
-    ends = [0.0, *(float((each.start + each.length).mid()) for each in segments)]
+        points.append(_places(robot.point_map, over))
+    times = [0.0, *(float((each.start + each.length).mid()) for each in segments)]
     found, n = np.array(states).reshape(len(segments), -1, 2), len(rows)
     return CertifiedTube(
-        np.array(ends), found[:, :n], found[:, n:], np.array(points), robust is not None,
-        tuple(segments), tuple(map(tuple, samples)), robot.point_map, rows,
+        np.array(times), found[:, :n], found[:, n:], np.array(points),
+        np.array([_sample(rows, each) for each in sets]),
+        np.array([_places(robot.point_map, each.hull()) for each in sets]),
+        np.array(commanded), robust is not None, tuple(segments), robot.point_map, rows,
     )  # fmt: skip
 
 
@@ -169,6 +174,30 @@ def _joint_states(rows: Sequence[Sequence[int]], state: Sequence[arb]) -> list[a
         for part in parts
         for row in rows
     ]
+
+
+def _sample(rows: Sequence[Sequence[int]], states: Zonotope) -> Array:
+    """Bounds (2 n, 2) of the joints' coordinates and rates in a set of states.
+
+    They are closer than those of its box, of whose corners most are far from the set.
+    """
+    n, size = len(rows), len(states.middle)
+    turned = [
+        [0] * (part * n) + list(row) + [0] * (size - (part + 1) * n)
+        for part in (0, 1)
+        for row in rows
+    ]
+    if not turned:
+        return np.zeros((0, 2))
+    matrix = arb_mat(turned)
+    middle = (matrix * arb_mat([[x] for x in states.middle])).entries()
+    radii = states.radii_under(matrix)
+    return _bounds([m + SIGNED * r for m, r in zip(middle, radii, strict=True)])
+
+
+def _places(point_map: PointMap, state: Sequence[arb]) -> Array:
+    """Bounds (p, d, 2) of the positions of all points in a set of states."""
+    return np.array([_bounds(place) for place in point_map.positions(state)])
 
 
 def _bounds(balls: Sequence[arb]) -> Array:

@@ -42,7 +42,8 @@ class Report:
     """What was checked and found; ``level`` is that of the weakest evidence.
 
     ``task``, ``spec`` (its main file) and ``spec_sha256`` (of all its files) are those that the
-    certificate names; None where it cannot be read.
+    certificate names; None where it cannot be read.  ``control`` is what drives the robot of a
+    claim: "open loop" or "feedback"; None where there is no such robot, or nothing drives it.
     """
 
     outcome: Outcome
@@ -53,6 +54,7 @@ class Report:
     task: str | None = None
     spec: str | None = None
     spec_sha256: str | None = None
+    control: str | None = None
 
 
 def concluded(conditions: Sequence[CheckedCondition]) -> Report:

@@ -278,7 +278,13 @@ def verify_directory(
         task=claim.task,
         spec=claim.spec,
         spec_sha256=claim.spec_sha256,
+        control=_control(claim),
     )
+
+
+def _control(claim: Claim) -> str | None:
+    """What drives the robot of a claim; None where nothing does."""
+    return control_of(claim) if isinstance(claim, FoundClaim) and any(claim.inputs) else None
 
 
 def _as_expected(

@@ -104,6 +104,8 @@ def _facts(design: Mapping[str, Any], used: Sequence[UsedInputs]) -> Iterator[tu
         name = "effort" if each.effort else each.name.removeprefix("input ")
         peak, left = amount(each.peak, each.unit), amount(each.margin, each.unit)
         yield name, f"peak {peak}, robustness {left}"
+    if used and design.get("control") is not None:
+        yield "control", str(design["control"])
 
 
 def _tried(design: Mapping[str, Any]) -> str:

@@ -52,6 +52,11 @@ class Verification:
         return self.report.spec_sha256
 
     @property
+    def control(self) -> str | None:
+        """What drives the robot: "open loop" or "feedback"; None where nothing does."""
+        return self.report.control
+
+    @property
     def level(self) -> str | None:
         """That of the weakest evidence, as "validated"."""
         return self.report.level

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FOLDER, DocumentedCommand
-from srgc.faults import UNKNOWN, UsageFault
+from srgc.faults import REFUSED, UNKNOWN, UsageFault
 
 
 @click.command(
@@ -20,7 +20,8 @@ from srgc.faults import UNKNOWN, UsageFault
         "srgc replay out/demo --in python --json",
     ],
     statuses={
-        0: "it was simulated, however far it is from the tube",
+        0: "it was simulated, however far it is from the tube; of disturbed motions none left it",
+        REFUSED: "a disturbed motion left the tube",
         UNKNOWN: "there is no tube to compare with",
     },
     reads_spec=False,
@@ -39,7 +40,7 @@ from srgc.faults import UNKNOWN, UsageFault
     "--timestep",
     type=float,
     metavar="S",
-    help="mujoco: the longest step of the simulation; default 0.001.",
+    help="mujoco: the longest step of the simulation; default 0.001, of disturbed motions 0.0001.",
 )
 @click.option(
     "--integrator",
@@ -52,6 +53,13 @@ from srgc.faults import UNKNOWN, UsageFault
     default=0,
     help="mujoco: run again so often, with half the step each time.",
 )
+@click.option(
+    "--disturbed",
+    type=click.IntRange(1, 1_000_000),
+    metavar="N",
+    help="mujoco: N motions under the disturbances of the task, at random and at corners.",
+)
+@click.option("--seed", type=click.IntRange(0), help="Of the disturbances; default 0.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 def replay(
     folder: Path,
@@ -59,12 +67,15 @@ def replay(
     timestep: float | None,
     integrator: str | None,
     halvings: int,
+    disturbed: int | None,
+    seed: int | None,
     as_json: bool,  # noqa: FBT001
 ) -> int:
     """Hold the planned inputs in a simulator and compare with the certified tube.
 
     It prints how far the motion gets out of the tube at most, and from its middle: what is seen is
-    the error of the simulator's own integration, which falls with its step.
+    the error of the simulator's own integration, which falls with its step.  With --disturbed it
+    says how many motions left the tube: none may, beyond that error.
     """
     from srgc.replays.replay_report import replay_json, replay_text
     from srgc.replays.replay_run import ReplayRequest
@@ -72,10 +83,37 @@ def replay(
 
     if simulator != "mujoco" and (timestep is not None or integrator is not None or halvings):
         raise UsageFault("--timestep, --integrator and --halvings go with --in mujoco alone")
+    if disturbed is not None and (simulator != "mujoco" or halvings):
+        raise UsageFault("--disturbed goes with --in mujoco, and without --halvings")
+    if disturbed is None and seed is not None:
+        raise UsageFault("--seed goes with --disturbed")
     if timestep is not None and not (isfinite(timestep) and timestep > 0):
         raise UsageFault("--timestep is a positive number of seconds")
     # As it was typed, so that 0.1 divides a step of 0.1 s.
     longest = None if timestep is None else Fraction(repr(timestep))
+    if disturbed is not None:
+        return _disturbed(folder, disturbed, seed or 0, longest, integrator, as_json=as_json)
     found = replayed(folder, ReplayRequest(simulator, longest, integrator or "rk4", halvings))
     click.echo(replay_json(found) if as_json else replay_text(found))
     return 0
+
+
+def _disturbed(
+    folder: Path,
+    count: int,
+    seed: int,
+    timestep: Fraction | None,
+    integrator: str | None,
+    *,
+    as_json: bool,
+) -> int:
+    """Replay so many disturbed motions."""
+    from srgc.replays.disturbed_replay import DisturbedRequest, disturbed_replay
+    from srgc.replays.replay_report import disturbed_json, disturbed_text
+    from srgc.results.progress_display import progress
+
+    request = DisturbedRequest(range(count), seed, timestep, integrator or "rk4")
+    with progress(f"replay {folder}", quiet=False, unit="parts", plain=False) as display:
+        found = disturbed_replay(folder, request, display.part)
+    click.echo(disturbed_json(found) if as_json else disturbed_text(found))
+    return REFUSED if found.left else 0

@@ -85,8 +85,11 @@ def _measured(folder: Path, design: FoundDesign) -> list[list[arb]]:
     with working_precision(BITS):
         errors = [ball(radius) * arb(0, 1) for radius in noise]
         return [
-            [x + error for x, error in zip(states, errors, strict=True)]
-            for states in found_tube(folder).samples
+            [
+                arb(low).union(arb(high)) + error
+                for (low, high), error in zip(bounds, errors, strict=True)
+            ]
+            for bounds in found_tube(folder).samples.tolist()
         ]
 
 

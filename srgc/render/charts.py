@@ -41,7 +41,7 @@ class Curve:
         values: (k,) at those times; where it is held, (k - 1,), from each time to the next.
         held: whether it is constant over each step.
         bounds: the least and the greatest value allowed; None: no bound.
-        band: (k, 2) what the tube allows at those times, or None.
+        band: what the tube allows, a pair of bounds per value; None: no band.
         series: the number of its colour, from 1.
     """
 
@@ -56,28 +56,39 @@ class Curve:
     series: int = 1
 
 
-def thinned(curve: Curve) -> Curve:
-    """The curve with at most ``MOST_POINTS``; of what is held, the largest of neighbours stay."""
+def thinned(curve: Curve, most: int = MOST_POINTS) -> Curve:
+    """The curve with at most so many points; of what is held, the largest of neighbours stay."""
     count = len(curve.values)
-    if count <= MOST_POINTS:
+    if count <= most:
         return curve
-    kept = np.unique(np.linspace(0, count - 1, MOST_POINTS).round().astype(int))
+    kept = np.unique(np.linspace(0, count - 1, most).round().astype(int))
     if not curve.held:
         band = None if curve.band is None else curve.band[kept]
         return replace(curve, times=curve.times[kept], values=curve.values[kept], band=band)
     blocks = np.split(curve.values, kept[1:])
     largest = np.array([block[np.abs(block).argmax()] for block in blocks])
-    return replace(curve, times=np.append(curve.times[kept], curve.times[-1]), values=largest)
+    band = curve.band
+    if band is not None:
+        parts = np.split(band, kept[1:])
+        band = np.array([(part[:, 0].min(), part[:, 1].max()) for part in parts])
+    times = np.append(curve.times[kept], curve.times[-1])
+    return replace(curve, times=times, values=largest, band=band)
 
 
 def line_chart(curve: Curve) -> str:
     """The picture of one curve; its data attributes tell a script where times are."""
-    plot = plot_of([curve], WIDTH, HEIGHT)
+    return lines_chart([curve], curve.name)
+
+
+def lines_chart(curves: Sequence[Curve], name: str) -> str:
+    """The picture of curves over the same times, to one scale; ``name`` is for scripts."""
+    plot = plot_of(curves, WIDTH, HEIGHT)
+    says = "; ".join(map(_described, curves))
     return (
         f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
-        f'aria-label="{text(_described(curve))}" data-name="{text(curve.name)}" '
+        f'aria-label="{text(says)}" data-name="{text(name)}" '
         f'data-t0="{plot.across.low:.6g}" data-t1="{plot.across.high:.6g}" '
-        f'data-x0="{LEFT}" data-x1="{WIDTH - RIGHT}">{curve_marks([curve], plot)}'
+        f'data-x0="{LEFT}" data-x1="{WIDTH - RIGHT}">{curve_marks(curves, plot)}'
         f'<line class="cursor" x1="0" x2="0" y1="{TOP}" y2="{HEIGHT - BOTTOM}" '
         f'transform="translate({LEFT} 0)"/></svg>'
     )
@@ -150,8 +161,11 @@ def _band(curve: Curve, plot: Plot) -> str:
     size = abs(plot.up(1.0) - plot.up(0.0))
     if float((curve.band[:, 1] - curve.band[:, 0]).max()) * size < VISIBLE:
         return ""
-    ends = [(t, v) for t, v in zip(curve.times, curve.band[:, 1], strict=True)]
-    ends += [(t, v) for t, v in zip(curve.times[::-1], curve.band[::-1, 0], strict=True)]
+    times, band = curve.times, curve.band
+    if curve.held:
+        times, band = np.repeat(times, 2)[1:-1], np.repeat(band, 2, axis=0)
+    ends = [(t, v) for t, v in zip(times, band[:, 1], strict=True)]
+    ends += [(t, v) for t, v in zip(times[::-1], band[::-1, 0], strict=True)]
     corners = "L".join(f"{plot.across(float(t)):.1f} {plot.up(float(v)):.1f}" for t, v in ends)
     return f'<path class="tube {colour_class(curve)}" d="M{corners}Z"/>'
 

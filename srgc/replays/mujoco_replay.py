@@ -69,7 +69,7 @@ MOST_INSTANTS = 20_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Places:
+class JointPlaces:
     """Where MuJoCo keeps coordinates, rates, inputs and effectors, in our order."""
 
     q: NDArray[np.int_]
@@ -91,12 +91,8 @@ def replay_in_mujoco(design: FoundDesign, count: int, integrator: str) -> Replay
     """
     mujoco, text = refuse_unsimulable(design, count)
     step, planned = design.task.step, planned_inputs(design)
-    model = mujoco.MjModel.from_xml_string(text)
-    model.opt.timestep = float(step / count)
-    model.opt.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[integrator])
-    # A simulation that diverges is not to begin anew unseen.
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    with _silent(mujoco):
+    model = loaded_model(mujoco, text, step / count, integrator)
+    with silent(mujoco):
         parts = _parts(count, max(1, MOST_INSTANTS // len(planned.u)))
         times, states, tips = _simulated(mujoco, model, design, planned, parts)
     if not (np.isfinite(states).all() and np.isfinite(tips).all()):
@@ -119,6 +115,16 @@ def refuse_unsimulable(design: FoundDesign, count: int) -> tuple[ModuleType, str
     if count * design.task.steps > MOST_STEPS:
         raise UsageFault(f"that is more than {MOST_STEPS} steps; choose a longer --timestep")
     return mujoco, text
+
+
+def loaded_model(mujoco: ModuleType, text: str, timestep: Fraction, integrator: str) -> Any:
+    """The model of an MJCF, with steps of so many seconds by one of the ``INTEGRATORS``."""
+    model = mujoco.MjModel.from_xml_string(text)
+    model.opt.timestep = float(timestep)
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[integrator])
+    # A simulation that diverges is not to begin anew unseen.
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    return model
 
 
 def mujoco_module() -> ModuleType:
@@ -146,7 +152,7 @@ def _simulated(
     parts: Sequence[int],
 ) -> tuple[Array, Array, Array]:
     """Times, states and effectors, recorded after so many steps of each step of the task."""
-    data, places = mujoco.MjData(model), _places(model, design)
+    data, places = mujoco.MjData(model), joint_places(model, design)
     n, step = len(design.model.dofs), design.task.step
     data.qpos[places.q], data.qvel[places.v] = planned.x[0, :n], planned.x[0, n:]
     instants, states, tips = list[float](), list[Array](), list[Array]()
@@ -177,10 +183,11 @@ def _parts(count: int, most: int) -> list[int]:
     return [after - before for before, after in pairwise(ends)]
 
 
-def _places(model: Any, design: FoundDesign) -> _Places:
+def joint_places(model: Any, design: FoundDesign) -> JointPlaces:
+    """Where a model that was made of a design keeps its joints."""
     names = design_names(design, design_tree(design))
     joints = [model.joint(name) for name in names.joints]
-    return _Places(
+    return JointPlaces(
         np.array([joint.qposadr[0] for joint in joints], dtype=int),
         np.array([joint.dofadr[0] for joint in joints], dtype=int),
         np.array([model.actuator(name).id for name in names.joints], dtype=int),
@@ -189,7 +196,7 @@ def _places(model: Any, design: FoundDesign) -> _Places:
 
 
 @contextmanager
-def _silent(mujoco: ModuleType) -> Iterator[None]:
+def silent(mujoco: ModuleType) -> Iterator[None]:
     """Without MuJoCo's own warnings, which it would also write into a file."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _message: None)

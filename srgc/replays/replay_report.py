@@ -10,10 +10,14 @@ from math import log2
 
 import numpy as np
 
+from grammar_lang.diagnostics.wording import counted
 from solvers.verifier.report import Outcome, Report
+from srgc.replays.disturbed_replay import DisturbedReplay, Reached
 from srgc.replays.replay_run import Deviation, Farthest, Replay, TubeComparison
 
 PARTS = ("coordinates", "rates", "effectors")
+MOST_SHOWN = 5
+"""So many numbers of motions are printed for people."""
 
 
 def replay_text(replay: Replay) -> str:
@@ -116,3 +120,79 @@ def changes(runs: Sequence[TubeComparison]) -> list[float | None]:
         None,
         *(float(np.abs(after - first).max(initial=0.0)) for first, after in pairwise(states)),
     ]
+
+
+# --- Disturbed motions ----------------------------------------------------------------------------
+
+
+KINDS = ("coordinates", "rates", "inputs")
+
+
+def disturbed_text(found: DisturbedReplay) -> str:
+    """What became of disturbed motions, for people."""
+    request, count = found.request, len(found.request.numbers)
+    head = f"in MuJoCo, {request.integrator}, steps of {float(found.timestep):g} s"
+    errors = "errors of the integration by half the step"
+    lines = [
+        f"{head}; {counted(count, 'disturbed motion')}, seed {request.seed}",
+        f"left the tube:  {_numbers(found.left, count)}",
+        *_reached_lines(found),
+        f"compared at {found.samples} samples; {errors} for {counted(found.again, 'motion')}",
+        *_proof_lines(found.verified),
+    ]
+    return "\n".join(lines)
+
+
+def _numbers(left: Sequence[int], count: int) -> str:
+    """How many motions, and the first of them."""
+    if not left:
+        return f"0 of {count}"
+    shown = ", ".join(map(str, left[:MOST_SHOWN])) + (" ..." if len(left) > MOST_SHOWN else "")
+    return f"{len(left)} of {count} (number {shown})"
+
+
+def _reached_lines(found: DisturbedReplay) -> Iterator[str]:
+    for kind in KINDS:
+        item: Reached | None = getattr(found, kind)
+        if item is None:
+            continue
+        share = item.share
+        where = f"({share.name} at {share.time:.3f} s, number {item.motion})"
+        beyond = f", {item.outside:.2e} outside" if item.outside else ""
+        yield (
+            f"  {kind:<12} at most {100 * share.value:.4g} % of the way to a face {where}{beyond}; "
+            f"error {item.error:.1e}"
+        )
+
+
+def disturbed_json(found: DisturbedReplay) -> str:
+    """The same as an object."""
+    content = {
+        "simulator": "MuJoCo",
+        "version": found.version,
+        "method": found.request.integrator,
+        "timestep": float(found.timestep),
+        "motions": len(found.request.numbers),
+        "seed": found.request.seed,
+        "samples": found.samples,
+        "again": found.again,
+        "left": list(found.left),
+        "certificate": found.verified.outcome.value,
+        **{kind: _reached_object(getattr(found, kind)) for kind in KINDS},
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False)
+
+
+def _reached_object(item: Reached | None) -> dict[str, object] | None:
+    if item is None:
+        return None
+    share = item.share
+    return {
+        "share": share.value,
+        "name": share.name,
+        "time": share.time,
+        "motion": item.motion,
+        "outside": item.outside,
+        "error": item.error,
+        "unit": share.unit,
+    }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from srgc.render.html_text import json_script, number, text
 from srgc.report.evidence import Evidence
 from srgc.report.tables import Trajectory
 from srgc.results.found_design import FoundDesign
+
+if TYPE_CHECKING:
+    from solvers.verifier.certified_tube import CertifiedTube
 
 POINTS = 160
 """At least so many points has a curve, where the tube tells what is between the samples."""
@@ -57,7 +60,9 @@ def _legend(evidence: Evidence) -> str:
         else "Where no band is drawn, the proved tube is too narrow to be seen; at"
     )
     wide = f"it is up to about {number(width, 2)} (rad or m) wide"
-    return f"{drawn} {motions} the instants that are drawn {wide}."
+    fed_back = evidence.found is not None and evidence.found.feedback is not None
+    commanded = " The band of an input holds all that is commanded in the tube." if fed_back else ""
+    return f"{drawn} {motions} the instants that are drawn {wide}.{commanded}"
 
 
 def _group(group: CurveGroup) -> str:
@@ -104,7 +109,7 @@ def motion_curves(evidence: Evidence) -> tuple[CurveGroup, ...]:
         CurveGroup("Coordinates", tuple(_coordinates(found, lines))),
         CurveGroup("Rates", tuple(_rates(found, lines))),
         CurveGroup("States of the modules’ own", tuple(_states(found, motion))),
-        CurveGroup("Inputs", tuple(_inputs(found, motion))),
+        CurveGroup("Inputs", tuple(_inputs(found, motion, evidence.tube))),
     )
     return tuple(
         CurveGroup(group.title, tuple(map(thinned, group.curves)))
@@ -199,27 +204,35 @@ def _states(found: FoundDesign, motion: Trajectory) -> Iterator[Curve]:
         yield Curve(f"s{i + 1}", name, state.unit, motion.t, motion.s[:, i], series=i + 1)
 
 
-def _inputs(found: FoundDesign, motion: Trajectory) -> Iterator[Curve]:
+def _inputs(found: FoundDesign, motion: Trajectory, tube: CertifiedTube | None) -> Iterator[Curve]:
+    """The planned inputs, with what a controller may command in the proved tube."""
     _, task = expanded(found.program, found.task)
     bounds = input_bounds(found.model, task)
+    bands = tube.commanded if tube is not None and found.feedback is not None else None
     for i, item in enumerate(robot_inputs(found.model)):
         bound = next((each for each in bounds if i in each.inputs), None)
         low, high = (None, None) if bound is None else (float(bound.lower), float(bound.upper))
         yield Curve(
             f"u{i + 1}", f"u{i + 1}, {_input_name(found, item)}", item.unit, motion.t,
-            motion.u[:, i], held=True, bounds=(low, high), series=i + 1,
+            motion.u[:, i], held=True, bounds=(low, high),
+            band=None if bands is None else bands[:, i], series=i + 1,
         )  # fmt: skip
     for place, bound in enumerate(bounds, 1):
         if bound.norm2:
-            yield _norm(bound, place, motion)
+            yield _norm(bound, place, motion, bands)
 
 
-def _norm(bound: InputBound, place: int, motion: Trajectory) -> Curve:
+def _norm(bound: InputBound, place: int, motion: Trajectory, bands: Array | None) -> Curve:
     names = ", ".join(f"u{i + 1}" for i in bound.inputs)
     values = np.linalg.norm(motion.u[:, list(bound.inputs)], axis=1)
+    if bands is not None:
+        own = bands[:, list(bound.inputs)]
+        least = np.maximum(np.maximum(own[..., 0], -own[..., 1]), 0.0)
+        most = np.abs(own).max(axis=-1)
+        bands = np.stack([np.linalg.norm(each, axis=1) for each in (least, most)], axis=-1)
     return Curve(
         f"norm{place}", f"norm of {names}", bound.unit, motion.t, values, held=True,
-        bounds=(0.0, float(bound.upper)), series=place,
+        bounds=(0.0, float(bound.upper)), band=bands, series=place,
     )  # fmt: skip
 
 

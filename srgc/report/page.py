@@ -12,6 +12,7 @@ from srgc.render.html_text import text
 from srgc.render.svg import marks_style
 from srgc.report.animation import motion_section
 from srgc.report.charts import charts_section
+from srgc.report.controller import gains_section, width_section
 from srgc.report.evidence import Evidence, read_evidence
 from srgc.report.history import history_section
 from srgc.report.proof import check_section, margins_section
@@ -24,6 +25,8 @@ SECTIONS = (
     change_section,
     motion_section,
     charts_section,
+    width_section,
+    gains_section,
     margins_section,
     history_section,
     why_not_section,

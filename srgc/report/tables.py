@@ -102,9 +102,10 @@ def planned_trajectory(found: FoundDesign) -> Trajectory:
     planned, step, n = planned_inputs(found), found.task.step, len(found.model.dofs)
     numeric = NumericRobot(robot_graph(found.model, found.task.gravity))
     with np.errstate(all="ignore"):
-        x = planned_motion(found, numeric).x
+        moved = planned_motion(found, numeric)
+        x = moved.x
         tips = numeric.points(x[:, :n], planned.theta).value[:, : len(found.model.effectors)]
     if not (np.isfinite(x).all() and np.isfinite(tips).all()):
         raise UsageFault("the motion of the certificate cannot be simulated in doubles")
     times = np.array([float(i * step) for i in range(len(x))])
-    return Trajectory(times, x[:, :n], x[:, n : 2 * n], x[:, 2 * n :], planned.u, tips)
+    return Trajectory(times, x[:, :n], x[:, n : 2 * n], x[:, 2 * n :], moved.u, tips)

@@ -11,10 +11,11 @@ from compiler.descriptions.model_symbols import closed_text
 from compiler.robots.state_and_input import EFFORT_UNITS
 from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
-from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim
+from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim, control_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, number, text, with_unit
+from srgc.report.controller import commanded_peak
 from srgc.report.evidence import Evidence, tried_robots
 from srgc.results.found_design import FoundDesign
 from srgc.text_reports.synthesis_report import used_inputs
@@ -207,8 +208,9 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
     for each in used:
         if not each.effort:
             yield each.name, f"{number(each.low)} to {with_unit(each.high, each.unit)}"
-    if found.claim.controller is not None:
-        yield "control", "feedback"
+    yield from commanded_peak(evidence, found)
+    if used:
+        yield "control", control_of(found.claim)
     least = min(used, key=lambda each: each.margin, default=None)
     if least is not None:
         yield "robustness", with_unit(design["robustness"], least.unit)

@@ -135,10 +135,8 @@ def synthesis_text(
         if change is not None:
             lines += change_lines(change)
         lines += _inputs(design, task)
-        if design.controller is not None:
-            lines.append("control: feedback")
-        elif task.control is not None and robot_inputs(design.model):
-            lines.append("control: open loop")
+        if robot_inputs(design.model):
+            lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
         lines += [
             f"formula: {condition.name}, robustness {condition.margin:.4g} m"
             for condition in design.conditions

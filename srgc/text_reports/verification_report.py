@@ -31,6 +31,8 @@ def verification_text(report: Report) -> str:
     if report.task is not None:
         spec = f"{report.spec}, sha256 {report.spec_sha256}"
         about = [f"task: {visible(report.task)}", f"spec: {visible(spec)}"]
+    if report.control is not None and report.outcome is Outcome.VALID:
+        about.append(f"control: {report.control}")
     shown = list(by_map(in_order(report.conditions)))
     width = max([LEAST_WIDTH, *(len(condition.name) for condition in shown)])
     lines = [
@@ -48,6 +50,7 @@ def verification_json(report: Report) -> str:
         "task": report.task,
         "spec": report.spec,
         "spec_sha256": report.spec_sha256,
+        "control": report.control,
         "level": report.level,
         "reason": report.reason,
         "findings": [

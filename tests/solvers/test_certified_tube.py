@@ -105,3 +105,25 @@ def test_of_a_motor_the_own_state_is_no_coordinate(result: Result) -> None:
 def test_there_is_none_of_the_impossible(result: Result) -> None:
     with pytest.raises(Refused, match="no motion"):
         certified_tube(result("beyond_reach"))
+
+
+def test_samples_of_a_closed_loop_hold_what_its_law_makes(result: Result) -> None:
+    """The box of the start is exact but for its last digits; later ones are within the segments."""
+    tube = certified_tube(result("closed"))
+    widths = tube.samples[..., 1] - tube.samples[..., 0]
+    assert widths[0] == pytest.approx(np.radians([1.0, 1.0]), rel=1e-7)
+    assert len(tube.samples) == len(tube.sample_points) == len(tube.commanded) + 1
+    for number, time in enumerate(np.linspace(0, tube.times[-1], len(tube.samples))):
+        bounds = tube.at(float(time))
+        assert (bounds[:, 0] <= tube.samples[number, :, 0] + 1e-12).all()
+        assert (tube.samples[number, :, 1] <= bounds[:, 1] + 1e-12).all()
+        points = tube.points_at(float(time))
+        assert (points[..., 0] <= tube.sample_points[number, ..., 0] + 1e-12).all()
+
+
+def test_stated_inputs_are_commanded_in_an_open_loop(result: Result) -> None:
+    folder = result("turner")
+    tube = certified_tube(folder)
+    stated = np.array(result_files.read(folder)["inputs"], dtype=float)
+    np.testing.assert_allclose(tube.commanded, np.stack([stated, stated], -1), rtol=1e-15)
+    assert tube.samples.shape == (len(stated) + 1, 2, 2)

@@ -9,9 +9,16 @@ import pytest
 from grammar_lang import ir
 from grammar_lang.ir.constants import rational
 from grammar_lang.load import load_text
-from solvers.explanation.change import Scale, scales, single_changes, with_modules
+from solvers.explanation.change import (
+    Scale,
+    scales,
+    single_changes,
+    with_feedback,
+    with_modules,
+)
+from solvers.explanation.explanation import Asked, Tried, explain
 from solvers.explanation.posed_task import PosedTask
-from solvers.explanation.task_line import TaskLine, modules_line, task_lines
+from solvers.explanation.task_line import TaskLine, control_line, modules_line, task_lines
 from tests.oracles.small_specs import TURNER, replaced
 
 
@@ -110,3 +117,38 @@ def test_a_bound_on_modules() -> None:
     change = with_modules(asked, bound, 6)
     assert (change.says, change.posed.task.modules) == ("with `modules <= 6`", 6)
     assert modules_line(posed(TURNER)) is None
+
+
+DISTURBED = replaced(
+    TURNER,
+    "  effort <= 10 N*m;\n",
+    "  effort <= 10 N*m;\n  control open loop;\n"
+    "  robust start 2 deg, 2 deg/s;\n  robust effort 2 % of bound;\n",
+)
+"""Errors that no fixed list of inputs bears: 0.9 m after two seconds."""
+
+
+def test_where_feedback_may_help() -> None:
+    """Where inputs are fixed, or motions are disturbed; not where nothing asks for it."""
+    asked = posed(DISTURBED)
+    found = control_line(asked)
+    assert found is not None
+    assert DISTURBED[found.span.start : found.span.end].startswith("control open loop")
+    change = with_feedback(asked, found)
+    assert (change.says, change.posed.task.control) == ("with `control feedback`", "feedback")
+    assert change.posed.task.robust == asked.task.robust
+    either = control_line(posed(replaced(DISTURBED, "  control open loop;\n", "")))
+    assert either is not None
+    assert DISTURBED.replace("  control open loop;\n", "")[either.span.start :].startswith("robust")
+    assert control_line(posed(TURNER)) is None
+    assert control_line(posed(replaced(DISTURBED, "control open loop", "control feedback"))) is None
+
+
+def test_feedback_is_suggested_where_a_run_proves_it() -> None:
+    told: list[str] = []
+    found = explain(posed(DISTURBED), Tried("unknown", "", ()), Asked(runs=1, tell=told.append))
+    (suggestion,) = found.suggestions
+    assert suggestion.change.says == "with `control feedback`"
+    assert suggestion.change.line.kind == "control"
+    assert 0 < suggestion.effort_peak < 10
+    assert told == ["run 1 of at most 1: with `control feedback`"]

@@ -18,10 +18,28 @@ def test_a_result_is_valid_with_margins(srgc, made, spec):
     assert lines[0] == "valid: found, level validated"
     digest = result_files.read(made(spec) / "out", "design.json")["spec_sha256"]
     assert lines[1:3] == [f"task: {TASKS[spec]}", f"spec: {spec}.srg, sha256 {digest}"]
-    assert all(line.startswith("  holds ") and " at " in line for line in lines[3:])
-    assert [line.split("  ")[1] for line in lines[3:] if " margin " not in line] == ["holds"]
+    assert lines[3] == "control: open loop"
+    assert all(line.startswith("  holds ") and " at " in line for line in lines[4:])
+    assert [line.split("  ")[1] for line in lines[4:] if " margin " not in line] == ["holds"]
     for name in ("effort (N", "target T", "start S", "bounds", "cell path", "range of joint 1"):
         assert any(f"  {name}" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("spec", "control"),
+    [("turner", "open loop"), ("closed", "feedback"), ("beyond_reach", None)],
+)
+def test_what_drives_the_robot_is_told(srgc, made, spec, control):
+    """By the search that found it as by the verifier."""
+    told = [
+        line for line in srgc("verify", made(spec) / "out").out.splitlines() if "control" in line
+    ]
+    assert told == ([] if control is None else [f"control: {control}"])
+    found = (made(spec) / "stdout").read_text(encoding="utf-8").splitlines()
+    assert [line for line in found if line.startswith("control")] == told
+    answer = json.loads(srgc("verify", made(spec) / "out", "--json").out)
+    assert answer["control"] == control
+    assert result_files.read(made(spec) / "out", "design.json")["control"] == control
 
 
 @pytest.mark.parametrize(

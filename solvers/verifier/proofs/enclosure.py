@@ -76,7 +76,7 @@ class TubeSegment:
 
     ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
     states) in the time since ``start``.  ``steps`` holds the exact ends of the segment in units of
-    the step.
+    the step.  ``last`` is the set at the end, of which ``end`` is the box; None without states.
     """
 
     start: arb

@@ -93,7 +93,7 @@ class Zonotope:
     def radii_under(self, matrix: arb_mat) -> list[arb]:
         """Bounds of |P (x - m)|, entry by entry."""
         if not self.columns:
-            return [arb(0)] * len(self.middle)
+            return [arb(0)] * matrix.nrows()
         moved = absolute(matrix * _matrix(self.columns))
         return [item.upper() for item in (moved * column_of_ones(len(self.columns))).entries()]
 

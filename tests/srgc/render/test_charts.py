@@ -91,6 +91,20 @@ def test_of_held_values_the_largest_stays(count: int) -> None:
     assert np.abs(curve.values).max() == np.abs(values).max()
 
 
+def test_of_a_held_band_the_widest_stays() -> None:
+    count = 3 * MOST_POINTS + 7
+    values = np.random.default_rng(3).normal(size=count)
+    band = np.stack([values - 1, values + 2], axis=-1)
+    times = np.arange(count + 1, dtype=float)
+    curve = thinned(Curve("u1", "u1", "N", times, values, held=True, band=band))
+    assert curve.band is not None
+    assert curve.band.shape == (len(curve.values), 2)
+    assert (curve.band[:, 0].min(), curve.band[:, 1].max()) == (values.min() - 1, values.max() + 2)
+    page = Page(line_chart(curve))
+    (tube,) = page.all("path", class_="tube series-1")
+    assert tube.attributes["d"].count("L") == 4 * len(curve.values) - 1
+
+
 def test_a_curve_passes_through_its_values() -> None:
     """Where a path is drawn is read back from the picture, by its own labelled grid lines."""
     curve = Curve("q1", "q1", "rad", np.array([0.0, 1.0, 2.0]), np.array([0.0, 4.0, 2.0]))

@@ -1,0 +1,218 @@
+"""Motions in MuJoCo under the disturbances of a task, many at a time.
+
+Every motion has a start, a factor of all masses, errors of what is measured and errors of inputs of
+its own, within the bounds of the task; a controller reads the state at each sample.  They are at
+random, or at corners of their bounds: motion i, of any number, depends on the seed and on i alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
+from grammar_lang import ir
+from srgc.exports.exported_motion import free_inputs, planned_inputs
+from srgc.faults import UsageFault
+from srgc.replays.mujoco_replay import joint_places, loaded_model, silent
+from srgc.results.found_design import FoundDesign
+
+MOST_NUMBERS = 4_000_000
+"""So many numbers of states and inputs are in memory at a time."""
+
+# --- What disturbs a motion -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Disturbances:
+    """What disturbs each of B motions, as parts from -1 to 1 of the bounds of a task.
+
+    Attributes:
+        start: (B, 2 n) of coordinates and rates at first.
+        mass: (B,) of all masses.
+        measured: (B, k, 2 n) of what is read at each sample.
+        inputs: (B, k, m) of what is added to the inputs in each step.
+    """
+
+    start: Array
+    mass: Array
+    measured: Array
+    inputs: Array
+
+    def of(self, chosen: Sequence[int]) -> Disturbances:
+        """Those of some of the motions."""
+        rows = list(chosen)
+        return Disturbances(
+            self.start[rows], self.mass[rows], self.measured[rows], self.inputs[rows]
+        )
+
+
+def disturbances(seed: int, numbers: Sequence[int], steps: int, n: int, m: int) -> Disturbances:
+    """Those of motions by their numbers.
+
+    Motions with an even number are random.  The others are at corners: number 4 i + 1 with errors
+    of one sign all the time, which carry it farthest; number 4 i + 3 with another sign each step.
+    """
+    drawn = [_drawn(np.random.default_rng([seed, each]), each, steps, n, m) for each in numbers]
+    parts = [np.array(part) for part in zip(*drawn, strict=True)]
+    return Disturbances(*parts)
+
+
+def _drawn(
+    rng: np.random.Generator, number: int, steps: int, n: int, m: int
+) -> tuple[Array, float, Array, Array]:
+    corner = number % 2 == 1
+
+    def parts(*shape: int) -> Array:
+        found: Array = rng.choice((-1.0, 1.0), shape) if corner else rng.uniform(-1, 1, shape)
+        return found
+
+    start, mass = parts(2 * n), float(parts(1)[0])
+    if number % 4 == 1:
+        return start, mass, np.tile(parts(2 * n), (steps, 1)), np.tile(parts(m), (steps, 1))
+    return start, mass, parts(steps, 2 * n), parts(steps, m)
+
+
+# --- The motions ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SimulatedMotions:
+    """B motions at the ends of k steps: ``states`` (B, k + 1, 2 n), ``commanded`` (B, k, m)."""
+
+    states: Array
+    commanded: Array
+
+
+def untold(_done: int, _count: int) -> None:
+    """Nobody is told how far a simulation is."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulator:
+    """MuJoCo with the robot of a design; ``text`` is its MJCF, ``threads`` how many run at once."""
+
+    mujoco: ModuleType
+    text: str
+    design: FoundDesign
+    integrator: str
+    threads: int
+
+    def motions(
+        self, disturbed: Disturbances, count: int, part: Callable[[int, int], None] = untold
+    ) -> SimulatedMotions:
+        """Motions with so many steps of the simulation per step of the task.
+
+        ``part`` is told how many parts of how many are done.
+
+        Raises:
+            UsageFault: a simulation diverges.
+        """
+        model = loaded_model(self.mujoco, self.text, self.design.task.step / count, self.integrator)
+        # Inputs with errors may exceed what is commanded; and no stop at a range is to help.
+        flags = self.mujoco.mjtDisableBit
+        model.opt.disableflags |= flags.mjDSBL_CLAMPCTRL | flags.mjDSBL_LIMIT
+        width = count * (1 + model.nq + model.nv + model.nu)
+        size = max(1, MOST_NUMBERS // width)
+        every, steps = range(len(disturbed.mass)), self.design.task.steps
+        firsts, chunks = every[::size], list[SimulatedMotions]()
+        for place, first in enumerate(firsts):
+
+            def step(done: int, before: int = place * steps) -> None:
+                part(before + done, len(firsts) * steps)
+
+            chosen = disturbed.of(every[first : first + size])
+            chunks.append(self._together(model, chosen, count, step))
+        found = SimulatedMotions(
+            np.concatenate([each.states for each in chunks]),
+            np.concatenate([each.commanded for each in chunks]),
+        )
+        if not np.isfinite(found.states).all():
+            raise UsageFault(
+                f"MuJoCo's simulation diverges with steps of {model.opt.timestep:g} s "
+                f"({self.integrator})"
+            )
+        return found
+
+    def _together(
+        self, model: Any, disturbed: Disturbances, count: int, told: Callable[[int], None]
+    ) -> SimulatedMotions:
+        """Motions that are simulated at once; how many steps of the task are done, is told."""
+        # It loads a library of its own.
+        from mujoco import rollout
+
+        design, places = self.design, joint_places(model, self.design)
+        bounds, planned = disturbance_bounds(design), planned_inputs(design)
+        n, columns, feedback = len(design.model.dofs), free_inputs(design.model), design.feedback
+        models = [self._weighed(model, 1 + bounds.mass * part) for part in disturbed.mass]
+        full = np.zeros((len(models), 1 + model.nq + model.nv))
+        control = np.zeros((len(models), 1, model.nu))
+        at_q, at_v = 1 + places.q, 1 + model.nq + places.v
+        states = np.zeros((len(models), len(planned.u) + 1, 2 * n))
+        states[:, 0] = planned.x[0, : 2 * n] + bounds.start * disturbed.start
+        full[:, at_q], full[:, at_v] = states[:, 0, :n], states[:, 0, n:]
+        commanded = np.zeros((len(models), *planned.u.shape))
+        data = [self.mujoco.MjData(model) for _ in range(self.threads)]
+        with (
+            np.errstate(all="ignore"),
+            silent(self.mujoco),
+            rollout.Rollout(nthread=self.threads) as pool,
+        ):
+            for k, u in enumerate(planned.u):
+                commanded[:, k] = u
+                if feedback is not None:
+                    read = states[:, k] + bounds.measured * disturbed.measured[:, k]
+                    commanded[:, k] -= (read - feedback.reference[k]) @ feedback.gains[k].T
+                errors = bounds.part * np.abs(commanded[:, k]) + bounds.most
+                applied = commanded[:, k] + errors * disturbed.inputs[:, k]
+                control[:, 0, places.motors] = applied[:, columns]
+                full = pool.rollout(models, data, full, control, nstep=count)[0][:, -1]
+                states[:, k + 1, :n], states[:, k + 1, n:] = full[:, at_q], full[:, at_v]
+                told(k + 1)
+        return SimulatedMotions(states, commanded)
+
+    def _weighed(self, model: Any, factor: float) -> Any:
+        """The model with all masses and inertias times a factor."""
+        if factor == 1:
+            return model
+        found = copy(model)
+        found.body_mass[:] *= factor
+        found.body_inertia[:] *= factor
+        self.mujoco.mj_setConst(found, self.mujoco.MjData(found))
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DisturbanceBounds:
+    """The bounds of a task in doubles, in SI; ``part`` is of an input, ``mass`` of all masses.
+
+    Attributes:
+        start, measured: (2 n,) of coordinates and rates.
+        part, most: inputs are off by up to this part of themselves and (m,) more.
+        mass: of all masses.
+    """
+
+    start: Array
+    measured: Array
+    part: float
+    most: Array
+    mass: float
+
+
+def disturbance_bounds(design: FoundDesign) -> DisturbanceBounds:
+    """What the task of a design says; zeros without ``robust``."""
+    task, model = design.task, design.model
+    part, most = input_errors(task, model)
+    return DisturbanceBounds(
+        np.array(disturbance_radii(task, model), dtype=np.float64),
+        np.array(measurement_radii(task, model), dtype=np.float64),
+        float(part),
+        np.array(most, dtype=np.float64),
+        float((task.robust or ir.Robust()).mass),
+    )

@@ -1,0 +1,212 @@
+"""A replay of many disturbed motions: whether one of them leaves the certified tube.
+
+A motion leaves it where at a sample a coordinate, a rate or a commanded input is outside by more
+than the integrator's error.  That is taken as twice the largest change when motions are simulated
+again with half the step, those nearest to the faces of the tube first.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.robots.state_and_input import robot_inputs
+from solvers.verifier.report import Report
+from solvers.verifier.verification import verify_directory
+from srgc.exports.design_export import mujoco_text
+from srgc.exports.exported_motion import EFFORT_UNITS, POSITION_UNITS
+from srgc.exports.exported_robot import design_names, design_tree
+from srgc.faults import UsageFault
+from srgc.replays.disturbed_motions import Simulator, disturbances, untold
+from srgc.replays.mujoco_replay import mujoco_module
+from srgc.replays.replay_run import Farthest
+from srgc.results.found_design import FoundDesign, found_design, found_tube
+
+USUAL_STEP = Fraction(1, 10_000)
+"""Of the simulation, in seconds."""
+AGAIN = 8
+"""So many motions at least are simulated again with half the step."""
+SAFETY = 2.0
+"""A change by half the step, times this, is taken for the error."""
+MOST_STEPS = 2_000_000_000
+"""Of all simulations together."""
+
+
+@dataclass(frozen=True, slots=True)
+class DisturbedRequest:
+    """Which motions to simulate, by their numbers, and how.
+
+    ``timestep`` is the longest step in seconds, None: the usual; ``seed`` that of the disturbances.
+    """
+
+    numbers: Sequence[int]
+    seed: int
+    timestep: Fraction | None = None
+    integrator: str = "rk4"
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """How near motions come to the faces of the tube, in one kind of quantity.
+
+    Attributes:
+        share: the largest distance from the middle, over that of the faces, after the first
+            instant: above 1 it is outside; of which quantity and at which time, in which motion.
+        motion: the number of that motion.
+        outside: the largest distance from the tube, in SI.
+        error: what the integrator is taken to be off by, in SI.
+    """
+
+    share: Farthest
+    motion: int
+    outside: float
+    error: float
+
+
+@dataclass(frozen=True, slots=True)
+class DisturbedReplay:
+    """What became of motions: ``left`` are the numbers of those that left the tube.
+
+    ``again`` is how many of them were simulated with half the step, too.  ``verified`` is what the
+    verifier says of the certificate.
+    """
+
+    request: DisturbedRequest
+    version: str
+    timestep: Fraction
+    samples: int
+    again: int
+    left: tuple[int, ...]
+    coordinates: Reached | None
+    rates: Reached | None
+    inputs: Reached | None
+    verified: Report
+
+
+def disturbed_replay(
+    folder: Path, request: DisturbedRequest, part: Callable[[int, int], None] = untold
+) -> DisturbedReplay:
+    """Simulate disturbed motions of a result folder, and hold them against its tube at all samples.
+
+    ``part`` is told how many parts of how many are simulated.
+
+    Raises:
+        UsageFault: there is no robot, its task names no disturbances, it cannot be simulated in
+            MuJoCo, or a simulation diverges.
+        NoAnswer: the motions cannot be enclosed.
+    """
+    design = found_design(folder)
+    if design.task.robust is None:
+        raise UsageFault(f"{folder}: the task names no disturbances (`robust ...`)")
+    mujoco, text = mujoco_module(), mujoco_text(design)
+    count = max(1, ceil(design.task.step / (request.timestep or USUAL_STEP)))
+    if count * design.task.steps * len(request.numbers) > MOST_STEPS:
+        raise UsageFault(
+            f"that is more than {MOST_STEPS} steps; choose a longer --timestep, or fewer motions"
+        )
+    tube = found_tube(folder)
+    steps, n = design.task.steps, len(design.model.dofs)
+    drawn = disturbances(request.seed, request.numbers, steps, n, len(robot_inputs(design.model)))
+    simulator = Simulator(mujoco, text, design, request.integrator, os.cpu_count() or 1)
+    coarse = simulator.motions(drawn, count, part)
+    names = _names(design)
+    kinds = [
+        _Kind(names[0], tube.samples[:, :n], coarse.states[..., :n]),
+        _Kind(names[1], tube.samples[:, n:], coarse.states[..., n:]),
+        _Kind(names[2], tube.commanded, coarse.commanded),
+    ]
+    shares = np.max([kind.farthest for kind in kinds], axis=0)
+    nearest = np.argsort(-shares, kind="stable")[: max(AGAIN, int((shares > 1).sum()))]
+    again = [int(i) for i in nearest]
+    fine = simulator.motions(drawn.of(again), 2 * count)
+    finer = fine.states[..., :n], fine.states[..., n:], fine.commanded
+    errors = [
+        SAFETY * float(np.abs(values - kind.values[again]).max(initial=0.0))
+        for kind, values in zip(kinds, finer, strict=True)
+    ]
+    gone = [kind.beyond > error for kind, error in zip(kinds, errors, strict=True)]
+    step = float(design.task.step)
+    coordinates, rates, inputs = (
+        _reached(kind, error, request.numbers, step)
+        for kind, error in zip(kinds, errors, strict=True)
+    )
+    return DisturbedReplay(
+        request,
+        mujoco.__version__,
+        design.task.step / count,
+        steps + 1,
+        len(again),
+        tuple(request.numbers[int(i)] for i in np.flatnonzero(np.any(gone, axis=0))),
+        coordinates,
+        rates,
+        inputs,
+        verify_directory(folder),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Kind:
+    """Quantities of one kind: names and units, bounds (k, n, 2) of the tube, values (B, k, n)."""
+
+    names: Sequence[tuple[str, str]]
+    bounds: Array
+    values: Array
+
+    @property
+    def outside(self) -> Array:
+        """Distances (B, k, n) from the tube; 0 inside."""
+        lower, upper = self.bounds[..., 0], self.bounds[..., 1]
+        found: Array = np.maximum(np.maximum(lower - self.values, self.values - upper), 0.0)
+        return found
+
+    @property
+    def shares(self) -> Array:
+        """Distances (B, k - 1, n) from the middle, over those of the faces.
+
+        Not at the first instant, where corners of what disturbs a motion are at faces.
+        """
+        lower, upper = self.bounds[1:, :, 0], self.bounds[1:, :, 1]
+        found: Array = np.abs(2 * self.values[:, 1:] - (lower + upper)) / (upper - lower)
+        return found
+
+    @property
+    def farthest(self) -> Array:
+        """The largest share (B,) of each motion."""
+        found: Array = self.shares.reshape(len(self.values), -1).max(axis=1, initial=0.0)
+        return found
+
+    @property
+    def beyond(self) -> Array:
+        """The largest distance (B,) of each motion from the tube."""
+        found: Array = self.outside.reshape(len(self.values), -1).max(axis=1, initial=0.0)
+        return found
+
+
+def _reached(kind: _Kind, error: float, numbers: Sequence[int], step: float) -> Reached | None:
+    shares = kind.shares
+    if not shares.size:
+        return None
+    row, sample, column = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    name, unit = kind.names[int(column)]
+    share = Farthest(float(shares[row, sample, column]), unit, name, float(sample + 1) * step)
+    return Reached(share, numbers[int(row)], float(kind.beyond.max(initial=0.0)), error)
+
+
+def _names(design: FoundDesign) -> tuple[list[tuple[str, str]], ...]:
+    """Names and units of coordinates, of rates and of inputs."""
+    names = design_names(design, design_tree(design)).joints
+    kinds = [dof.kind for dof in design.model.dofs]
+    places = [(name, POSITION_UNITS[kind]) for name, kind in zip(names, kinds, strict=True)]
+    inputs = [
+        (names[item.dof], EFFORT_UNITS[kinds[item.dof]])
+        for item in robot_inputs(design.model)
+        if item.dof is not None
+    ]
+    return places, [(name, f"{unit}/s") for name, unit in places], inputs
