@@ -87,6 +87,8 @@ class Code(Enum):
     TOO_FEW_MODULES = "SRG0706"
     START_OF_NO_ROBOT = "SRG0707"
     OPEN_LOOP_MEASUREMENT = "SRG0708"
+    REST_WITHOUT_END = "SRG0709"
+    LAST_WITHOUT_END = "SRG0710"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -312,6 +312,8 @@ def _reach(task: ir.Task, reach: ir.Reach) -> str:
     bound = isinstance(task.start, ir.StartIn) and task.start.effector is None
     who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
     rest = ", at rest" if reach.at_rest else ""
+    if task.repeat:
+        return f"At some time {who} is in `{reach.region}`"
     return f"At {end} s ({steps}) {who} is in `{reach.region}`{rest}"
 
 
@@ -341,6 +343,9 @@ def _limits(task: ir.Task) -> Iterator[str]:
         yield (
             "The inputs follow what is measured" if feedback else "The inputs are fixed in advance"
         )
+    if task.repeat:
+        lasting = f"the horizon of {_value(task.steps * task.step)} s is a prefix and one loop"
+        yield f"The motion goes on for ever: {lasting}"
     if task.robust is not None:
         yield f"All of this holds although {_disturbances(task.robust)}"
 

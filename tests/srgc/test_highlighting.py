@@ -110,7 +110,7 @@ task Turn {
     e by effector 1 or f by effector 1 and (g) implies h by effector 1 implies i;
   robust start 1 mm 0.1 deg, (1 + 1) m; robust effort 0.5 %;
   robust measure 0.1 deg, 2 mm/s; robust effort (1 + 1) % /* */ of bound; robust mass 3 %;
-  control open loop; control feedback;
+  control open loop; control feedback; repeat;
 }
 """
 
