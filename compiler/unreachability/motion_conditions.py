@@ -50,7 +50,8 @@ class Passage:
     """One choice of effectors (from 0): a motion leads from ``start`` to ``goal``.
 
     ``arrives``: the goal is the one of ``reach``, where the motion is at the instant T; other goals
-    are visited at some instant, and so are all by a motion that goes on for ever.  With a given pose ``starting`` is the effector that reaches.
+    are visited at some instant, and so are all by a motion that goes on for ever.  With a given
+    pose ``starting`` is the effector that reaches.
     """
 
     start: PointIn | GivenPose

@@ -20,13 +20,13 @@ from compiler.tasks.monitor import (
     AtomKey,
     Monitored,
     Piece,
-    TimeSet,
     Trace,
     Verdicts,
     boolean_parts,
     boolean_value,
     key,
 )
+from compiler.tasks.time_set import TimeSet
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
