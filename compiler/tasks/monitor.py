@@ -254,11 +254,23 @@ class Monitored:
             if not chosen(piece):
                 continue
             # Neighbours mostly share one number, which compares faster.
-            if runs and (runs[-1][1] is piece.first or runs[-1][1] == piece.first):
+            near = bool(runs) and (runs[-1][1] is piece.first or runs[-1][1] == piece.first)
+            if near and piece.first != self.loop:
                 runs[-1] = runs[-1][0], piece.last
             else:
                 runs.append((piece.first, piece.last))
-        return TimeSet.closed(self.end, runs)
+        return self.union(runs)
+
+    def union(self, spans: Sequence[tuple[Fraction, Fraction]]) -> TimeSet:
+        """The union of closed spans of the prefix and of the loop, with ascending beginnings.
+
+        What is known at the end of the prefix is about the first round alone: where the loop
+        begins, only spans that begin there count.
+        """
+        found, loop = TimeSet.closed(self.end, spans), self.loop
+        if loop is None or any(first == loop for first, _ in spans):
+            return found
+        return found & TimeSet.closed(self.end, [(loop, loop)]).complement
 
     def robustness(self, trace: Trace) -> float | None:
         """The largest level at which the formula certainly holds at 0; None if it never does.

@@ -39,7 +39,9 @@ def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | N
     """
     parts = [clause.formula for clause in task.satisfy]
     if task.reach is not None:
-        parts.append(ir.Last(Fraction(0), ir.Atom(task.reach.region, recorded + 1)))
+        there = ir.Atom(task.reach.region, recorded + 1)
+        ends = ir.Eventually(there, _THROUGHOUT) if task.repeat else ir.Last(Fraction(0), there)
+        parts.append(ends)
     parts += [
         ir.Always(ir.Not(ir.Atom(region, effector)), _THROUGHOUT)
         for avoid in task.avoid

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +18,12 @@ from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.spec_copy import claimed_task, read_claim
-from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.disturbed_proof import disturbed_start, input_error
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
 from solvers.verifier.proofs.tube_checks import PointMap
-from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
+from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot, legs
 from solvers.verifier.report import Outcome, Refused
 from solvers.verifier.verification import claimed_robot
 
@@ -41,7 +41,8 @@ class CertifiedTube:
             in rad or m.
         rates: (m, n, 2) bounds of their rates.
         points: (m, p, d, 2) bounds of the positions of all points in m; effectors come first.
-        disturbed: whether it holds all disturbed motions of a task with ``robust``.
+        disturbed: whether it holds all disturbed motions of a task with ``robust``, or all rounds
+            of motions that go on for ever.
         segments: the solutions themselves, as polynomials in the coordinates of the equations.
         point_map: how positions follow from the coordinates of the equations.
         rows: (n, n) the integer matrix D that gives the joints' coordinates, q = D y.
@@ -113,30 +114,31 @@ def certified_tube(folder: Path) -> CertifiedTube:
         raise Refused("the verdict is impossible, so there is no motion", Outcome.UNDECIDED)
     robot = claimed_robot(claimed.claim, claimed.program, claimed.task)
     scene = scene_of(claimed.program, claimed.task, robot.model, claimed.cells, robot.derivation)
+    disturbed = scene.task.robust is not None or scene.task.repeat
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
             try:
-                disturbed = scene.task.robust is not None
                 return _enclosed(driven_robot(scene, robot.motion, disturbed=disturbed), accuracy)
             except EnclosureFailure:
                 # A disturbed set grows whatever the accuracy.
-                if accuracy is ACCURACIES[-1] or scene.task.robust is not None:
+                if accuracy is ACCURACIES[-1] or disturbed:
                     raise
     raise AssertionError(ACCURACIES)
 
 
 def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
     """The tube at an accuracy; from all disturbed starts where the task names disturbances."""
-    task, robust = robot.scene.task, robot.scene.task.robust
-    initial, error = InitialSet(robot.state), None
-    if robust is not None:
-        initial = disturbed_start(robot.scene, robot.state)
-        error = input_error(robot.scene)
+    task = robot.scene.task
+    several = task.robust is not None or task.repeat
+    initial = disturbed_start(robot.scene, robot.state)
+    error = input_error(robot.scene)
     rows = robot.scene.graph.coordinates.rows
     segments, states, points = list[TubeSegment](), list[Array](), list[Array]()
-    for segment in tube(
-        robot.field, initial, robot.inputs, ball(task.step), accuracy, error, robot.law
-    ):
+    whole = (
+        tube(robot.field, start, robot.inputs, ball(task.step), accuracy, error, robot.law, steps)
+        for start, steps in legs(robot, initial)
+    )
+    for segment in chain.from_iterable(whole):
         half = segment.length / 2
         over = segment.at(half + SIGNED * half)
         segments.append(segment)
@@ -146,7 +148,7 @@ def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
     ends = [0.0, *(float((each.start + each.length).mid()) for each in segments)]
     found, n = np.array(states).reshape(len(segments), -1, 2), len(rows)
     return CertifiedTube(
-        np.array(ends), found[:, :n], found[:, n:], np.array(points), robust is not None,
+        np.array(ends), found[:, :n], found[:, n:], np.array(points), several,
         tuple(segments), robot.point_map, rows,
     )  # fmt: skip
 

@@ -28,6 +28,10 @@ A, C = ir.Atom("A", 1), ir.Atom("C", 1)
 EVER = ir.Window(F(0), None)
 
 
+def in_window(formula: ir.Formula, lower: int, upper: int) -> ir.Formula:
+    return ir.Eventually(formula, ir.Window(F(lower), F(upper)))
+
+
 def endless_formulas() -> st.SearchStrategy[ir.Formula]:
     """Formulas without ``last``, whose windows may be longer than the loop, and than the motion."""
     atoms: st.SearchStrategy[ir.Formula] = st.sampled_from([A, C])
@@ -141,15 +145,15 @@ def test_what_is_certain_holds_in_every_round_whatever_each_of_them_does(
         (ir.Eventually(ir.Always(A, EVER), EVER), "C--AA", 2, False),
         (ir.Until(A, C), "AAAAA", 1, False),  # the least fixpoint: C never comes
         (ir.Until(A, C), "AC-AA", 1, True),
-        (ir.Always(ir.Implies(A, ir.Eventually(C, ir.Window(F(0), F(4)))), EVER), "A---C", 0, True),
+        (ir.Always(ir.Implies(A, in_window(C, 0, 4)), EVER), "A---C", 0, True),
         (
-            ir.Always(ir.Implies(A, ir.Eventually(C, ir.Window(F(5), F(5)))), EVER),
+            ir.Always(ir.Implies(A, in_window(C, 5, 5)), EVER),
             "AC---",
             0,
             False,
         ),
-        (ir.Always(ir.Eventually(A, ir.Window(F(10**9), F(10**9 + 5))), EVER), "A----", 0, True),
-        (ir.Always(ir.Eventually(A, ir.Window(F(10**9), F(10**9 + 3))), EVER), "A----", 0, False),
+        (ir.Always(in_window(A, 10**9, 10**9 + 5), EVER), "A----", 0, True),
+        (ir.Always(in_window(A, 10**9, 10**9 + 3), EVER), "A----", 0, False),
         (ir.Next(A), "----A", 4, True),
     ],
 )

@@ -1,8 +1,8 @@
 """The meaning of formulas on signals that go on for ever, read off the definitions.
 
-A signal is as in :mod:`tests.oracles.formula_semantics`, without its last instant: parts 0 .. 2 M - 1
-of [0, M h), of which those from ``2 L`` on come again and again.  The parts of the infinite signal
-are numbered on, and told from their place in the lasso; nothing is known of time sets here.
+A signal is as in :mod:`tests.oracles.formula_semantics`, without its last instant: parts
+0 .. 2 M - 1 of [0, M h), of which those from ``2 L`` on come again and again.  The parts of the
+infinite signal are numbered on; nothing is known of time sets here.
 """
 
 from __future__ import annotations

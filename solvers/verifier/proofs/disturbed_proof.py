@@ -1,7 +1,8 @@
 """The proof that a robot does its task whatever the disturbances that the task names.
 
 One tube holds the motions from every start within the radii, under all inputs that differ at any
-instant from what is stated by no more than their part.
+instant from what is stated by no more than their part.  Where motions go on for ever, another tube
+holds all that begin a round in the set of the loop.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.effort_bounds import effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
+from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.start_check import at_rest
 from solvers.verifier.proofs.tube_checks import Slice, Status
@@ -29,8 +31,6 @@ from solvers.verifier.proofs.tube_proof import (
     DrivenRobot,
     driven_robot,
     follow,
-    position_conditions,
-    state_limits,
 )
 
 
@@ -116,7 +116,7 @@ def with_counterexample(
 
 def _told(condition: CheckedCondition) -> CheckedCondition:
     """A condition on all disturbed motions, with the reason where they are too many to prove it."""
-    if condition.status is not Status.UNDECIDED:
+    if condition.status is not Status.UNDECIDED or condition.why:
         return condition
     why = f"the enclosure of the disturbed motions outgrows the margin of `{condition.name}`"
     return replace(condition, why=why)
