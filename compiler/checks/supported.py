@@ -39,5 +39,3 @@ def _needed_by(task: ir.Task) -> tuple[tuple[Span, str], ...]:
 def _clauses(task: ir.Task) -> Iterator[tuple[str, Span]]:
     if task.avoid_self is not None:
         yield "`avoid self`", task.avoid_self.span
-    if task.repeat:
-        yield "`repeat`", task.clauses["repeat"]

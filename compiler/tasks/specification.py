@@ -113,6 +113,7 @@ class PlanningProblem:
         timed: whether it matters at which samples cells are entered.
         steps: the last sample; a path has at most so many changes of cell.
         changes: the bound on the changes of all paths together.
+        settled: the last sample at which a cell is entered, None: any; where it is timed.
         names: per cell its name, for people; none: cells go by their numbers.
     """
 
@@ -124,6 +125,7 @@ class PlanningProblem:
     steps: int
     changes: int
     names: tuple[str, ...] = ()
+    settled: int | None = None
 
     @property
     def by_samples(self) -> bool:

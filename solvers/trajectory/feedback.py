@@ -37,19 +37,31 @@ def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
     return scales
 
 
-def regulator(steps: Linearisation, measured: int, scales: Array, sizes: Sizes = SIZES[0]) -> Array:
+ROUNDS = 4
+"""The cost of what lies ahead of a loop is that of so many further rounds."""
+
+
+def regulator(
+    steps: Linearisation,
+    measured: int,
+    scales: Array,
+    sizes: Sizes = SIZES[0],
+    loop: int | None = None,
+) -> Array:
     """Gains (k, m, N) along linearised steps; only the first ``measured`` entries are fed back.
 
-    ``scales`` (m,) are the sizes of inputs, in their units.  Gains are zero where the equations
-    have no finite solution.
+    ``scales`` (m,) are the sizes of inputs, in their units.  With a ``loop`` the steps from that on
+    come again and again.  Gains are zero where the equations have no finite solution.
     """
     count, size = steps.state.shape[:2]
     weight = np.zeros(size)
     weight[: measured // 2], weight[measured // 2 : measured] = sizes[0] ** -2, sizes[1] ** -2
     cost, price = np.diag(weight), np.diag(scales**-2.0)
     gains = np.zeros((count, len(scales), size))
-    ahead = cost
-    for k in reversed(range(count)):
+    ahead, order = cost, list(reversed(range(count)))
+    if loop is not None:
+        order = order[: count - loop] * ROUNDS + order
+    for k in order:
         a, b = steps.state[k], steps.input[k]
         try:
             gain = np.linalg.solve(price + b.T @ ahead @ b, b.T @ ahead @ a)
@@ -103,11 +115,12 @@ def gains_along(
     dt: float,
     substeps: int,
     sizes: Sizes = SIZES[0],
+    loop: int | None = None,
 ) -> Array:
     """The regulator's gains (k, m, N) along a trajectory, of few digits."""
     with np.errstate(all="ignore"):
         steps = numeric.step(trajectory.x[:-1], trajectory.u, trajectory.theta, dt, substeps)
-    gains = regulator(steps, 2 * numeric.n, input_scales(groups, numeric.m), sizes)
+    gains = regulator(steps, 2 * numeric.n, input_scales(groups, numeric.m), sizes, loop)
     few = [float(f"{value:.{DIGITS}g}") for value in gains.ravel().tolist()]
     return np.array(few).reshape(gains.shape)
 

@@ -141,7 +141,7 @@ class MotionLimits:
     Arrays have one entry per degree of freedom: coordinates in rad or m, rates in the same per
     second.  ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones
     (inf: free), ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial
-    states of the modules' own.
+    states of the modules' own.  The last state is that of the sample ``loop``, if there is one.
     """
 
     lower: Array
@@ -152,6 +152,7 @@ class MotionLimits:
     final_rates: float
     start_values: Array | None
     own_start: Array = field(default_factory=lambda: np.zeros(0))
+    loop: int | None = None
 
 
 # --------------------------------------------------------------------------------------------------
@@ -187,24 +188,41 @@ class DisturbanceSpread:
         return DisturbanceSpread(factor * self.points, factor * self.states, factor * self.inputs)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FloatErrors:
+    """How far inputs are off: a part of themselves, ``added`` (m,) in SI; a part of all masses."""
+
+    share: float
+    added: Array
+    mass: float
+
+    @staticmethod
+    def of(task: ir.Task, model: RobotModel) -> FloatErrors:
+        """Those that a task names."""
+        part, most = input_errors(task, model)
+        mass = 0.0 if task.robust is None else float(task.robust.mass)
+        return FloatErrors(float(part), np.array([float(value) for value in most]), mass)
+
+
 def disturbance_spread(
     numeric: NumericRobot,
     task: ir.Task,
     trajectory: Trajectory,
     substeps: int,
     gains: Array | None = None,
+    loop: tuple[int, Array] | None = None,
 ) -> DisturbanceSpread:
     """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
 
     Inputs are taken to be off by a constant in every step, and an uncertain mass to act as inputs
     that are off by its part all the time.  With ``gains`` (k, m, N) what is measured is fed back.
+    With a ``loop``, its first sample and the generators (N, N) of a set, motions are those from all
+    states of the set from then on.
     """
     n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
     radii = [float(radius) for radius in disturbance_radii(task, model)]
     noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
-    part, most = input_errors(task, model)
-    share, added = float(part), np.array([float(value) for value in most])
-    mass = 0.0 if task.robust is None else float(task.robust.mass)
+    errors = FloatErrors.of(task, model)
     step = numeric.step(trajectory.x[:-1], trajectory.u, theta, float(task.step), substeps)
     columns = np.zeros((numeric.size, 2 * n + 1))
     columns[: 2 * n, : 2 * n] = np.diag(radii)
@@ -212,6 +230,8 @@ def disturbance_spread(
     points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
     inputs = np.zeros((k, numeric.m))
     for sample in range(k + 1):
+        if loop is not None and sample == loop[0]:
+            columns = np.insert(loop[1], 2 * n, 0.0, axis=1)
         states[sample] = np.abs(columns[: 2 * n]).sum(axis=1)
         moved = np.abs(by_q[sample] @ columns[:n]).sum(axis=2)
         points[sample] = np.linalg.norm(moved, axis=1)
@@ -223,10 +243,10 @@ def disturbance_spread(
                 inputs[sample] = np.abs(gains[sample] @ columns).sum(axis=1)
                 inputs[sample] += np.abs(misread).sum(axis=1)
                 by_x = by_x - by_u @ gains[sample]
-            pushed = by_u * (share * (np.abs(u) + inputs[sample]) + added)
+            pushed = by_u * (errors.share * (np.abs(u) + inputs[sample]) + errors.added)
             columns = by_x @ columns
             # The same constant all the time: its effects add up, sign by sign.
-            columns[:, 2 * n] += mass * (by_u @ u)
+            columns[:, 2 * n] += errors.mass * (by_u @ u)
             columns = np.concatenate([columns, pushed, by_u @ misread], axis=1)
     largest = np.max(inputs, axis=0, initial=0.0)
     return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest)

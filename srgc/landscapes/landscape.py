@@ -25,7 +25,7 @@ from solvers.execution.workers import Workers
 from solvers.search.configuration_search import Sample
 from solvers.search.evaluation import Evaluator, SolveRequest
 from solvers.search.path_task import PathTask
-from solvers.search.synthesis import task_on_samples
+from solvers.search.round_task import task_on_samples
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
