@@ -37,6 +37,9 @@ class Unproved:
 NO_SET = Unproved("; no set of states was found that every round returns into")
 
 
+DIVERGES = Unproved("; the motion with feedback diverges")
+
+
 def certified_design(
     program: ir.Program,
     task: ir.Task,
@@ -63,7 +66,10 @@ def certified_design(
         return None
     controller, gains = None, None
     if path_problem.feedback:
-        trajectory, gains, controller = controlled(path_problem, trajectory)
+        closed = controlled(path_problem, trajectory)
+        if closed is None:
+            return DIVERGES
+        trajectory, gains, controller = closed
     design = Design(
         derivation,
         model,

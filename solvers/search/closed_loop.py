@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from grammar_lang import ir
@@ -37,14 +39,20 @@ def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tupl
 
 def controlled(
     path_problem: PathProblem, trajectory: Trajectory
-) -> tuple[Trajectory, Array, ControllerClaim]:
-    """The motion that a controller makes of a trajectory, its gains (k, m, N), the controller."""
+) -> tuple[Trajectory, Array, ControllerClaim] | None:
+    """The motion that a controller makes of a trajectory, its gains (k, m, N), the controller.
+
+    None where the motion diverges.
+    """
     numeric, task = path_problem.numeric, path_problem.task
     gains = path_problem.gains(trajectory)
     groups = input_groups(path_problem.model, task)
-    motion = reference_motion(
-        numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
-    )
+    with np.errstate(all="ignore"):
+        motion = reference_motion(
+            numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
+        )
+    if not np.isfinite(motion.x).all():
+        return None
     size = 2 * numeric.n
     reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
     stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)

@@ -148,7 +148,7 @@ MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2, 0.1)
 LEAST_GROWTH = 0.2
 """By at least this part of itself grows what is left for disturbed motions."""
 MOST_SPREADS = 20.0
-MOST_SLACK = 10.0
+MOST_SLACK = 100.0
 """The set of a loop is not larger than estimated by more than this part."""
 WIDEST = 1.0
 """Metres; no disturbances are worth more tightening."""

@@ -319,6 +319,7 @@ class StructureSearch:
             if (wider.spread, wider.margin, wider.substeps) != given:
                 path_problem = wider
                 found = resolved(path_problem, found)
+            path_problem = replace(path_problem, slack=tightening.slack)
             path_problem, found = within_limits(path_problem, found)
             if not found.outcome.feasible:
                 if path_problem.spread is not None:

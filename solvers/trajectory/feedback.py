@@ -28,6 +28,9 @@ SIZES: tuple[Sizes, ...] = ((0.1, 0.5), (0.05, 1.0), (0.02, 1.0), (0.3, 1.5))
 bound.  Which are best depends on the robot and its disturbances; states that are not measured ask
 for small gains."""
 
+GENTLE: tuple[Sizes, ...] = ((1.0, 5.0), (3.0, 15.0))
+"""Loops need gains that bring states back for certain, and they have all time."""
+
 
 def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
     """Per input (count,) its widest margin: what deviations of inputs are weighed against."""

@@ -27,7 +27,7 @@ from solvers.trajectory.corridor import (
     timing_of,
     word_of,
 )
-from solvers.trajectory.feedback import SIZES, gains_along, input_scales
+from solvers.trajectory.feedback import GENTLE, SIZES, gains_along, input_scales
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets
 from solvers.trajectory.seed_motions import body_seeds
@@ -314,7 +314,10 @@ class PathProblem:
         self, trajectory: Trajectory, gains: Array | None, start: RoundSet | None
     ) -> DisturbanceSpread:
         loop = None if self.loop is None or start is None else (self.loop, start.generators)
-        return disturbance_spread(self.numeric, self.task, trajectory, self.substeps, gains, loop)
+        with np.errstate(all="ignore"):
+            return disturbance_spread(
+                self.numeric, self.task, trajectory, self.substeps, gains, loop
+            )
 
     def _cost(self, trajectory: Trajectory, gains: Array | None, start: RoundSet | None) -> float:
         """How far disturbed motions spread, more so if much is commanded against it."""
@@ -337,9 +340,10 @@ class PathProblem:
             start = self.round_set(trajectory, gains)
             return np.inf if start is None else self._cost(trajectory, gains, start)
 
+        sizes = SIZES if task.robust is not None else SIZES[:1]
         found = [
-            gains_along(numeric, trajectory, groups, dt, self.substeps, sizes, self.loop)
-            for sizes in (SIZES if task.robust is not None else SIZES[:1])
+            gains_along(numeric, trajectory, groups, dt, self.substeps, each, self.loop)
+            for each in (sizes if self.loop is None else SIZES + GENTLE)
         ]
         return found[0] if len(found) == 1 else min(found, key=cost)
 

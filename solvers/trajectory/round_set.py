@@ -25,7 +25,7 @@ from grammar_lang import ir
 from solvers.trajectory.task_limits import FloatErrors
 from solvers.trajectory.trajectory import Trajectory
 
-FLOOR = 1e-6
+FLOOR = 1e-5
 """In SI; no set is smaller, so that rounding and remainders of a proof find room."""
 LEAST_SLACK = 0.1
 """By such a part a set is larger than estimated at least; where the prefix ends it is no more."""
@@ -117,11 +117,13 @@ def _boxes(once: _RoundMap, slack: float) -> Iterator[Array]:
         into = np.linalg.inv(basis)
         turn = (1 + slack) * np.abs(into @ once.by_state @ basis)
         added = (1 + slack) * np.abs(into @ once.columns).sum(axis=1)
-        added += FLOOR * np.abs(into).sum(axis=1)
+        added += (1 + slack) * FLOOR * np.abs(into).sum(axis=1)
         least = (1 + LEAST_SLACK) * np.abs(into @ once.entering).sum(axis=1)
         sizes = np.maximum(least, added)
         for _ in range(MOST_ROUNDS):
             grown = np.maximum(sizes, turn @ sizes + added)
+            if not np.isfinite(grown).all():
+                break
             if np.all(grown <= (1 + SETTLED) * sizes):
                 yield basis * grown
                 break

@@ -151,6 +151,13 @@ def _proved_motion(evidence: Evidence) -> Iterator[str]:
             "by what they are off from its reference. What was followed is this closed loop; the "
             "bounds of the inputs hold for all that it commands."
         )
+    if evidence.task.repeat:
+        yield (
+            "The motion goes on for ever. The certificate states a set of states in which every "
+            "round of the loop begins: all motions are in it where the prefix ends, and every "
+            "motion that begins a round anywhere in it ends the round in it. Conditions are about "
+            "all rounds, except those on the start, the path of cells and the planned inputs."
+        )
     yield (
         "It was checked again when this page was made, from the specification and the certificate "
         f"alone; the search is not believed. {MODEL}"
@@ -200,7 +207,11 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
         known = value.parameter
         name = f"{known.module}.{known.name}, symbol {known.symbol}"
         yield name, with_unit(float(value), known.unit, 5)
-    yield "motion", f"{number(float(found.task.step * found.task.steps), 6)} s"
+    lasts = f"{number(float(found.task.step * found.task.steps), 6)} s"
+    yield "motion", lasts
+    if found.claim.loop is not None:
+        begins = number(float(found.task.step * found.claim.loop.first), 6)
+        yield "repeats", f"from {begins} s to {lasts}, for ever"
     used = used_inputs(found.model, found.task, found.claim.inputs)
     peaks = [with_unit(each.peak, each.unit) for each in used if each.effort]
     yield "peak effort", " and ".join(peaks) or "no joint has a free input"

@@ -213,6 +213,8 @@ def design_text(
             "leader": design.leader,
             "satisfy": satisfied_formulas(task, design.conditions),
         }
+        if design.loop is not None:
+            content["loop"] = design.loop.first
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 

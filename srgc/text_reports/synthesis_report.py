@@ -125,6 +125,7 @@ def synthesis_text(
 
     ``table`` is about all designs, ``change`` about what becomes of the existing robot.
     """
+    ends = float(task.steps * task.step)
     lines = [f"verdict: {result.verdict}" + (f" ({result.reason})" if result.reason else "")]
     design = result.design
     if design is not None:
@@ -139,6 +140,9 @@ def synthesis_text(
             lines.append("control: feedback")
         elif task.control is not None and robot_inputs(design.model):
             lines.append("control: open loop")
+        if design.loop is not None:
+            begins = float(design.loop.first * task.step)
+            lines.append(f"repeats: from {begins:g} s to {ends:g} s again and again, for ever")
         lines += [
             f"formula: {condition.name}, robustness {condition.margin:.4g} m"
             for condition in design.conditions
