@@ -34,6 +34,7 @@ SPECS = {
     "beyond_reach": small_specs.BEYOND_REACH.encode(),
     "good_as_it_is": small_specs.GOOD_AS_IT_IS.encode(),
     "closed": small_specs.CLOSED.encode(),
+    "looped": small_specs.LOOPED.encode(),
     "without_link": small_specs.WITHOUT_LINK.encode(),
     "too_short": small_specs.TOO_SHORT.encode(),
     "spatial": SPATIAL.encode(),

@@ -23,6 +23,7 @@ from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.deviation_flow import InitialSet
 from solvers.verifier.proofs.effort_bounds import effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
+from solvers.verifier.proofs.endless_conditions import unless_open
 from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.start_check import at_rest
@@ -52,6 +53,8 @@ def disturbed_findings(
         found = followed.so_far() if followed.ended else followed.conditions()
         if motion.law is not None:
             found += effort_conditions(scene.model, scene.task, followed.commanded)
+    if motion.loop is not None:
+        found = unless_open(found)
     told = [_told(each) for each in found]
     if followed.ended:
         told = _cut_short(scene, planned, told, followed.time)

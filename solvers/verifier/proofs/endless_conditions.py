@@ -54,11 +54,21 @@ def endless_conditions(
                 verdict.time, verdict.place, loose=verdict.loose,
             )
         )  # fmt: skip
-    asked += [followed.satisfied(*each) for each in enumerate(task.satisfy)]
-    if all(each.status is Status.HOLDS for each in closing):
-        return [*closing, *asked]
-    # The tube may hold no motion of a later round then, so that nothing is refuted by it.
-    return [*closing, *(_open(each) for each in asked)]
+    return [*closing, *asked, *(followed.satisfied(*each) for each in enumerate(task.satisfy))]
+
+
+def unless_open(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition]:
+    """The conditions; where the loop is not known to close, none of them is violated for certain.
+
+    The tube of a round may hold no motion at all then.
+    """
+    closing = [each for each in conditions if each.name in (ENTERED, CLOSED)]
+    if len(closing) == 2 and all(each.status is Status.HOLDS for each in closing):
+        return list(conditions)
+    return [
+        replace(each, status=Status.UNDECIDED) if each.status is Status.FAILS else each
+        for each in conditions
+    ]
 
 
 def _within(loop: LoopSet, states: Zonotope, name: str, time: float) -> CheckedCondition:
@@ -69,8 +79,3 @@ def _within(loop: LoopSet, states: Zonotope, name: str, time: float) -> CheckedC
         return CheckedCondition(name, Status.HOLDS, max(margin, 0.0), "", time)
     why = f"{name}: the motions are not enclosed by the set of the loop"
     return CheckedCondition(name, Status.UNDECIDED, min(margin, 0.0), "", time, why=why)
-
-
-def _open(condition: CheckedCondition) -> CheckedCondition:
-    failed = condition.status is Status.FAILS
-    return replace(condition, status=Status.UNDECIDED) if failed else condition

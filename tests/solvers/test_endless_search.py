@@ -1,0 +1,78 @@
+"""Searches of motions that go on for ever: shapes of loops, and what is not found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from solvers.verifier.verification import Outcome, verify_directory
+from srgc.cli import run
+from tests.oracles.result_files import read
+from tests.oracles.small_specs import MOTOR, SLIDER, TURNER, replaced
+
+
+def asked(spec: str, clauses: str) -> str:
+    """The spec with these clauses instead of ``reach T``, for ever, and time for a tour."""
+    longer = replaced(spec, "horizon 10 steps", "horizon 30 steps")
+    return replaced(longer, "  reach T;\n", f"  {clauses}\n  repeat;\n")
+
+
+def found(text: str, folder: Path) -> int:
+    path, out = folder / "spec.srg", folder / "out"
+    path.write_text(text, encoding="utf-8")
+    status = run(["synth", str(path), "-q", "-o", str(out)])
+    if status:
+        return -status
+    report = verify_directory(out)
+    assert report.outcome is Outcome.VALID, report.reason
+    (loop,) = [item for item in read(out)["claims"] if item["kind"] == "loop"]
+    first = loop["first"]
+    assert isinstance(first, int)
+    return first
+
+
+AGAIN = "satisfy always (eventually T by effector 1 and eventually S by effector 1);"
+STAY = "satisfy eventually always T by effector 1;"
+DISTURBED = "robust start 0.1 deg, 0.1 deg/s; robust effort 0.5 % of bound; robust mass 1 %;"
+
+
+@pytest.mark.parametrize(
+    ("text", "first"),
+    [
+        (asked(SLIDER, AGAIN), 0),
+        (asked(SLIDER, "satisfy eventually always T;"), 15),
+        (asked(SLIDER, "reach T;"), 0),
+        (asked(SLIDER, "satisfy always eventually[0 s, 6 s] T;"), 0),
+        (asked(TURNER, f"{AGAIN} {DISTURBED}"), 0),
+        (asked(TURNER, f"{STAY} {DISTURBED}"), 15),
+        (asked(TURNER, f"{AGAIN} {DISTURBED} gravity (0, -2) m/s^2;"), 0),
+        (asked(MOTOR, AGAIN), 0),
+    ],
+    ids=["tour", "stay", "reach", "window", "turner", "turner stays", "gravity", "motor"],
+)
+def test_loops_are_found_and_proved(text: str, first: int, tmp_path: Path) -> None:
+    assert found(text, tmp_path) == first
+
+
+def test_nothing_brings_a_mass_back_without_feedback(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert found(asked(SLIDER, "reach T; control open loop;"), tmp_path) == -4
+    assert "no set of states was found" in capsys.readouterr().out
+
+
+def test_what_is_out_of_reach_at_all_times_is_refuted(tmp_path: Path) -> None:
+    far = replaced(asked(SLIDER, "reach T;"), "box [2, 2.5]", "box [3.2, 3.5]")
+    assert found(far, tmp_path) == -3
+    assert verify_directory(tmp_path / "out").outcome is Outcome.VALID
+
+
+def test_weak_drives_refute_nothing(tmp_path: Path) -> None:
+    """Within the horizon the mass does not get there; swung to and fro for ever, it might."""
+    weak = replaced(asked(SLIDER, "reach T;"), "effort <= 10 N", "effort <= 0.01 N")
+    assert found(weak, tmp_path) == -4
+    once = replaced(weak, "  repeat;\n", "")
+    again = tmp_path / "once"
+    again.mkdir()
+    assert found(once, again) == -3
