@@ -68,7 +68,8 @@ def loop_claim(
 ) -> LoopClaim | None:
     """The loop of a motion, which begins and ends with the same state but for a drift.
 
-    None where no set of states is found that every round returns into.
+    ``gains`` (k, m, N) are those of its feedback.  None where no set of states is found that every
+    round returns into.
     """
     found = path_problem.round_set(motion, gains)
     if path_problem.loop is None or found is None:

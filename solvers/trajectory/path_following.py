@@ -299,7 +299,11 @@ class PathProblem:
     def round_set(self, trajectory: Trajectory, gains: Array | None) -> RoundSet | None:
         """The set of states that rounds of the loop begin in.
 
-        It is the one from which motions spread least; None where none is found.
+        It is the one from which motions with ``gains`` (k, m, N) spread least; None where none is
+        found.
+
+        Raises:
+            ValueError: the motion ends.
         """
         if self.loop is None:
             raise ValueError("the motion ends")

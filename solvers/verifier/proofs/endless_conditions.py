@@ -34,6 +34,9 @@ def endless_conditions(
     Args:
         followed: the tube, which is complete.
         at_all_times: what it shows of the conditions on every instant.
+
+    Raises:
+        ValueError: the motion ends.
     """
     robot = followed.robot
     task, loop = robot.scene.task, robot.loop
