@@ -76,3 +76,21 @@ def test_weak_drives_refute_nothing(tmp_path: Path) -> None:
     again = tmp_path / "once"
     again.mkdir()
     assert found(once, again) == -3
+
+
+def test_a_plan_is_one_round(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A tour ends where it begins; who stays has arrived by half of the horizon."""
+    path = tmp_path / "spec.srg"
+    for clauses, cells, latest in (
+        (AGAIN, ["S", "T", "S"], 30),
+        ("satisfy eventually always T;", ["S", "T"], 15),
+    ):
+        path.write_text(asked(SLIDER, clauses), encoding="utf-8")
+        assert run(["plan", str(path)]) == 0
+        lines = [line.split("\t") for line in capsys.readouterr().out.splitlines()]
+        assert [name for name, _ in lines if not name.startswith("free")] == cells
+        assert int(lines[-1][1].split()[2]) <= latest
+    path.write_text(asked(SLIDER, "satisfy always S and always not S;"), encoding="utf-8")
+    assert run(["plan", str(path)]) == 4
+    assert "no path" in capsys.readouterr().out
+    assert run(["plan", str(path), "--dump", "smt2"]) == 2

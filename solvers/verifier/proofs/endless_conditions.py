@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.deviation_flow import Zonotope
+from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.loop_set import LoopSet
 from solvers.verifier.proofs.tube_checks import Status
-
-if TYPE_CHECKING:
-    from solvers.verifier.proofs.tube_proof import Followed
 
 ENTERED, CLOSED = "entry into the loop", "return of the loop"
 """The conditions that the prefix ends, and that a round ends, in the set of the loop."""
@@ -27,37 +24,35 @@ def reached_some_time(reach: ir.Reach, effector: int) -> ir.Formula:
 
 
 def endless_conditions(
-    followed: Followed, at_all_times: Sequence[CheckedCondition]
+    loop: LoopSet,
+    reached: Sequence[Zonotope],
+    task: ir.Task,
+    effector: int,
+    formulas: FormulaProof,
 ) -> list[CheckedCondition]:
-    """All that a tube shows of a prefix and of one round from all states of the loop's set.
+    """What a complete tube shows of a loop, and of what is to be reached at some time.
 
     Args:
-        followed: the tube, which is complete.
-        at_all_times: what it shows of the conditions on every instant.
-
-    Raises:
-        ValueError: the motion ends.
+        loop: the set in which every round begins.
+        reached: the sets of states at the end of the prefix, and of one round from all of the set.
+        task: the task.
+        effector: the one that reaches, from 0.
+        formulas: what is known of the regions along the tube.
     """
-    robot = followed.robot
-    task, loop = robot.scene.task, robot.loop
-    if loop is None:
-        raise ValueError("the motion ends")
-    prefix, once = followed.reached
-    closing = [
+    prefix, once = reached
+    found = [
         _within(loop, prefix, ENTERED, float(task.step * loop.first)),
         _within(loop, once, CLOSED, float(task.step * task.steps)),
     ]
-    asked = list(at_all_times)
     if task.reach is not None:
-        formula = reached_some_time(task.reach, robot.motion.effector)
-        verdict = followed.formulas.verdict(formula)
-        asked.append(
+        verdict = formulas.verdict(reached_some_time(task.reach, effector))
+        found.append(
             CheckedCondition(
                 f"target {task.reach.region}", verdict.status, verdict.robustness, "m",
                 verdict.time, verdict.place, loose=verdict.loose,
             )
         )  # fmt: skip
-    return [*closing, *asked, *(followed.satisfied(*each) for each in enumerate(task.satisfy))]
+    return found
 
 
 def unless_open(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition]:

@@ -147,8 +147,12 @@ class Followed:
         found = self.so_far()
         scene, effector = self.robot.scene, self.robot.motion.effector
         task, last = scene.task, self.samples[-1]
-        if task.repeat:
-            return found if self.robot.loop is None else endless_conditions(self, found)
+        loop = self.robot.loop
+        if task.repeat and loop is None:
+            return found
+        if loop is not None:
+            found += endless_conditions(loop, self.reached, task, effector, self.formulas)
+            return found + [self.satisfied(*each) for each in enumerate(task.satisfy)]
         end = float(task.step) * task.steps
         if task.reach is not None:
             tip = self.robot.point_map.positions(last)[effector]
