@@ -89,6 +89,7 @@ class Code(Enum):
     OPEN_LOOP_MEASUREMENT = "SRG0708"
     REST_WITHOUT_END = "SRG0709"
     LAST_WITHOUT_END = "SRG0710"
+    START_OUTSIDE_LOOP = "SRG0711"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------
