@@ -312,6 +312,8 @@ class PathProblem:
         found = round_sets(
             self.numeric, self.task, trajectory, feedback, self.loop, self.substeps, self.slack
         )
+        if len(found) == 1:
+            return found[0]
         return min(found, key=lambda one: self._cost(trajectory, gains, one), default=None)
 
     def _spread(

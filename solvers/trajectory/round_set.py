@@ -71,11 +71,16 @@ def round_sets(
         substeps: the parts of a step.
         slack: so much larger a set is than the estimate.
     """
+    if not numeric.size:
+        return (RoundSet(motion.x[loop], np.zeros((0, 0))),)
     with np.errstate(all="ignore"):
         once = _round_map(numeric, task, motion, gains, loop, substeps)
         if not all(np.isfinite(part).all() for part in (once.by_state, once.columns)):
             return ()
-        return tuple(RoundSet(motion.x[loop], box) for box in _boxes(once, slack))
+        try:
+            return tuple(RoundSet(motion.x[loop], box) for box in _boxes(once, slack))
+        except np.linalg.LinAlgError:
+            return ()
 
 
 def _round_map(

@@ -94,3 +94,18 @@ def test_a_plan_is_one_round(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert run(["plan", str(path)]) == 4
     assert "no path" in capsys.readouterr().out
     assert run(["plan", str(path), "--dump", "smt2"]) == 2
+
+
+def test_a_robot_that_cannot_move_stays_for_ever(tmp_path: Path) -> None:
+    fixed = replaced(asked(SLIDER, "satisfy always S;"), "B eps P eps M eps EN;", "B eps M eps EN;")
+    assert found(replaced(fixed, "box [0.1, 0.5]", "box [-0.1, 0.5]"), tmp_path) == 0
+    (loop,) = read(tmp_path / "out")["claims"]
+    assert (loop["centre"], loop["generators"]) == ([], [])
+
+
+def test_another_convex_solver_closes_loops_too(tmp_path: Path) -> None:
+    path = tmp_path / "spec.srg"
+    path.write_text(asked(SLIDER, AGAIN), encoding="utf-8")
+    out = tmp_path / "out"
+    assert run(["synth", str(path), "-q", "-o", str(out), "--solver", "CLARABEL"]) == 0
+    assert verify_directory(out).outcome is Outcome.VALID
