@@ -303,7 +303,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (_word("from"), Keyword, ("word", "reference")),
             (_word("satisfy"), Keyword, "formula"),
             (_word("robust"), Keyword, "robust"),
-            (_word("control"), Keyword, "control"),
+            (_word("control", "repeat"), Keyword, "control"),
             include("stray"),
         ],
         "start": [

@@ -76,11 +76,13 @@ def check_loaded(loaded: Loaded) -> Checked:
         start_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
+        from compiler.checks.loop_checks import loop_diagnostics
         from compiler.tasks.obstacle_pieces import task_by_task
         from solvers.conflicts.vacuity import formula_diagnostics
 
         for program in task_by_task(loaded.sound):
             formula_diagnostics(program, sink)
+            loop_diagnostics(program, sink)
     checked = None if sink.has_errors else loaded.program
     return Checked(checked, sink.sorted(), loaded.sources)
 

@@ -35,6 +35,7 @@ SPECS = {
     "good_as_it_is": small_specs.GOOD_AS_IT_IS.encode(),
     "closed": small_specs.CLOSED.encode(),
     "pair": small_specs.PAIR.encode(),
+    "looped": small_specs.LOOPED.encode(),
     "without_link": small_specs.WITHOUT_LINK.encode(),
     "too_short": small_specs.TOO_SHORT.encode(),
     "spatial": SPATIAL.encode(),

@@ -2,140 +2,18 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
-from heapq import merge
 from math import inf
 from operator import and_, or_
 from typing import TypeAlias, assert_never
 
 from compiler.tasks.formula_parts import operands
+from compiler.tasks.lasso import Lasso
+from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
-
-# --------------------------------------------------------------------------------------------------
-# Sets of instants: finite unions of intervals of [0, T] with exact ends, each open or closed.
-#
-# A cut (t, 0) lies just before the instant t, a cut (t, 1) just after it.  A set is the strictly
-# ascending sequence of the cuts at which one enters and leaves it: [a, b) is (a, 0), (b, 0), the
-# instant a alone (a, 0), (a, 1).  So every set has one form, and open and closed ends need no
-# cases.
-
-
-Cut: TypeAlias = tuple[Fraction, int]
-BEFORE, AFTER = 0, 1
-_START: Cut = (Fraction(0), BEFORE)
-
-
-@dataclass(frozen=True, slots=True)
-class TimeSet:
-    """A subset of [0, ``end``]; ``cuts`` as in the head of this file, none outside [0, end]."""
-
-    end: Fraction
-    cuts: tuple[Cut, ...] = ()
-
-    @staticmethod
-    def all(end: Fraction) -> TimeSet:
-        """[0, end]."""
-        return TimeSet(end, (_START, (end, AFTER)))
-
-    @staticmethod
-    def closed(end: Fraction, intervals: Iterable[tuple[Fraction, Fraction]]) -> TimeSet:
-        """The union of closed intervals with ascending beginnings, cut off at 0 and ``end``."""
-        return _union_of(end, (((a, BEFORE), (b, AFTER)) for a, b in intervals))
-
-    def __contains__(self, time: Fraction | int) -> bool:
-        return bisect_left(self.cuts, (Fraction(time), AFTER)) % 2 == 1
-
-    def __bool__(self) -> bool:
-        return bool(self.cuts)
-
-    @property
-    def intervals(self) -> tuple[tuple[Cut, Cut], ...]:
-        """The maximal intervals, ascending, each as the cuts at its ends."""
-        return tuple(zip(self.cuts[::2], self.cuts[1::2], strict=True))
-
-    @property
-    def complement(self) -> TimeSet:
-        """The other instants of [0, end]."""
-        last: Cut = (self.end, AFTER)
-        head = self.cuts[1:] if self.cuts[:1] == (_START,) else (_START, *self.cuts)
-        return TimeSet(self.end, head[:-1] if head[-1:] == (last,) else (*head, last))
-
-    def __or__(self, other: TimeSet) -> TimeSet:
-        return _combined(self, other, lambda depth: depth >= 1)
-
-    def __and__(self, other: TimeSet) -> TimeSet:
-        return _combined(self, other, lambda depth: depth >= 2)
-
-    def __le__(self, other: TimeSet) -> bool:
-        return (self & other) == self
-
-    def before(self, lower: Fraction, upper: Fraction | None) -> TimeSet:
-        """The instants t such that the set has one in [t + lower, t + upper] (None: to the end)."""
-        if upper is None:
-            latest = (self.cuts[-1][0] - lower, self.cuts[-1][1]) if self.cuts else _START
-            return _union_of(self.end, [(_START, latest)])
-        return _union_of(
-            self.end,
-            (((a - upper, p), (b - lower, q)) for (a, p), (b, q) in self.intervals),
-        )
-
-    def until(self, right: TimeSet) -> TimeSet:
-        """The instants from which on this set holds to just before some instant of ``right``.
-
-        The instants of ``right`` are among them.  From any other t, inside a maximal interval with
-        supremum h, an instant t' of ``right`` is due with t < t' <= h: whether h is in the interval
-        does not matter, since only the instants before t' count.
-        """
-        found: list[tuple[Cut, Cut]] = []
-        goals, number, latest = right.intervals, 0, Fraction(-1)
-        for low, (high, _) in self.intervals:
-            while number < len(goals) and goals[number][0] < (high, AFTER):
-                latest = goals[number][1][0]
-                number += 1
-            # The last of them may go on beyond h, and into the next interval.
-            found.append((low, (min(latest, high), BEFORE)))
-        return _union_of(self.end, found) | right
-
-
-def _combined(left: TimeSet, right: TimeSet, chosen: Callable[[int], bool]) -> TimeSet:
-    """The instants that are in a number of the two sets for which ``chosen`` is true."""
-    if left.end != right.end:
-        raise ValueError("time sets of different horizons")
-    turns = merge(
-        ((cut, -1 if i % 2 else 1) for i, cut in enumerate(left.cuts)),
-        ((cut, -1 if i % 2 else 1) for i, cut in enumerate(right.cuts)),
-    )
-    cuts: list[Cut] = []
-    depth = 0
-    for cut, change in turns:
-        before = chosen(depth)
-        depth += change
-        if chosen(depth) != before:
-            if cuts and cuts[-1] == cut:
-                cuts.pop()
-            else:
-                cuts.append(cut)
-    return TimeSet(left.end, tuple(cuts))
-
-
-def _union_of(end: Fraction, intervals: Iterable[tuple[Cut, Cut]]) -> TimeSet:
-    """The union of intervals with ascending beginnings, cut off at 0 and ``end``."""
-    cuts: list[Cut] = []
-    last: Cut = (end, AFTER)
-    for low, high in intervals:
-        first, final = max(low, _START), min(high, last)
-        if first >= final:
-            continue
-        if cuts and first <= cuts[-1]:
-            cuts[-1] = max(cuts[-1], final)
-        else:
-            cuts += (first, final)
-    return TimeSet(end, tuple(cuts))
-
 
 # --- When a formula holds, from when its atoms do: exact, in dense time ---------------------------
 #
@@ -186,6 +64,7 @@ def monitor(
     end: Fraction,
     step: Fraction,
     known: Mapping[ir.Formula, Verdicts] | None = None,
+    loop: Fraction | None = None,
 ) -> Verdicts:
     """The instants at which a formula certainly holds, and those at which it may.
 
@@ -198,11 +77,14 @@ def monitor(
         end: the length T of the trace, s.
         step: how much later ``next`` is, s.
         known: what is known of parts, atoms excepted, beyond what follows from the atoms.
+        loop: where [loop, T) begins, which comes again and again; the answer is about [0, T) then,
+            and so is what is given.  None: the trace ends.
     """
     if isinstance(formula, ir.Atom):
         return signals[key(formula)]
-    parts = [monitor(part, signals, end, step, known) for part in operands(formula)]
-    found = _value(formula, parts, _Time(end, step))
+    parts = [monitor(part, signals, end, step, known, loop) for part in operands(formula)]
+    lasso = None if loop is None else Lasso(loop, end)
+    found = _value(formula, parts, _Time(end, step, lasso))
     if known is None or formula not in known:
         return found
     return Verdicts(found.must | known[formula].must, found.may & known[formula].may)
@@ -224,6 +106,13 @@ def _value(formula: ir.Formula, parts: list[Verdicts], time: _Time) -> Verdicts:
 class _Time:
     end: Fraction
     step: Fraction
+    lasso: Lasso | None
+
+    def before(self, times: TimeSet, lower: Fraction, upper: Fraction | None) -> TimeSet:
+        """The instants with one of ``times`` from ``lower`` to ``upper`` seconds later."""
+        if self.lasso is None:
+            return times.before(lower, upper)
+        return self.lasso.before(times, lower, upper)
 
     def value(self, formula: ir.Formula, parts: Sequence[TimeSet]) -> TimeSet:
         """When a formula holds, given when its parts do (of ``implies``, the negated left one)."""
@@ -233,14 +122,16 @@ class _Time:
             case ir.Or() | ir.Implies():
                 return reduce(or_, parts)
             case ir.Until():
-                return parts[0].until(parts[1])
+                return parts[0].until(parts[1]) if self.lasso is None else self.lasso.until(*parts)
             case ir.Eventually(window=window):
-                return parts[0].before(window.lower, window.upper)
+                return self.before(parts[0], window.lower, window.upper)
             case ir.Always(window=window):
-                return parts[0].complement.before(window.lower, window.upper).complement
+                return self.before(parts[0].complement, window.lower, window.upper).complement
             case ir.Next():
-                return parts[0].before(self.step, self.step)
+                return self.before(parts[0], self.step, self.step)
             case ir.Last(duration=duration):
+                if self.lasso is not None:
+                    raise ValueError("a motion that goes on for ever has no last part")
                 span = TimeSet.closed(self.end, [(self.end - duration, self.end)])
                 throughout = span <= parts[0]
                 return TimeSet.all(self.end) if throughout else TimeSet(self.end)
@@ -329,11 +220,15 @@ Trace = Mapping[AtomKey, Sequence[Piece]]
 
 @dataclass(frozen=True, slots=True)
 class Monitored:
-    """A formula over a trace of length ``end``; ``step`` is how much later ``next`` is."""
+    """A formula over a trace of length ``end``; ``step`` is how much later ``next`` is.
+
+    With a ``loop`` the trace goes on for ever: [loop, end) comes again and again.
+    """
 
     formula: ir.Formula
     end: Fraction
     step: Fraction
+    loop: Fraction | None = None
 
     def holds(
         self, trace: Trace, level: float, known: Mapping[ir.Formula, Verdicts] | None = None
@@ -343,7 +238,7 @@ class Monitored:
         At level 0 an atom counts where it is certain at all, and ``known`` counts too.
         """
         signals = {atom: self._verdicts(pieces, level) for atom, pieces in trace.items()}
-        return 0 in monitor(self.formula, signals, self.end, self.step, known).must
+        return 0 in monitor(self.formula, signals, self.end, self.step, known, self.loop).must
 
     def _verdicts(self, pieces: Sequence[Piece], level: float) -> Verdicts:
         def counts(bound: float) -> bool:
@@ -359,11 +254,23 @@ class Monitored:
             if not chosen(piece):
                 continue
             # Neighbours mostly share one number, which compares faster.
-            if runs and (runs[-1][1] is piece.first or runs[-1][1] == piece.first):
+            near = bool(runs) and (runs[-1][1] is piece.first or runs[-1][1] == piece.first)
+            if near and piece.first != self.loop:
                 runs[-1] = runs[-1][0], piece.last
             else:
                 runs.append((piece.first, piece.last))
-        return TimeSet.closed(self.end, runs)
+        return self.union(runs)
+
+    def union(self, spans: Sequence[tuple[Fraction, Fraction]]) -> TimeSet:
+        """The union of closed spans of the prefix and of the loop, with ascending beginnings.
+
+        What is known at the end of the prefix is about the first round alone: where the loop
+        begins, only spans that begin there count.
+        """
+        found, loop = TimeSet.closed(self.end, spans), self.loop
+        if loop is None or any(first == loop for first, _ in spans):
+            return found
+        return found & TimeSet.closed(self.end, [(loop, loop)]).complement
 
     def robustness(self, trace: Trace) -> float | None:
         """The largest level at which the formula certainly holds at 0; None if it never does.

@@ -53,6 +53,7 @@ def _ends(task: ir.Task) -> Iterator[Stop]:
 #
 # *Necessary visits*: an effector is in a region at some instant of [0, T].  *Permanent avoidance*:
 # it is at no instant of [0, T].  Both are sound and incomplete: a formula may entail more.
+# Visits hold of motions that go on for ever, too: to leave out what comes after T demands less.
 # Negations are pushed inwards on the way.
 
 
@@ -80,8 +81,11 @@ def necessary_visits(formula: ir.Formula, horizon: Fraction, step: Fraction) -> 
     return _Visits(horizon, step).of(formula, Fraction(0))
 
 
-def permanently_avoided(formula: ir.Formula, horizon: Fraction) -> Places:
-    """The places that are never entered in [0, T] wherever a formula holds at time 0."""
+def permanently_avoided(formula: ir.Formula, horizon: Fraction | None) -> Places:
+    """The places that are never entered in [0, T] wherever a formula holds at time 0.
+
+    Without a ``horizon`` it is about motions that go on for ever.
+    """
     return _Avoided(horizon).at_first(formula)
 
 
@@ -100,7 +104,7 @@ def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
         effector: its number, from 1; None for one that has no number.
     """
     regions = {name for a in task.avoid if a.subject == "effector" for name in a.regions}
-    total = task.steps * task.step
+    total = None if task.repeat else task.steps * task.step
     for clause in task.satisfy:
         found = permanently_avoided(clause.formula, total)
         regions.update(place.region for place in found if place.effector == effector)
@@ -196,7 +200,11 @@ class _Visits:
 
 @dataclass(frozen=True, slots=True)
 class _Avoided:
-    horizon: Fraction
+    horizon: Fraction | None
+
+    def lasts(self, duration: Fraction | None) -> bool:
+        """Whether nothing comes after so many seconds; None stands for all time."""
+        return duration is None or (self.horizon is not None and duration >= self.horizon)
 
     def at_first(self, formula: ir.Formula) -> Places:
         """What follows from a formula that holds at time 0."""
@@ -207,10 +215,10 @@ class _Avoided:
             case ir.Or(operands=operands):
                 return _common([self.at_first(part) for part in operands])
             case ir.Always(operand=part, window=window):
-                covers = window.upper is None or window.upper >= self.horizon
-                return self.throughout(part) if covers and window.lower == 0 else NOWHERE
+                covers = self.lasts(window.upper) and window.lower == 0
+                return self.throughout(part) if covers else NOWHERE
             case ir.Last(operand=part, duration=duration):
-                return self.throughout(part) if duration >= self.horizon else NOWHERE
+                return self.throughout(part) if self.lasts(duration) else NOWHERE
             case _:
                 return NOWHERE
 

@@ -242,10 +242,12 @@ class _Writer:
 def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditions | None:
     """The demands of a task; None where they are too large to be looked at.
 
-    Where they are so with the regions that are only avoided, they are given without these.
+    None also of motions that go on for ever, which no finite number of instants describes.
+    Where the demands are too large with the regions that are only avoided, they are given without
+    these.
     """
     step = common_step(_times(task))
-    if task.steps * task.step / step > SLOT_LIMIT:
+    if task.repeat or task.steps * task.step / step > SLOT_LIMIT:
         return None
     ends = _ends(program, task)
     for avoided in (True, False):

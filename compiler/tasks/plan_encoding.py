@@ -22,13 +22,21 @@ from compiler.tasks.specification import PlanningProblem
 
 
 class EntrySamples:
-    """Position p is entered at a sample up to ``steps``, after position p - 1; position 0 at 0."""
+    """Position p is entered at a sample up to ``latest``, after position p - 1; position 0 at 0."""
 
-    def __init__(self, clauses: Clauses, paths: PositionPaths, steps: int, who: str) -> None:
+    def __init__(
+        self,
+        clauses: Clauses,
+        paths: PositionPaths,
+        steps: int,
+        who: str,
+        latest: int | None = None,
+    ) -> None:
         self._clauses = clauses
         self._paths = paths
         self._steps = steps
         self._who = who
+        self._latest = steps if latest is None else latest
         self._rows = [np.full(steps + 1, TRUE, dtype=np.int64)]
 
     def row(self, position: int) -> Ints:
@@ -66,9 +74,9 @@ class EntrySamples:
         if position > 1:
             before = self._rows[-1][first - 1 : self._steps]
             self._clauses.add(np.column_stack([-own, before]))
-        for literal in own[-1:].tolist() or [-TRUE]:
-            self._clauses.clause([-exists, literal])
-            self._clauses.clause([exists, -literal])
+        literal = int(row[self._latest])
+        self._clauses.clause([-exists, literal])
+        self._clauses.clause([exists, -int(row[-1])])
         self._rows.append(row)
 
 
@@ -296,7 +304,7 @@ class SampleEncoding:
             for planned, distance in zip(problem.effectors, found, strict=True)
         ]
         self._entries = [
-            EntrySamples(self.clauses, paths, steps, f"effector {number + 1}")
+            EntrySamples(self.clauses, paths, steps, f"effector {number + 1}", problem.settled)
             for paths, number in zip(self._paths, self._numbers, strict=True)
         ]
         self._total = TotalChanges(self.clauses, self._paths)

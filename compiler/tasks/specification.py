@@ -39,7 +39,11 @@ def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | N
     """
     parts = [clause.formula for clause in task.satisfy]
     if task.reach is not None:
-        parts.append(_stay(task, task.reach, recorded))
+        if task.repeat:
+            there = ir.Atom(task.reach.region, recorded + 1)
+            parts.append(ir.Eventually(there, _THROUGHOUT))
+        else:
+            parts.append(_stay(task, task.reach, recorded))
     parts += [
         ir.Always(ir.Not(ir.Atom(region, effector)), _THROUGHOUT)
         for avoid in task.avoid
@@ -124,6 +128,7 @@ class PlanningProblem:
         timed: whether it matters at which samples cells are entered.
         steps: the last sample; a path has at most so many changes of cell.
         changes: the bound on the changes of all paths together.
+        settled: the last sample at which a cell is entered, None: any; where it is timed.
         names: per cell its name, for people; none: cells go by their numbers.
     """
 
@@ -135,6 +140,7 @@ class PlanningProblem:
     steps: int
     changes: int
     names: tuple[str, ...] = ()
+    settled: int | None = None
 
     @property
     def by_samples(self) -> bool:

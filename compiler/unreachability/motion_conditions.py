@@ -50,7 +50,8 @@ class Passage:
     """One choice of effectors (from 0): a motion leads from ``start`` to ``goal``.
 
     ``arrives``: the goal is the one of ``reach``, where the motion is at the instant T; other goals
-    are visited at some instant.  With a given pose ``starting`` is the effector that reaches.
+    are visited at some instant, and so are all by a motion that goes on for ever.  With a given
+    pose ``starting`` is the effector that reaches.
     """
 
     start: PointIn | GivenPose
@@ -138,7 +139,8 @@ def _passages(model: RobotModel, task: ir.Task, question: PoseQuestion) -> tuple
         else:
             start = PointIn(starting, question.start or ())
         goal = PointIn(reaching, question.target)
-        arrives = task.reach is not None and question.goal == "the target"
+        ends = task.reach is not None and not task.repeat
+        arrives = ends and question.goal == "the target"
         found.append(Passage(start, goal, starting, reaching, arrives))
     return tuple(found)
 

@@ -19,6 +19,20 @@ from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import FORCE, ONE, TORQUE, Dimension
 
+
+def clause_places(task: t.Task) -> dict[str, Span]:
+    """Where the clauses stand that are plain values in the task."""
+    kinds = {
+        t.Horizon: "horizon",
+        t.Gravity: "gravity",
+        t.Modules: "modules",
+        t.BoundsBody: "bounds_body",
+        t.Control: "control",
+        t.Repeat: "repeat",
+    }
+    return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
+
+
 # --- ``effort <= v``: bounds on the free inputs, one for each kind of degree of freedom -----------
 
 

@@ -11,6 +11,7 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import Constants, coordinates, list_unit
+from grammar_lang.elaboration.endless_tasks import check_endless
 from grammar_lang.elaboration.joint_values import (
     check_duration,
     final_rates,
@@ -19,10 +20,9 @@ from grammar_lang.elaboration.joint_values import (
 )
 from grammar_lang.elaboration.modules import ModuleInfo
 from grammar_lang.elaboration.sorts import DimensionUse
-from grammar_lang.elaboration.task_clauses import lower_efforts
+from grammar_lang.elaboration.task_clauses import clause_places, lower_efforts
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
-from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import ACCELERATION, LENGTH, ONE, TIME, Dimension
 
@@ -301,18 +301,6 @@ def _check_family(reader: _Reader, robot: t.Robot) -> None:
             sink.error(Code.OUT_OF_PLANE, use.message, use.span, hint, notes)
 
 
-def _places(task: t.Task) -> dict[str, Span]:
-    """Where the clauses stand that are plain values in the task."""
-    kinds = {
-        t.Horizon: "horizon",
-        t.Gravity: "gravity",
-        t.Modules: "modules",
-        t.BoundsBody: "bounds_body",
-        t.Control: "control",
-    }
-    return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
-
-
 def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None:
     """The task; None where a required clause is missing or wrong, which is reported."""
     reader = _Reader(task, around, sink)
@@ -332,7 +320,8 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None
     origin, robust = reader.origin(), reader.robust()
-    control = reader.one(t.Control, "control", None)
+    control, repeat = reader.one(t.Control, "control", None), reader.one(t.Repeat, "repeat", None)
+    check_endless(task, repeat, sink)
     if robot is None or place is None or start is None or not (reach or satisfy):
         return None
     return ir.Task(
@@ -355,5 +344,6 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         satisfy=satisfy,
         robust=robust,
         control=None if control is None else control.loop,
-        clauses=_places(task),
+        repeat=repeat is not None,
+        clauses=clause_places(task),
     )

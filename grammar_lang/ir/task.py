@@ -265,8 +265,9 @@ class Task:
 
     ``reach`` is None only where ``satisfy`` holds a formula.  ``clauses`` are the places of those
     clauses that are plain values here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``,
-    ``control``.
+    ``control``, ``repeat``.
 
+    With ``repeat`` the motion goes on for ever: ``steps`` bounds a prefix and one loop together.
     ``control`` says whether the inputs are a fixed list or follow what is measured; None: either.
     """
 
@@ -289,6 +290,7 @@ class Task:
     satisfy: tuple[Satisfy, ...] = ()
     robust: Robust | None = None
     control: Literal["open loop", "feedback"] | None = None
+    repeat: bool = False
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
 
     @property

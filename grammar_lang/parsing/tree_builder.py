@@ -182,6 +182,7 @@ _TASKS: dict[str, Builder] = {
     "word": lambda c, _: tuple(c),
     "fixing": lambda c, span: t.Fixing(_ident(c[0]), _ident(c[1]), c[2], span),
     "control": lambda c, span: t.Control(c[0], span),
+    "repeated": lambda _, span: t.Repeat(span),
     "loop": lambda c, _: " ".join(token.text for token in c),
     "robust_start": lambda c, span: t.RobustRadii("start", tuple(c), span),
     "robust_measure": lambda c, span: t.RobustRadii("measure", tuple(c), span),

@@ -324,6 +324,13 @@ class Control:
 
 
 @node
+class Repeat:
+    """``repeat;``."""
+
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class RobustRadii:
     """``robust start 1 mm 0.1 deg;`` or ``robust measure 0.1 deg, 0.5 deg/s;``."""
 
@@ -358,6 +365,7 @@ TaskItem: TypeAlias = (
     | From
     | Satisfy
     | Control
+    | Repeat
     | RobustRadii
     | RobustPercent
 )

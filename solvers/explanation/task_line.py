@@ -78,7 +78,8 @@ def _ends(task: ir.Task) -> Iterator[TaskLine]:
     else:
         yield TaskLine("start", (), "the robot starts in this pose", task.start.span)
     if task.reach is not None:
-        where = f"{_who(task.reach.effector)} ends in `{task.reach.region}`"
+        verb = "is at some time" if task.repeat else "ends"
+        where = f"{_who(task.reach.effector)} {verb} in `{task.reach.region}`"
         yield TaskLine("reach", (), where, task.reach.span)
     for index, clause in enumerate(task.satisfy):
         yield TaskLine("satisfy", (index,), "the formula holds", clause.span)

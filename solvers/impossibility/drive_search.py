@@ -54,7 +54,12 @@ def drive_refutation(
 
     The arguments are those of ``box_refutation``.
     """
-    if not model.dofs or max(len(model.dofs), len(model.parameters)) > MOST_VARIABLES:
+    # What drives cannot do within a time, they may do in a later round.
+    if (
+        task.repeat
+        or not model.dofs
+        or max(len(model.dofs), len(model.parameters)) > MOST_VARIABLES
+    ):
         return None
     with working_precision(PRECISION):
         try:

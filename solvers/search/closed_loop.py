@@ -1,4 +1,4 @@
-"""Whether a motion gets a controller, and the controller that it gets."""
+"""Whether a motion gets a controller, the controller that it gets, and the set of its loop."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from solvers.trajectory.feedback import reference_motion
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_limits import input_groups
 from solvers.trajectory.trajectory import Trajectory
-from solvers.verifier.claims.further_claims import ControllerClaim
+from solvers.verifier.claims.further_claims import ControllerClaim, LoopClaim
 
 
 def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tuple[bool, ...]:
@@ -25,6 +25,9 @@ def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tupl
     Open loop first, if neither the motion is unstable nor disturbances carry it away.
     """
     task = path_problem.task
+    if path_problem.loop is not None:
+        # Nothing else brings a motion back into the set of its loop.
+        return (task.control != "open loop",)
     robust = task.robust or ir.Robust()
     if task.control is not None or robust.measured != ir.Radii():
         return (task.control != "open loop",)
@@ -73,19 +76,25 @@ def effort_unit(model: RobotModel, place: int) -> str:
 
 def controlled(
     path_problem: PathProblem, trajectory: Trajectory
-) -> tuple[Trajectory, ControllerClaim]:
-    """The motion that a controller makes of a trajectory, and the controller."""
+) -> tuple[Trajectory, Array, ControllerClaim] | None:
+    """The motion that a controller makes of a trajectory, its gains (k, m, N), the controller.
+
+    None where the motion diverges.
+    """
     numeric, task = path_problem.numeric, path_problem.task
     gains = path_problem.gains(trajectory)
     groups = input_groups(path_problem.model, task)
-    motion = reference_motion(
-        numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
-    )
+    with np.errstate(all="ignore"):
+        motion = reference_motion(
+            numeric, trajectory, gains, groups, float(task.step), path_problem.substeps
+        )
+    if not np.isfinite(motion.x).all():
+        return None
     size = 2 * numeric.n
     rounding = rounding_allowance(motion, gains[:, :, :size], path_problem.model, task)
     reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
     stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)
-    return motion, ControllerClaim(reference, stated, rounding)
+    return motion, gains, ControllerClaim(reference, stated, rounding)
 
 
 SINGLE, DOUBLE = 2.0**-24, 2.0**-53
@@ -116,3 +125,25 @@ def rounding_allowance(
         most[own] = np.minimum(most[own], half)
     allowed = np.minimum(needed, MOST_ROUNDING * most)
     return tuple(decimal(float(f"{value:.1e}")) for value in allowed.tolist())
+
+
+DIGITS = 8
+"""Significant digits of the generators of a set."""
+
+
+def loop_claim(
+    path_problem: PathProblem, motion: Trajectory, gains: Array | None
+) -> LoopClaim | None:
+    """The loop of a motion, which begins and ends with the same state but for a drift.
+
+    ``gains`` (k, m, N) are those of its feedback.  None where no set of states is found that every
+    round returns into.
+    """
+    found = path_problem.round_set(motion, gains)
+    if path_problem.loop is None or found is None:
+        return None
+    generators = tuple(
+        tuple(decimal(float(f"{value:.{DIGITS}g}")) for value in row)
+        for row in found.generators.tolist()
+    )
+    return LoopClaim(path_problem.loop, tuple(map(decimal, found.centre.tolist())), generators)

@@ -26,6 +26,7 @@ from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, Ite
 from solvers.trajectory.corridor import Entries
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
+from solvers.trajectory.visited_cells import visited_cells
 
 SEARCHES = ("gp-acb", "nelder-mead")
 """The searches of parameters by name, the usual one first."""
@@ -290,7 +291,7 @@ def _bound(
     The half-planes have kept it on its side of every obstacle, so it visits the path's cells or
     others next to them.  Where that is no path of the task, the planned one binds.
     """
-    visited = path_problem.visited(free.trajectory)
+    visited = visited_cells(path_problem, free.trajectory)
     paths = [(path_problem, entries)]
     if visited is not None:
         paths.insert(0, (path_problem.along(*visited), visited[1]))

@@ -22,8 +22,15 @@ from solvers.planner import EffectorPath
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.trajectory.path_following import BEYOND, LEAST_MARGIN, SUBSTEPS, PathProblem
-from solvers.verifier.claims.further_claims import ControllerClaim, exact_law
+from solvers.trajectory.round_set import LEAST_SLACK
+from solvers.verifier.claims.further_claims import (
+    ControllerClaim,
+    LoopClaim,
+    exact_law,
+    exact_loop,
+)
 from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.endless_conditions import CLOSED, ENTERED
 from solvers.verifier.proofs.trajectory_proof import Motion
 from solvers.verifier.proofs.tube_checks import Status
 
@@ -35,7 +42,8 @@ from solvers.verifier.proofs.tube_checks import Status
 class PathTask:
     """A robot in a task; ``formula`` is what the task's formulas ask of the samples.
 
-    ``solver`` is that of the convex steps, by its name in cvxpy; None: our own.
+    ``loop`` is the sample at which the loop of a motion begins that goes on for ever.  ``solver``
+    is that of the convex steps, by its name in cvxpy; None: our own.
     """
 
     program: ir.Program
@@ -44,6 +52,7 @@ class PathTask:
     formula: SampledFormula | None
     seed: int
     solver: str | None = None
+    loop: int | None = None
 
     def path_problem(
         self, cells: Abstraction, recorded: int, leader: int, path: tuple[int, ...]
@@ -61,6 +70,7 @@ class PathTask:
             substeps=stable_parts(self.numeric, float(self.task.step), SUBSTEPS),
             recorded=recorded,
             formula=self.on_samples(recorded),
+            loop=self.loop,
             solver=self.solver,
         )
 
@@ -148,6 +158,8 @@ MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2, 0.1)
 LEAST_GROWTH = 0.4
 """By at least this part of itself grows what is left for disturbed motions."""
 MOST_SPREADS = 20.0
+MOST_SLACK = 100.0
+"""The set of a loop is not larger than estimated by more than this part."""
 WIDEST = 1.0
 """Metres; no disturbances are worth more tightening."""
 
@@ -157,11 +169,13 @@ class ConstraintTightening:
     """A margin in metres, the same everywhere, and the number of spreads of disturbed motions.
 
     Those grow with time, and so does the tightening; a tube of all disturbed motions is wider than
-    their spread to first order.
+    their spread to first order.  ``slack`` is the part by which the set of a loop is larger than
+    its estimate.
     """
 
     margin: float = MARGINS[0]
     spreads: float = 1.0
+    slack: float = LEAST_SLACK
 
     @property
     def is_last(self) -> bool:
@@ -169,14 +183,18 @@ class ConstraintTightening:
         return self.margin >= MARGINS[-1]
 
     def wider(
-        self, lacking: float, spread: DisturbanceSpread | None
+        self, lacking: float, spread: DisturbanceSpread | None, beyond: float = 0.0
     ) -> ConstraintTightening | None:
         """The tightening to try next; None: no more is worth it.
 
         Args:
             lacking: what a proof has lacked of ``spread``, as a part of it; 0: something else.
             spread: the tightening that disturbed motions were given; None without disturbances.
+            beyond: by what part of it a round leaves the set of its loop; 0: it does not.
         """
+        if beyond > 0:
+            slack = (1 + self.slack) * (1 + max(LEAST_GROWTH, BEYOND * beyond)) - 1
+            return replace(self, slack=slack) if slack <= MOST_SLACK else None
         if spread is None or lacking <= 0:
             margin = next((item for item in MARGINS if item > self.margin), None)
             return None if margin is None else replace(self, margin=margin)
@@ -205,6 +223,8 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
     most = {"m": spread.widest, "N*m": inputs, "N": inputs, "SI": spread.final}
     lacking = [0.0]
     for condition in conditions:
+        if condition.name in (ENTERED, CLOSED):
+            continue
         if condition.status is not Status.HOLDS and condition.margin < 0:
             width = most.get(condition.unit, states)
             if width > 0:
@@ -212,6 +232,15 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
             elif np.isinf(condition.margin):
                 lacking.append(np.inf)
     return max(lacking)
+
+
+def beyond_loop(conditions: Sequence[CheckedCondition]) -> float:
+    """By what part of it motions leave the set of their loop; 0 where they do not, or it is open.
+
+    They are only known to do so where the tube is complete.
+    """
+    closing = [each for each in conditions if each.name in (ENTERED, CLOSED)]
+    return max((-each.margin for each in closing if each.status is not Status.HOLDS), default=0.0)
 
 
 # --- A proved robot with its motion: what certificates, tables and pictures are made of -----------
@@ -237,6 +266,7 @@ class Design:
     abstraction: Abstraction
     conditions: tuple[CheckedCondition, ...] = ()
     controller: ControllerClaim | None = None
+    loop: LoopClaim | None = None
 
     @property
     def robustness(self) -> float:
@@ -253,4 +283,5 @@ def motion_of(design: Design) -> Motion:
         design.effector,
         design.path,
         None if design.controller is None else exact_law(design.controller),
+        None if design.loop is None else exact_loop(design.loop),
     )

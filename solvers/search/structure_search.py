@@ -12,8 +12,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.expressions.exact_numbers import decimal
-from compiler.robots.parameter_values import nearest_values
 from compiler.tasks.specification import PlanningProblem, planning_problem
 from compiler.tasks.word_formula import SampledFormula
 from compiler.words.derivation import Derivation
@@ -22,7 +20,8 @@ from compiler.workspaces.bisection import halving
 from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.run_context import RunContext
-from solvers.search.closed_loop import controlled, feedback_choices, unbearable_noise
+from solvers.search.certified_design import certified_design
+from solvers.search.closed_loop import feedback_choices, unbearable_noise
 from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
@@ -34,22 +33,17 @@ from solvers.search.path_task import (
     ConstraintTightening,
     Design,
     PathTask,
-    missing_margin,
-    motion_of,
     no_margin_text,
 )
+from solvers.search.round_task import closing, round_tasks
 from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
 from solvers.trajectory.corridor import gentle_entries, polyline, smooth_timing
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
-from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
+from solvers.trajectory.fine_motion import seems_to_satisfy
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
-from solvers.verifier.proofs.checked_condition import decisive
-from solvers.verifier.proofs.effort_bounds import planned_efforts
-from solvers.verifier.proofs.scene import Watch
-from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 
 PLANS = (6, 3)
 """How many plans are tried, and how many after each cut of a cell."""
@@ -83,7 +77,11 @@ class Attempt:
 
 @dataclass(slots=True)
 class StructureSearch:
-    """The search of one structure; ``number`` is its place among all, ``robot`` its key."""
+    """The search of one structure; ``number`` is its place among all, ``robot`` its key.
+
+    ``task`` is what is searched, ``proved`` what is proved of what is found: they differ where
+    motions go on for ever, whose loops begin at the sample ``loop``.
+    """
 
     program: ir.Program
     task: ir.Task
@@ -95,10 +93,14 @@ class StructureSearch:
     numeric: NumericRobot
     number: int
     robot: str
+    proved: ir.Task = field(init=False)
+    loop: int | None = None
     obstacle: str = ""
     """What stood in the way of the last motion that was tried."""
     lacking: float = 0.0
     """How much wider its margin has to be for what the task says of disturbances."""
+    beyond: float = 0.0
+    """By what part of it motions leave the set of their loop."""
     stuck: str = ""
     """Where the most robust motion that was found for a path could not go on."""
     best: float = -np.inf
@@ -110,16 +112,31 @@ class StructureSearch:
     top: float = -np.inf
     """The best robustness of all paths."""
 
+    def __post_init__(self) -> None:
+        self.proved = self.task
+
     @property
     def place(self) -> PathTask:
         """The robot in its task."""
         context = self.context
         return PathTask(
-            self.program, self.task, self.numeric, self.formula, context.seed, context.solver
-        )
+            self.program, self.task, self.numeric, self.formula, context.seed, context.solver,
+            self.loop,
+        )  # fmt: skip
 
     def design(self, recorded: int) -> tuple[Design | None, str]:
         """A proved design in which that effector starts and reaches; else why there is none."""
+        design, reason = None, ""
+        for part in round_tasks(self.proved, recorded):
+            if part.loop is not None:
+                self.task, self.loop, self.formula = part.task, part.loop, part.formula
+            design, reason = self.design_of_round(recorded)
+            if design is not None:
+                break
+        return design, reason
+
+    def design_of_round(self, recorded: int) -> tuple[Design | None, str]:
+        """The same for one shape of a motion."""
         if not self.numeric.graph.model.dofs:
             return self.standing(recorded)
         self.best, self.known = -np.inf, []
@@ -154,10 +171,14 @@ class StructureSearch:
         """
         starts = start_cells(cells, self.task, self.numeric)
         problem = planning_problem(cells, self.task, recorded, starts)
-        reachable = self.within_reach(problem, cells)
-        design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
-        if not tried and reachable != problem:
-            design, reason, _ = self.plans_of(problem, cells, recorded, budget)
+        design, reason = None, "the task leaves no cell to start in"
+        for closed in closing(problem, self.loop):
+            reachable = self.within_reach(closed, cells)
+            design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
+            if not tried and reachable != closed:
+                design, reason, _ = self.plans_of(closed, cells, recorded, budget)
+            if design is not None:
+                break
         return design, reason
 
     def plans_of(
@@ -298,6 +319,7 @@ class StructureSearch:
             if (wider.spread, wider.margin, wider.substeps) != given:
                 path_problem = wider
                 found = resolved(path_problem, found)
+            path_problem = replace(path_problem, slack=tightening.slack)
             path_problem, found = within_limits(path_problem, found)
             if not found.outcome.feasible:
                 if path_problem.spread is not None:
@@ -305,7 +327,7 @@ class StructureSearch:
                     why = noise or no_margin_text(path_problem.spread)
                     self.obstacle = f"{tried}; {why}"
                 break
-            self.lacking = 0.0
+            self.lacking = self.beyond = 0.0
             if tightening.is_last or seems_to_satisfy(path_problem, found.outcome.trajectory):
                 design = self.certified(path_problem, found)
                 if design is not None:
@@ -314,7 +336,7 @@ class StructureSearch:
                 self.context.reporter.note("the proof did not go through; trying a wider margin")
             else:
                 self.obstacle = "; a formula fails between the samples"
-            tightening = tightening.wider(self.lacking, path_problem.spread)
+            tightening = tightening.wider(self.lacking, path_problem.spread, self.beyond)
         return Attempt(None, found.outcome.robustness)
 
     def tightened(
@@ -322,49 +344,21 @@ class StructureSearch:
     ) -> PathProblem:
         """The same task with tightening for what a motion needs of it."""
         wider = path_problem.with_margin(tightening.margin).refined(trajectory)
+        wider = replace(wider, slack=tightening.slack)
         return wider.spreading(trajectory, tightening.spreads) if self.task.robust else wider
 
     def certified(self, path_problem: PathProblem, found: Configuration) -> Design | None:
         """The design, if the continuous-time nonlinear robot is proved to do the task."""
-        trajectory, model = found.outcome.trajectory, path_problem.model
-        parameters = nearest_values(model.parameters, trajectory.theta)
-        if parameters is None:
-            return None
-        controller = None
-        if path_problem.feedback:
-            trajectory, controller = controlled(path_problem, trajectory)
-        design = Design(
-            self.derivation,
-            model,
-            parameters,
-            path_problem.constraints.recorded,
-            path_problem.effector,
-            tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
-            tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
-            tuple(tuple(names) for names in path_problem.cell_names(trajectory, found.entries)),
-            found,
-            path_problem.abstraction,
-            controller=controller,
+        answer = certified_design(
+            self.program, self.proved, self.derivation, path_problem, found, self.context.check_time
         )
-        scene = scene_of(self.program, self.task, model, path_problem.abstraction, self.derivation)
-        conditions = prove_motion(scene, motion_of(design), Watch(self.context.check_time))
-        obstacle = decisive(conditions)
-        if obstacle is not None:
-            self.obstacle = f"; last proof tried: {obstacle.reason}"
-            spread = path_problem.spread
-            self.lacking = 0.0 if spread is None else missing_margin(conditions, spread)
-            return None
-        if controller is None:
-            fine = fine_motion(path_problem.numeric, trajectory, float(self.task.step))
-            outcome = replace(found.outcome, trajectory=fine)
-        else:
-            # The search's bounds were tightened by what feedback may add.
-            peak, rho = planned_efforts(model, self.task, conditions)
-            outcome = replace(
-                found.outcome, trajectory=trajectory, effort_peak=peak, robustness=rho
-            )
-        configuration = replace(found, outcome=outcome)
-        return replace(design, configuration=configuration, conditions=conditions)
+        if isinstance(answer, Design):
+            return answer
+        if answer is not None:
+            self.obstacle, self.lacking, self.beyond = (
+                answer.obstacle, answer.lacking, answer.beyond,
+            )  # fmt: skip
+        return None
 
 
 def stuck_text(sample: int, task: ir.Task) -> str:

@@ -17,9 +17,8 @@ from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.obstacle_pieces import expanded
-from compiler.tasks.sampled_formula import sampled
 from compiler.tasks.specification import recorded_effector
-from compiler.tasks.word_formula import SampledFormula, every
+from compiler.tasks.word_formula import SampledFormula
 from compiler.time_limits.time_limit import OutOfTimeError, check_time
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction, abstract
@@ -41,6 +40,7 @@ from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.path_task import Design
 from solvers.search.prefetch import Prefetch
+from solvers.search.round_task import task_on_samples
 from solvers.search.structure_search import BlockedPrefix, StructureSearch
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
@@ -234,13 +234,6 @@ class _Run:
             return [bound] if bound < len(model.effectors) else []
         order = list(range(len(model.effectors)))
         return sorted(order, key=lambda e: (e != answer.effector, e))
-
-
-def task_on_samples(task: ir.Task) -> SampledFormula | None:
-    """What the formulas of a task ask of the samples; None without one."""
-    if not task.satisfy:
-        return None
-    return every(sampled(clause.formula, task.step, task.steps) for clause in task.satisfy)
 
 
 def synthesise(

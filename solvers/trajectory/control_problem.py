@@ -195,4 +195,6 @@ def limit_excess(limits: MotionLimits, x: Array) -> float:
     if limits.start_values is not None:
         gaps.append(np.abs(q[:1] - limits.start_values))
     gaps.append(np.abs(x[0, 2 * n :] - limits.own_start))
+    if limits.loop is not None:
+        gaps.append(np.abs(x[-1] - x[limits.loop]))
     return max(float(np.max(gap, initial=0.0)) for gap in gaps)

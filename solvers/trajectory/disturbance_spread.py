@@ -149,6 +149,7 @@ def disturbance_spread(
     step: Linearisation,
     gains: Array | None = None,
     second: SecondOrder | None = None,
+    loop: tuple[int, Array] | None = None,
 ) -> DisturbanceSpread:
     """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
 
@@ -156,13 +157,15 @@ def disturbance_spread(
     order is added.
     Inputs are taken to be off by a constant in every step, and accelerations by what uncertain
     masses take of them.  With ``gains`` (k, m, N) what is measured is fed back.
+    With a ``loop``, its first sample and the generators (N, N) of a set, motions are those from all
+    states of the set from then on.
     """
     n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
     radii = [float(radius) for radius in disturbance_radii(task, model)]
     noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
     part, most = input_errors(task, model)
     share, added = float(part), np.array([float(value) for value in most])
-    heavier = _heavier(numeric, task, trajectory)
+    heavier = heavier_masses(numeric, task, trajectory)
     count = heavier.shape[2]
     mass = max((float(item.part) for item in uncertain_masses(task, model)), default=0.0)
     columns = np.zeros((numeric.size, 2 * n + count))
@@ -171,6 +174,9 @@ def disturbance_spread(
     points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
     inputs = np.zeros((k, numeric.m))
     for sample in range(k + 1):
+        if loop is not None and sample == loop[0]:
+            masses = np.zeros((numeric.size, count))
+            columns = np.hstack([loop[1][:, : 2 * n], masses, loop[1][:, 2 * n :]])
         states[sample] = np.abs(columns[: 2 * n]).sum(axis=1)
         moved = np.abs(by_q[sample] @ columns[:n]).sum(axis=2)
         points[sample] = np.linalg.norm(moved, axis=1)
@@ -203,7 +209,7 @@ def disturbance_spread(
     return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest, final)
 
 
-def _heavier(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory) -> Array:
+def heavier_masses(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory) -> Array:
     """What each uncertain mass at its bound adds to coordinates and rates in a step, (k, 2n, c)."""
     n, dt = numeric.n, float(task.step)
     masses = uncertain_masses(task, numeric.graph.model)

@@ -25,6 +25,7 @@ from solvers.trajectory.disturbance_spread import (
     disturbance_spread,
     second_order,
 )
+from solvers.trajectory.round_set import LEAST_SLACK, round_sets
 from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
 
@@ -66,6 +67,9 @@ SIZES = (
 """Which are best depends on the robot and its disturbances; states that are not measured ask for
 small gains."""
 
+GENTLE = (Sizes(3.0, 15.0),)
+"""Loops need gains that bring states back for certain, and they have all time."""
+
 
 def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
     """Per input (count,) its widest margin: what deviations of inputs are weighed against."""
@@ -75,11 +79,21 @@ def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
     return scales
 
 
-def regulator(steps: Linearisation, measured: int, scales: Array, sizes: Sizes = SIZES[0]) -> Array:
+ROUNDS = 4
+"""The cost of what lies ahead of a loop is that of so many further rounds."""
+
+
+def regulator(
+    steps: Linearisation,
+    measured: int,
+    scales: Array,
+    sizes: Sizes = SIZES[0],
+    loop: int | None = None,
+) -> Array:
     """Gains (k, m, N) along linearised steps; only the first ``measured`` entries are fed back.
 
-    ``scales`` (m,) are the sizes of inputs, in their units.  Gains are zero where the equations
-    have no finite solution.
+    ``scales`` (m,) are the sizes of inputs, in their units.  With a ``loop`` the steps from that on
+    come again and again.  Gains are zero where the equations have no finite solution.
     """
     count, size = steps.state.shape[:2]
     weights = sizes.weights(np.arange(count) / max(1, count), measured // 2, size)
@@ -87,7 +101,11 @@ def regulator(steps: Linearisation, measured: int, scales: Array, sizes: Sizes =
     gains = np.zeros((count, len(scales), size))
     ahead = np.diag(weights[-1]) if count else np.zeros((size, size))
     # As if the last step went on, so that the end is cared for like all that is before.
-    for k in reversed([*range(count), *[count - 1] * count]):
+    order = list(reversed([*range(count), *[count - 1] * count]))
+    if loop is not None:
+        rounds = list(reversed(range(loop, count)))
+        order = rounds * ROUNDS + order[count:]
+    for k in order:
         a, b = steps.state[k], steps.input[k]
         try:
             gain = np.linalg.solve(price + b.T @ ahead @ b, b.T @ ahead @ a)
@@ -140,13 +158,11 @@ def gains_along(
     trajectory: Trajectory,
     groups: tuple[InputGroup, ...],
     substeps: int,
+    loop: int | None = None,
+    slack: float = LEAST_SLACK,
 ) -> Array:
-    """Gains (k, m, N) of few digits along a trajectory.
-
-    Of several sizes of deviations, those are taken that let disturbed motions spread least on
-    average, and command little.
-    """
-    return closed_spread(numeric, task, trajectory, groups, substeps)[0]
+    """Gains (k, m, N) of few digits along a trajectory, as ``closed_spread`` chooses them."""
+    return closed_spread(numeric, task, trajectory, groups, substeps, loop, slack)[0]
 
 
 def closed_spread(
@@ -155,31 +171,53 @@ def closed_spread(
     trajectory: Trajectory,
     groups: tuple[InputGroup, ...],
     substeps: int,
+    loop: int | None = None,
+    slack: float = LEAST_SLACK,
 ) -> tuple[Array, DisturbanceSpread | None]:
     """The gains along a trajectory, and how far disturbed motions get with them.
 
-    To second order, unless that grows beyond all bounds; None for a task without disturbances.
+    Of several sizes of deviations, those are taken that let disturbed motions spread least on
+    average, and command little: to second order, unless that grows beyond all bounds.  None for a
+    task without disturbances and loop, and where no set is found that rounds return into.
+
+    Args:
+        numeric: the robot.
+        task: the task.
+        trajectory: the planned motion.
+        groups: the bounded inputs.
+        substeps: the parts of a step.
+        loop: the first sample of a loop, from a set of states that is by ``slack`` larger than
+            estimated; None: the motion ends.
+        slack: a part of the size of that set.
     """
     dt = float(task.step)
     with np.errstate(all="ignore"):
         steps = numeric.step(trajectory.x[:-1], trajectory.u, trajectory.theta, dt, substeps)
         scales = input_scales(groups, numeric.m)
-        if task.robust is None:
+        if task.robust is None and loop is None:
             return _rounded(regulator(steps, 2 * numeric.n, scales)), None
         second = second_order(numeric, trajectory, dt)
         found = []
-        for sizes in SIZES:
-            gains = _rounded(regulator(steps, 2 * numeric.n, scales, sizes))
-            linear = disturbance_spread(numeric, task, trajectory, steps, gains)
-            closer = disturbance_spread(numeric, task, trajectory, steps, gains, second)
-            bounded = closer.widest < MOST_GROWTH * linear.widest
-            spread = closer if bounded else linear
-            found.append((not bounded, _cost(spread, scales), gains, spread))
+        for sizes in SIZES if loop is None else SIZES + GENTLE:
+            gains = _rounded(regulator(steps, 2 * numeric.n, scales, sizes, loop))
+            starts: list[tuple[int, Array] | None] = [None]
+            if loop is not None:
+                sets = round_sets(numeric, task, trajectory, gains, loop, substeps, slack)
+                starts = [(loop, each.generators) for each in sets]
+            for start in starts:
+                linear = disturbance_spread(numeric, task, trajectory, steps, gains, None, start)
+                closer = disturbance_spread(numeric, task, trajectory, steps, gains, second, start)
+                bounded = closer.widest < MOST_GROWTH * linear.widest
+                spread = closer if bounded else linear
+                found.append((not bounded, spread_cost(spread, scales), gains, spread))
+        if not found:
+            return _rounded(regulator(steps, 2 * numeric.n, scales, loop=loop)), None
         best = min(found, key=lambda item: item[:2])
     return best[2], best[3]
 
 
-def _cost(spread: DisturbanceSpread, scales: Array) -> float:
+def spread_cost(spread: DisturbanceSpread, scales: Array) -> float:
+    """How far disturbed motions spread on average, more so if much is commanded against it."""
     share = float(np.max(spread.inputs / scales, initial=0.0))
     mean = float(np.max(spread.points, axis=1, initial=0.0).mean())
     return mean * (1 + share) / (1 - share) if share < 1 else mean * share * BEYOND_BOUNDS

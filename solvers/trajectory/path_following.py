@@ -28,8 +28,9 @@ from solvers.trajectory.corridor import (
     word_of,
 )
 from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
-from solvers.trajectory.feedback import closed_spread, gains_along
+from solvers.trajectory.feedback import closed_spread, gains_along, input_scales, spread_cost
 from solvers.trajectory.inverse_kinematics import branches
+from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
     InputGroup,
@@ -70,7 +71,10 @@ class PathProblem:
     pass them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the paths of
     other effectors in it, and ``timing`` is when the cells are entered, where smooth timing will
     not do.  ``spread`` is by how much disturbed motions tighten the constraints beyond the margins.
-    With ``feedback`` a controller keeps robots near the motion.  ``solver`` is the name in cvxpy of
+    With ``feedback`` a controller keeps robots near the motion.  With a ``loop``, the sample at
+    which it begins, the motion ends where it is there, and what comes behind it again and again
+    stays in the last cell, unless it is all of the motion; the set of the loop is larger than its
+    estimate by the part ``slack``.  ``solver`` is the name in cvxpy of
     what solves the convex steps, None: our own programs.
     """
 
@@ -91,6 +95,8 @@ class PathProblem:
     timing: Entries | None = None
     spread: DisturbanceSpread | None = None
     feedback: bool = False
+    loop: int | None = None
+    slack: float = LEAST_SLACK
     solver: str | None = None
 
     @property
@@ -126,7 +132,9 @@ class PathProblem:
         insets = 0.0 if self.insets is None else self.insets
         tightening = 0.0 if self.spread is None else self.spread.states[:, :, None]
         final = 0.0 if self.spread is None else self.spread.final
-        return motion_limits(self.model, self.task, self.limit_margin + insets + tightening, final)
+        slack = self.limit_margin + insets + tightening
+        found = motion_limits(self.model, self.task, slack, final)
+        return found if self.loop is None else replace(found, loop=self.loop)
 
     # --- timing and formulas --------------------------------------------------------------------
 
@@ -151,7 +159,7 @@ class PathProblem:
 
     def allows(self, entries: Entries) -> bool:
         """Whether the path may be entered so: every cell has samples, and the formula holds."""
-        if not in_order(entries, self.task.steps):
+        if not in_order(entries, self.task.steps) or (self.loop and entries[-1] > self.loop):
             return False
         return self.formula is None or holds(self.formula, self.word(entries))
 
@@ -283,20 +291,57 @@ class PathProblem:
 
     def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
         """The same task, tightened by so many spreads of the disturbed motions."""
-        groups = input_groups(self.model, self.task)
-        if self.feedback and self.task.robust is not None:
-            found = closed_spread(self.numeric, self.task, trajectory, groups, self.substeps)[1]
+        if self.feedback:
+            found = closed_spread(
+                self.numeric, self.task, trajectory, input_groups(self.model, self.task),
+                self.substeps, self.loop, self.slack,
+            )[1]  # fmt: skip
         else:
-            with np.errstate(all="ignore"):
-                dt, x, u = float(self.task.step), trajectory.x[:-1], trajectory.u
-                steps = self.numeric.step(x, u, trajectory.theta, dt, self.substeps)
-                found = disturbance_spread(self.numeric, self.task, trajectory, steps)
+            start = None if self.loop is None else self.round_set(trajectory, None)
+            found = self._spread(trajectory, None, start)
         return self if found is None else replace(self, spread=found.scaled(factor))
+
+    def round_set(self, trajectory: Trajectory, gains: Array | None) -> RoundSet | None:
+        """The set of states that rounds of the loop begin in.
+
+        It is the one from which motions with ``gains`` (k, m, N) spread least; None where none is
+        found.
+
+        Raises:
+            ValueError: the motion ends.
+        """
+        if self.loop is None:
+            raise ValueError("the motion ends")
+        still = np.zeros((len(trajectory.u), self.numeric.m, self.numeric.size))
+        feedback = still if gains is None else gains
+        found = round_sets(
+            self.numeric, self.task, trajectory, feedback, self.loop, self.substeps, self.slack
+        )
+        if len(found) == 1:
+            return found[0]
+        return min(found, key=lambda one: self._cost(trajectory, gains, one), default=None)
+
+    def _spread(
+        self, trajectory: Trajectory, gains: Array | None, start: RoundSet | None
+    ) -> DisturbanceSpread:
+        loop = None if self.loop is None or start is None else (self.loop, start.generators)
+        with np.errstate(all="ignore"):
+            dt, x, u = float(self.task.step), trajectory.x[:-1], trajectory.u
+            steps = self.numeric.step(x, u, trajectory.theta, dt, self.substeps)
+            return disturbance_spread(self.numeric, self.task, trajectory, steps, gains, None, loop)
+
+    def _cost(self, trajectory: Trajectory, gains: Array | None, start: RoundSet | None) -> float:
+        """How far disturbed motions spread, more so if much is commanded against it."""
+        spread = self._spread(trajectory, gains, start)
+        scales = input_scales(input_groups(self.model, self.task), self.numeric.m)
+        return spread_cost(spread, scales)
 
     def gains(self, trajectory: Trajectory) -> Array:
         """The gains (k, m, N) of feedback about a trajectory."""
         groups = input_groups(self.model, self.task)
-        return gains_along(self.numeric, self.task, trajectory, groups, self.substeps)
+        return gains_along(
+            self.numeric, self.task, trajectory, groups, self.substeps, self.loop, self.slack
+        )
 
     def refined(self, trajectory: Trajectory) -> PathProblem:
         """The same task with as many substeps as a motion needs to be integrated accurately.
@@ -333,51 +378,6 @@ class PathProblem:
             return None
         before = 0.0 if self.insets is None else self.insets
         return replace(self, insets=before + np.maximum(0.0, BEYOND * beyond))
-
-    def visited(self, trajectory: Trajectory) -> tuple[tuple[int, ...], Entries] | None:
-        """The cells a trajectory visits and when it enters them, if that is a path of the task."""
-        positions = self.numeric.points(trajectory.x[:, : self.numeric.n], trajectory.theta).value
-        avoided = {
-            name
-            for avoid in self.task.avoid
-            if avoid.subject == "effector"
-            for name in avoid.regions
-        }
-        cells: list[int] = []
-        entries: list[int] = []
-        for sample, point in enumerate(positions[:, self.effector]):
-            cell = self.abstraction.locate(point)
-            if cell is None or self.abstraction.cells[cell].propositions & avoided:
-                return None
-            if not cells or cells[-1] != cell:
-                if cells and cell not in self.abstraction.neighbours[cells[-1]]:
-                    return None
-                cells.append(cell)
-                entries.append(sample)
-        starts = cells[0] == self.cells[0] or not self.constraints.starts_in_its_cell
-        if not starts or cells[-1] != self.cells[-1]:
-            return None
-        found = tuple(cells), tuple(entries)
-        return found if self.along(*found).allows(found[1]) else None
-
-    def cell_names(self, trajectory: Trajectory, entries: Entries) -> list[list[str]]:
-        """The cell of every effector at every sample."""
-        cells = self.abstraction.cells
-        positions = self.numeric.points(trajectory.x[:, : self.numeric.n], trajectory.theta).value
-        ends = [*entries[1:], self.task.steps + 1]
-        own = [
-            cells[cell].name
-            for cell, first, last in zip(self.cells, entries, ends, strict=True)
-            for _ in range(first, last)
-        ]
-        names = []
-        for effector in range(len(self.model.effectors)):
-            if effector == self.effector:
-                names.append(own)
-                continue
-            located = [self.abstraction.locate(point) for point in positions[:, effector]]
-            names.append(["free" if i is None else cells[i].name for i in located])
-        return names
 
 
 def _largest_gap(before: Array, after: Array) -> float:

@@ -200,6 +200,8 @@ class _Step:
             found.append(q[0] == limits.start_values)
         if len(limits.own_start):
             found.append(own == limits.own_start)
+        if limits.loop is not None:
+            found.append(self.x[-1] == self.x[limits.loop])
         return found
 
     def trust(self) -> list[cp.Constraint]:

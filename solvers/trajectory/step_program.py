@@ -55,7 +55,7 @@ class StepProgram:
         return np.concatenate([row, n + row, own]), np.concatenate([column, n + column, own])
 
     def _lay_equalities(self) -> None:
-        """C.2, one block of N rows per step, then values given at the two ends."""
+        """C.2, one block of N rows per step, then values given at the ends, and a closed loop."""
         layout, limits = self.layout, self.question.limits
         k, width, n = layout.k, layout.width, layout.n
         entries = EntryList()
@@ -78,6 +78,8 @@ class StepProgram:
                 given.append((columns, np.zeros(len(columns))))
         for columns, _ in given:
             entries.add(columns[:, None])
+        if limits.loop is not None:
+            entries.add(layout.x[k][:, None], layout.x[limits.loop][:, None])
         self._equal = entries.compressed(layout.size)
         self._given = np.concatenate([columns for columns, _ in given])
         self._given_values = np.concatenate([values for _, values in given])
@@ -163,7 +165,11 @@ class StepProgram:
             values.append(model.fictitious[:, *self._fictitious].ravel())
         values.append(np.ones(len(self._given)))
         given = self._given_values - about.x.ravel()[self._given]
-        return values, np.concatenate([known.ravel(), given])
+        loop = self.question.limits.loop
+        if loop is None:
+            return values, np.concatenate([known.ravel(), given])
+        values += [np.ones(layout.width), np.full(layout.width, -1.0)]
+        return values, np.concatenate([known.ravel(), given, about.x[loop] - about.x[-1]])
 
     def _positions(self, model: Model, wanted: PositionRows) -> tuple[list[Array], Array]:
         """C.1: half-planes on positions linearised in the coordinates and parameters."""

@@ -151,7 +151,8 @@ class MotionLimits:
     Arrays have one entry per degree of freedom: coordinates in rad or m, rates in the same per
     second.  ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones
     (inf: free) at the last ``final_samples`` samples, ``start_values`` fixes the initial
-    coordinates and ``own_start`` (r,) the initial states of the modules' own.
+    coordinates and ``own_start`` (r,) the initial states of the modules' own.  The last state is
+    that of the sample ``loop``, if there is one.
     """
 
     lower: Array
@@ -163,3 +164,4 @@ class MotionLimits:
     start_values: Array | None
     own_start: Array = field(default_factory=lambda: np.zeros(0))
     final_samples: int = 1
+    loop: int | None = None

@@ -22,8 +22,8 @@ from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSe
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.scene import scene_of
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
-from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
-from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, zonotope
+from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot, legs
+from solvers.verifier.proofs.zonotope import Zonotope, zonotope
 from solvers.verifier.report import Outcome, Refused
 from solvers.verifier.verification import claimed_robot
 
@@ -44,7 +44,8 @@ class CertifiedTube:
         samples: (k + 1, 2 n, 2) bounds of coordinates and rates at the ends of the task's steps.
         sample_points: (k + 1, p, d, 2) bounds of the positions of all points there.
         commanded: (k, inputs, 2) bounds of the inputs that are commanded in each step.
-        disturbed: whether it holds all disturbed motions of a task with ``robust``.
+        disturbed: whether it holds all disturbed motions of a task with ``robust``, or all rounds
+            of motions that go on for ever.
         segments: the solutions themselves, as polynomials in the coordinates of the equations.
         point_map: how positions follow from the coordinates of the equations.
         rows: (n, n) the integer matrix D that gives the joints' coordinates, q = D y.
@@ -117,47 +118,49 @@ def certified_tube(folder: Path) -> CertifiedTube:
         raise Refused("the verdict is impossible, so there is no motion", Outcome.UNDECIDED)
     robot = claimed_robot(claimed.claim, claimed.program, claimed.task)
     scene = scene_of(claimed.program, claimed.task, robot.model, claimed.cells, robot.derivation)
+    disturbed = scene.task.robust is not None or scene.task.repeat
     for accuracy in ACCURACIES:
         with working_precision(accuracy.bits):
             try:
-                disturbed = scene.task.robust is not None
                 return _enclosed(driven_robot(scene, robot.motion, disturbed=disturbed), accuracy)
             except EnclosureFailure:
                 # A disturbed set grows whatever the accuracy.
-                if accuracy is ACCURACIES[-1] or scene.task.robust is not None:
+                if accuracy is ACCURACIES[-1] or disturbed:
                     raise
     raise AssertionError(ACCURACIES)
 
 
 def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
     """The tube at an accuracy; from all disturbed starts where the task names disturbances."""
-    task, robust = robot.scene.task, robot.scene.task.robust
-    initial, error = InitialSet(robot.state), None
-    if robust is not None:
-        initial = disturbed_start(robot.scene, robot.state)
-        error = input_error(robot.scene)
+    task = robot.scene.task
+    several = task.robust is not None or task.repeat
+    initial = disturbed_start(robot.scene, robot.state)
+    error = input_error(robot.scene)
     rows = robot.scene.graph.coordinates.rows
     segments, states, points = list[TubeSegment](), list[Array](), list[Array]()
-    sets, commanded = [zonotope(initial)], list[Array]()
-    for segment in tube(
-        robot.field, initial, robot.inputs, ball(task.step), accuracy, error, robot.law
-    ):
-        half = segment.length / 2
-        over = segment.at(half + SIGNED * half)
-        segments.append(segment)
-        if segment.number == len(commanded):
-            commanded.append(_bounds(segment.commanded))
-        if segment.steps[1].denominator == 1:
-            sets.append(segment.last or sets[-1])
-        states.append(_bounds(_joint_states(rows, over)))
-        points.append(_places(robot.point_map, over))
+    sets, commanded = list[Zonotope](), list[Array]()
+    for start, steps in legs(robot, initial):
+        # A round begins from all of its set, which holds what the prefix leads to.
+        sets[steps.start :] = [zonotope(start)]
+        for segment in tube(
+            robot.field, start, robot.inputs, ball(task.step), accuracy, error, robot.law, steps
+        ):
+            half = segment.length / 2
+            over = segment.at(half + SIGNED * half)
+            segments.append(segment)
+            if segment.number == len(commanded):
+                commanded.append(_bounds(segment.commanded))
+            if segment.steps[1].denominator == 1:
+                sets.append(segment.last or sets[-1])
+            states.append(_bounds(_joint_states(rows, over)))
+            points.append(_places(robot.point_map, over))
     times = [0.0, *(float((each.start + each.length).mid()) for each in segments)]
     found, n = np.array(states).reshape(len(segments), -1, 2), len(rows)
     return CertifiedTube(
         np.array(times), found[:, :n], found[:, n:], np.array(points),
         np.array([_sample(rows, each) for each in sets]),
         np.array([_places(robot.point_map, each.hull()) for each in sets]),
-        np.array(commanded), robust is not None, tuple(segments), robot.point_map, rows,
+        np.array(commanded), several, tuple(segments), robot.point_map, rows,
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import robot_in_task
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import robot_inputs
+from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.tasks.specification import missing_effector, recorded_effector
 from compiler.words.derivation import BadDerivation, Derivation
 from compiler.workspaces.abstraction import Abstraction
@@ -35,10 +35,11 @@ from solvers.verifier.claims.certificate import (
     exact,
     verdict_of,
 )
-from solvers.verifier.claims.further_claims import exact_law, unknown_claims
+from solvers.verifier.claims.further_claims import exact_law, exact_loop, unknown_claims
 from solvers.verifier.claims.spec_copy import ClaimedTask, claimed_task, read_claim
 from solvers.verifier.proofs.checked_condition import decisive
 from solvers.verifier.proofs.control_law import ControlLaw
+from solvers.verifier.proofs.loop_set import Loop
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
@@ -147,6 +148,7 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
         claim.effector,
         claim.path,
         _law(claim, n, m, task),
+        _loop(claim, model, task),
     )
 
 
@@ -176,6 +178,24 @@ def _law(claim: FoundClaim, n: int, m: int, task: ir.Task) -> ControlLaw | None:
     return law
 
 
+def _loop(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Loop | None:
+    """The claimed loop, of the right shape, of a task whose motion goes on for ever."""
+    if (claim.loop is not None) is not task.repeat:
+        said = "goes on for ever" if task.repeat else "ends"
+        raise Refused(f"the motion of the task {said}, the claim is about another one")
+    if claim.loop is None:
+        return None
+    if not 0 <= claim.loop.first < task.steps:
+        raise Refused(f"the loop does not begin within the {task.steps} steps")
+    size = 2 * len(model.dofs) + len(robot_states(model))
+    if len(claim.loop.centre) != size:
+        raise Refused(f"the set of the loop is not one of {size} states")
+    try:
+        return exact_loop(claim.loop)
+    except ValueError as error:
+        raise CertificateError(f"the certificate is malformed: {error}") from None
+
+
 def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:
     shape_fits = len(claim.path) == len(model.effectors) and all(
         len(names) == task.steps + 1 for names in claim.path
@@ -202,7 +222,8 @@ def _path_avoids(claim: FoundClaim, task: ir.Task, cells: Abstraction) -> None:
     first, last = claim.path[claim.effector][0], claim.path[claim.effector][-1]
     if known[first] not in _start_cells(task, cells, claim.effector):
         raise Refused(f"the path starts in `{first}`, not in the start region")
-    if task.reach is not None and known[last] not in cells.within([task.reach.region]):
+    reach = None if task.repeat else task.reach
+    if reach is not None and known[last] not in cells.within([reach.region]):
         raise Refused("the path does not end in the target")
 
 

@@ -25,7 +25,7 @@ from solvers.execution.workers import Workers
 from solvers.search.configuration_search import Sample
 from solvers.search.evaluation import Evaluator, SolveRequest
 from solvers.search.path_task import PathTask
-from solvers.search.synthesis import task_on_samples
+from solvers.search.round_task import round_tasks
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
@@ -108,8 +108,15 @@ def path_problem_of(found: FoundDesign, record: FoundRecord) -> PathProblem:
         raise UsageFault("the robot cannot move: it has no motion whose robustness could vary")
     program, task = expanded(found.program, found.task)
     numeric = NumericRobot(robot_graph(found.model, task.gravity))
-    place = PathTask(program, task, numeric, task_on_samples(task), record.seed)
     effector, path = found.claim.effector, found.claim.path
+    loop = None if found.claim.loop is None else found.claim.loop.first
+    shapes = [part for part in round_tasks(task, effector) if part.loop == loop]
+    if not shapes:
+        raise UsageFault("the loop of the design is none that a search would look for")
+    searched = shapes[0]
+    place = PathTask(
+        program, searched.task, numeric, searched.formula, record.seed, loop=searched.loop
+    )
     path_problem = place.along(record.cells, effector, record.leader, path)
     if path_problem is None:
         raise UsageFault(f"the cells of effector {record.leader + 1} in the design are no path")

@@ -88,6 +88,7 @@ _TASK = {
     "control": "`control open loop;` or `control feedback;`: either if not given.",
     "open": "`control open loop;`: the inputs are fixed in advance.",
     "loop": "`control open loop;`: the inputs are fixed in advance.",
+    "repeat": "`repeat;`: the motion goes on for ever; the horizon is a prefix and one loop.",
     "feedback": "`control feedback;`: the inputs follow what is measured at the steps.",
     "effector": "The n-th effector, in word order; or all of them after `with`.",
     "body": "All rods, points and solids of the robot.",

@@ -54,8 +54,9 @@ def _legend(evidence: Evidence) -> str:
     width = widest(evidence)
     if width is None:
         return drawn
+    all_motions = "all rounds of all motions" if evidence.task.repeat else "all disturbed motions"
     motions = (
-        "The tube holds all disturbed motions; at"
+        f"The tube holds {all_motions}; at"
         if evidence.tube is not None and evidence.tube.disturbed
         else "Where no band is drawn, the proved tube is too narrow to be seen; at"
     )

@@ -107,7 +107,7 @@ def certificate_text(
                 peak,
                 rho,
                 tuple(cut_claim(cut.cell, cut.half_space) for cut in design.abstraction.cuts),
-                () if design.controller is None else (design.controller,),
+                tuple(claim for claim in (design.controller, design.loop) if claim is not None),
             )
         )
     if separation is not None:
@@ -213,6 +213,8 @@ def design_text(
             "leader": design.leader,
             "satisfy": satisfied_formulas(task, design.conditions),
         }
+        if design.loop is not None:
+            content["loop"] = design.loop.first
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 

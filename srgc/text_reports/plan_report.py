@@ -14,8 +14,10 @@ from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
+from solvers.search.round_task import closing, round_tasks
 from solvers.trajectory.corridor import Entries, gentle_entries, polyline, word_of
 from solvers.verdict import Holds, Unknown, Verdict
+from srgc.faults import UsageFault
 
 Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]
 """An effector, its cells, and the samples at which it enters them."""
@@ -46,17 +48,21 @@ def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = No
     """
     program, task = expanded(program, task)
     workspace, cells = program.workspaces[task.workspace], _cells(program, task, least_cells)
-    problem = _problem(cells, task)
-    match Planner(problem).next_plan():
-        case Holds(witness=plan):
-            gentle = _gentle(plan, problem, cells)
-            text = "\n".join(_lines(gentle, cells, task))
-            return PlanReport("found", text, workspace, cells, gentle)
-        case Unknown(reason=reason):
-            return PlanReport("unknown", f"unknown: {reason.value}", workspace, cells)
-        case ended:
-            text = f"no path: {_why(ended.counterexample, task)}"
-            return PlanReport("impossible", text, workspace, cells)
+    found = PlanReport("unknown", "unknown: there is no cell to start in", workspace, cells)
+    for problem in _problems(cells, task):
+        match Planner(problem).next_plan():
+            case Holds(witness=plan):
+                gentle = _gentle(plan, problem, cells)
+                text = "\n".join(_lines(gentle, cells, task))
+                return PlanReport("found", text, workspace, cells, gentle)
+            case Unknown(reason=reason):
+                found = PlanReport("unknown", f"unknown: {reason.value}", workspace, cells)
+            case ended:
+                text = f"no path: {_why(ended.counterexample, task)}"
+                # Of motions that go on for ever only some shapes are looked at.
+                verdict: Verdict = "unknown" if task.repeat else "impossible"
+                found = PlanReport(verdict, text, workspace, cells)
+    return found
 
 
 def _gentle(plan: Plan, problem: PlanningProblem, cells: Abstraction) -> Plan:
@@ -73,6 +79,8 @@ def _gentle(plan: Plan, problem: PlanningProblem, cells: Abstraction) -> Plan:
             entries: Entries, path: EffectorPath = path, others: Sequence[Timed] = tuple(others)
         ) -> bool:
             timed = [*others, (path.effector, path.cells, entries)]
+            if problem.settled is not None and entries[-1] > problem.settled:
+                return False
             return holds(formula, word_of(cells, timed, problem.steps))
 
         line = polyline(cells, path.cells)
@@ -82,9 +90,15 @@ def _gentle(plan: Plan, problem: PlanningProblem, cells: Abstraction) -> Plan:
 
 
 def dump_text(program: ir.Program, task: ir.Task, form: str, least_cells: int | None = None) -> str:
-    """The whole problem as ``dimacs`` or ``smt2``, satisfiable iff there is a plan."""
+    """The whole problem as ``dimacs`` or ``smt2``, satisfiable iff there is a plan.
+
+    Raises:
+        UsageFault: the task is about motions that go on for ever, which are several problems.
+    """
     program, task = expanded(program, task)
-    problem = _problem(_cells(program, task, least_cells), task)
+    if task.repeat:
+        raise UsageFault(f"the plans of task `{task.name}`, which repeats, are no single problem")
+    (problem,) = _problems(_cells(program, task, least_cells), task)
     lines = dimacs(problem) if form == "dimacs" else smt2(problem)
     return "\n".join(lines) + "\n"
 
@@ -94,8 +108,11 @@ def _cells(program: ir.Program, task: ir.Task, least: int | None) -> Abstraction
     return cells if least is None else cells.cut(bisections(cells, least))
 
 
-def _problem(cells: Abstraction, task: ir.Task) -> PlanningProblem:
-    return planning_problem(cells, task, recorded_effector(task) or 0)
+def _problems(cells: Abstraction, task: ir.Task) -> Iterator[PlanningProblem]:
+    """The problem of a task; of one that repeats, those of the shapes that a search looks at."""
+    recorded = recorded_effector(task) or 0
+    for part in round_tasks(task, recorded):
+        yield from closing(planning_problem(cells, part.task, recorded), part.loop)
 
 
 def _lines(plan: Plan, cells: Abstraction, task: ir.Task) -> Iterator[str]:

@@ -125,6 +125,7 @@ def synthesis_text(
 
     ``table`` is about all designs, ``change`` about what becomes of the existing robot.
     """
+    ends = float(task.steps * task.step)
     lines = [f"verdict: {result.verdict}" + (f" ({result.reason})" if result.reason else "")]
     design = result.design
     if design is not None:
@@ -137,6 +138,9 @@ def synthesis_text(
         lines += _inputs(design, task)
         if robot_inputs(design.model):
             lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
+        if design.loop is not None:
+            begins = float(design.loop.first * task.step)
+            lines.append(f"repeats: from {begins:g} s to {ends:g} s again and again, for ever")
         lines += [
             f"formula: {condition.name}, robustness {condition.margin:.4g} m"
             for condition in design.conditions

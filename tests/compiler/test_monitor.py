@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.monitor import TimeSet, Verdicts, monitor, satisfied
+from compiler.tasks.monitor import Verdicts, monitor, satisfied
+from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning
 from tests.oracles.formulas import formulas

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -101,6 +102,22 @@ def test_avoidance(formula: str, avoided: str) -> None:
     found = task(f"satisfy {plain(formula)};")
     assert " ".join(task_avoidance(found, 1)) == avoided
     assert task_avoidance(found, 2) == task_avoidance(found, None) == ()
+
+
+@pytest.mark.parametrize(
+    ("formula", "avoided", "for_ever"),
+    [
+        ("always not A", "A", "A"),
+        ("always[0 s, 10 s] not A", "A", ""),
+        ("always always[0 s, 1 s] not A", "A", "A"),
+        ("always (not A until not A)", "A", "A"),
+    ],
+)
+def test_avoidance_for_ever(formula: str, avoided: str, for_ever: str) -> None:
+    """What is not entered within the horizon may be entered in a later round."""
+    found = task(f"satisfy {plain(formula)};")
+    assert " ".join(task_avoidance(found, 1)) == avoided
+    assert " ".join(task_avoidance(replace(found, repeat=True), 1)) == for_ever
 
 
 def test_who() -> None:

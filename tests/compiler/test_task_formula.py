@@ -8,12 +8,13 @@ from fractions import Fraction
 import pytest
 
 from compiler.tasks.formula_parts import attained
-from compiler.tasks.monitor import TimeSet, satisfied
+from compiler.tasks.monitor import satisfied
 from compiler.tasks.specification import (
     missing_effector,
     recorded_effector,
     task_formula,
 )
+from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
 from tests.oracles.tasks import avoid, task
 

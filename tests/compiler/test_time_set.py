@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.tasks.monitor import AFTER, BEFORE, TimeSet
+from compiler.tasks.time_set import AFTER, BEFORE, TimeSet
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning, instant, parts_between
 from tests.oracles.time_grid import marks, time_set

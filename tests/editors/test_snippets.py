@@ -26,6 +26,7 @@ AROUND = {
     "Gravity": "task T { %s }",
     "Disturbances": "task T { %s }",
     "Feedback": "task T { %s }",
+    "For ever": "task T { %s }",
 }
 """Where a snippet goes that is not an item of a file."""
 FILE = ("Base module", "Joint module", "Link module", "Effector module", "Edge", "Grammar",

@@ -99,6 +99,7 @@ STATEMENTS = [
     ("task", "robust mass 3 %;"),
     ("task", "control open loop;"),
     ("task", "control feedback;"),
+    ("task", "repeat;"),
     ("task", "satisfy eventually[0 s, 5 s] (A or B by effector 2);"),
     ("task", "satisfy not (not A) and always (A implies next B) until last[1 s] C;"),
 ]  # fmt: skip

@@ -94,6 +94,15 @@ def test_the_control_of_a_task(loop: str, means: str) -> None:
     assert means in told(analysis, "control ", loop)
 
 
+def test_a_task_for_ever() -> None:
+    text = (ROOT / "specs" / "planar_arm.srg").read_text(encoding="utf-8")
+    name = text.partition("\ntask ")[2].partition(" ")[0]
+    place = text.index("{", text.index(f"\ntask {name} ")) + 1
+    analysis = analyse("untitled:x", f"{text[:place]} repeat;{text[place:]}", {})
+    assert "- goes on for ever" in told(analysis, "task ", name)
+    assert "a prefix and one loop" in told(analysis, " ", "repeat")
+
+
 def test_space_has_volumes() -> None:
     text = """workspace W { space xyz; bounds box [0, 9] x [0, 9] x [0, 9] m;
     region Tetra hull (0, 0, 0), (3, 0, 0), (0, 2, 0), (0, 0, 1) m; }"""

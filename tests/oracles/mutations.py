@@ -28,8 +28,8 @@ WORDS = _listed(
     "or not rot move rod point solid effector sin sqrt pi plane space bounds box polytope hull "
     "region obstacle target obstacles from robot in at rest reach avoid body self margin effort "
     "norm horizon steps of slack gravity modules satisfy robust always eventually next until last "
-    "implies by rates for fixed control open loop feedback mass measure bound revolute prismatic "
-    "rate base joint link xy xyz m kg N deg s N*m rad/s "
+    "implies by rates for fixed control open loop feedback repeat mass measure bound revolute "
+    "prismatic rate base joint link xy xyz m kg N deg s N*m rad/s "
     "0 1 2 -1 1e300 1e-300 0.1 1000000 99999999999999999999 1/0 2^200 ; { } ( ) [ ] , : = -> <= >= "
     "< > == | * + ? ^ . / - % 'a' \"b.srg\" /* */ //"
 )

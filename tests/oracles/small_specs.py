@@ -196,3 +196,15 @@ task Turn {
 }
 """
 """Two links of 1.3 m and 0.9 m with a controller and all kinds of disturbances."""
+
+LOOPED = replaced(
+    replaced(
+        SLIDER,
+        "  reach T;\n",
+        "  satisfy always (eventually T and eventually S);\n  repeat;\n"
+        "  robust start 1 mm, 1 mm/s;\n  robust effort 1 % of bound;\n",
+    ),
+    "horizon 10 steps",
+    "horizon 30 steps",
+)
+"""The mass goes to and fro for ever."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from compiler.tasks.monitor import TimeSet
+from compiler.tasks.time_set import TimeSet
 from tests.oracles.formula_semantics import instant
 
 

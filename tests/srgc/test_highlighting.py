@@ -112,7 +112,7 @@ task Turn {
   robust start 1 mm 0.1 deg, (1 + 1) m; robust effort 0.5 %;
   robust measure 0.1 deg, 2 mm/s; robust effort (1 + 1) % /* */ of bound; robust mass 3 %;
   robust mass 3 % of of; robust mass (1 + 1) % of Tube;
-  control open loop; control feedback;
+  control open loop; control feedback; repeat;
 }
 """
 

@@ -71,6 +71,8 @@ def disagreement(
     expected["reconfiguration"] = _reconfiguration(claim, program, task)
     if isinstance(claim, FoundClaim) and "control" in design:
         expected["control"] = control_of(claim)
+    if isinstance(claim, FoundClaim) and (claim.loop is not None or "loop" in design):
+        expected["loop"] = None if claim.loop is None else claim.loop.first
     for key, value in expected.items():
         if not _says(design.get(key), value):
             return f"design.json and certificate.json differ in `{key}`"

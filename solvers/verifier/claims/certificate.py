@@ -24,6 +24,7 @@ from solvers.verdict import Claimed
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,
     FurtherClaim,
+    LoopClaim,
     claim_content,
     further_claims,
 )
@@ -82,6 +83,12 @@ class FoundClaim:
     def controller(self) -> ControllerClaim | None:
         """The controller; None for stated inputs without feedback."""
         found = [claim for claim in self.claims if isinstance(claim, ControllerClaim)]
+        return found[0] if found else None
+
+    @property
+    def loop(self) -> LoopClaim | None:
+        """The loop of a motion that goes on for ever; None for one that ends."""
+        found = [claim for claim in self.claims if isinstance(claim, LoopClaim)]
         return found[0] if found else None
 
 

@@ -1,4 +1,4 @@
-"""What a certificate of format 4 claims besides: a controller; kinds that are not known here."""
+"""What a certificate of format 4 claims besides: a controller, a loop; kinds not known here."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
 from compiler.expressions.exact_numbers import exact_number
-from solvers.verifier.claims.json_fields import objects, rows, text, texts
+from solvers.verifier.claims.json_fields import number, objects, rows, text, texts
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import ControlLaw
+from solvers.verifier.proofs.loop_set import Loop
 from solvers.verifier.proofs.tube_checks import Status
 
 
@@ -26,6 +27,20 @@ class ControllerClaim:
     gains: tuple[tuple[tuple[str, ...], ...], ...]
     rounding: tuple[str, ...] | None = None
     kind: str = "controller"
+
+
+@dataclass(frozen=True, slots=True)
+class LoopClaim:
+    """The motion goes on for ever: behind the last step comes that of the sample ``first`` again.
+
+    ``centre`` and the rows of ``generators`` state the set of states at that sample: coordinates
+    and rates of the joints, then the modules' own states.
+    """
+
+    first: int
+    centre: tuple[str, ...]
+    generators: tuple[tuple[str, ...], ...]
+    kind: str = "loop"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +64,20 @@ def exact_law(claim: ControllerClaim) -> ControlLaw:
     )
 
 
-FurtherClaim: TypeAlias = ControllerClaim | UnknownClaim
+def exact_loop(claim: LoopClaim) -> Loop:
+    """The loop that a claim states.
+
+    Raises:
+        ValueError: a number is none, the shapes do not agree, or the generators are dependent.
+    """
+    return Loop(
+        claim.first,
+        tuple(exact_number(x) for x in claim.centre),
+        tuple(tuple(exact_number(x) for x in row) for row in claim.generators),
+    )
+
+
+FurtherClaim: TypeAlias = ControllerClaim | LoopClaim | UnknownClaim
 
 
 def further_claims(items: object) -> tuple[FurtherClaim, ...]:
@@ -62,19 +90,31 @@ def further_claims(items: object) -> tuple[FurtherClaim, ...]:
         raise TypeError("a list of claims is due")
     found: list[FurtherClaim] = []
     for item in items:
-        kind = text(item.get("kind"))
-        if kind != "controller":
-            found.append(UnknownClaim(kind, item))
-            continue
-        (fields,) = objects([{"rounding": None, **item}], ControllerClaim)
-        if not isinstance(fields["gains"], list):
-            raise TypeError("a list of gains is due")
-        gains = tuple(rows(gain) for gain in fields["gains"])
-        rounding = texts(fields["rounding"]) if "rounding" in item else None
-        found.append(ControllerClaim(rows(fields["reference"]), gains, rounding))
-    if sum(isinstance(claim, ControllerClaim) for claim in found) > 1:
-        raise ValueError("more than one controller is claimed")
+        match text(item.get("kind")):
+            case "controller":
+                found.append(_controller(item))
+            case "loop":
+                found.append(_loop(item))
+            case kind:
+                found.append(UnknownClaim(kind, item))
+    for kind in ("controller", "loop"):
+        if sum(claim.kind == kind for claim in found) > 1:
+            raise ValueError(f"more than one {kind} is claimed")
     return tuple(found)
+
+
+def _controller(item: dict[str, Any]) -> ControllerClaim:
+    (fields,) = objects([{"rounding": None, **item}], ControllerClaim)
+    if not isinstance(fields["gains"], list):
+        raise TypeError("a list of gains is due")
+    gains = tuple(rows(gain) for gain in fields["gains"])
+    rounding = texts(fields["rounding"]) if "rounding" in item else None
+    return ControllerClaim(rows(fields["reference"]), gains, rounding)
+
+
+def _loop(item: object) -> LoopClaim:
+    (fields,) = objects([item], LoopClaim)
+    return LoopClaim(number(fields["first"]), texts(fields["centre"]), rows(fields["generators"]))
 
 
 def claim_content(claim: FurtherClaim) -> dict[str, Any]:
@@ -82,7 +122,7 @@ def claim_content(claim: FurtherClaim) -> dict[str, Any]:
     if isinstance(claim, UnknownClaim):
         return dict(claim.content)
     content = asdict(claim)
-    if claim.rounding is None:
+    if isinstance(claim, ControllerClaim) and claim.rounding is None:
         del content["rounding"]
     return content
 

@@ -1,7 +1,8 @@
 """The proof that a robot does its task whatever the disturbances that the task names.
 
 One tube holds the motions from every start within the radii, under all inputs that differ at any
-instant from what is stated by no more than their part.
+instant from what is stated by no more than their part.  Where motions go on for ever, another tube
+holds all that begin a round in the set of the loop.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ from solvers.verifier.proofs.end_conditions import (
     rates_name,
     target_name,
 )
+from solvers.verifier.proofs.endless_conditions import unless_open
+from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
 from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.tube_checks import Status
@@ -33,8 +36,6 @@ from solvers.verifier.proofs.tube_proof import (
     DrivenRobot,
     driven_robot,
     follow,
-    position_conditions,
-    state_limits,
 )
 from solvers.verifier.proofs.zonotope import InitialSet
 
@@ -57,6 +58,8 @@ def disturbed_findings(
         found = followed.so_far() if followed.ended else followed.conditions()
         if motion.law is not None:
             found += effort_conditions(scene.model, scene.task, followed.commanded)
+    if motion.loop is not None:
+        found = unless_open(found)
     told = [_told(each) for each in found]
     if followed.ended:
         told = _cut_short(scene, planned, told, followed.time)
@@ -117,7 +120,7 @@ def with_counterexample(
 
 def _told(condition: CheckedCondition) -> CheckedCondition:
     """A condition on all disturbed motions, with the reason where they are too many to prove it."""
-    if condition.status is not Status.UNDECIDED:
+    if condition.status is not Status.UNDECIDED or condition.why:
         return condition
     why = f"the enclosure of the disturbed motions outgrows the margin of `{condition.name}`"
     return replace(condition, why=why)

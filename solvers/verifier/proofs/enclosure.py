@@ -76,7 +76,8 @@ class TubeSegment:
 
     ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
     states) in the time since ``start``.  ``steps`` holds the exact ends of the segment in units of
-    the step.  ``last`` is the set at the end, of which ``end`` is the box; None without states.
+    the step.  ``last`` is the set of states at the end, of which ``end`` is the hull; None without
+    states but at the end of a tube.  ``spread`` is the set all along, of a wide tube.
     """
 
     start: arb
@@ -182,6 +183,7 @@ def tube(
     accuracy: Accuracy,
     error: InputError | None = None,
     law: SampledLaw | None = None,
+    steps: range | None = None,
 ) -> Iterator[TubeSegment]:
     """The validated solutions under inputs held for ``dt`` each, segment by segment.
 
@@ -197,6 +199,7 @@ def tube(
             default not at all.
         law: what sets the inputs that the states hold at each sample, those of the field being
             what is added to them; default the field's inputs are those stated.
+        steps: the numbers of the steps in turn; default all.
 
     Raises:
         EnclosureFailure: a segment has no validated enclosure however short.
@@ -204,16 +207,19 @@ def tube(
     """
     if error is not None and field.input_slopes is None:
         raise ValueError("disturbed inputs need the slopes of the field in its inputs")
+    numbers = range(len(inputs)) if steps is None else steps
     if not field.size:
-        for k in range(len(inputs)):
-            steps = Fraction(k), Fraction(k + 1)
-            yield TubeSegment(dt * k, dt, steps, (), (), tuple(inputs[k]), tuple(inputs[k]))
+        for k in numbers:
+            ends, held = (Fraction(k), Fraction(k + 1)), tuple(inputs[k])
+            point = Zonotope([], []) if k == numbers[-1] else None
+            yield TubeSegment(dt * k, dt, ends, (), (), held, held, point)
         return
     states = zonotope(initial if isinstance(initial, InitialSet) else box(initial))
     control = StepControl(float(dt))
     control.learn_degree(states.radii, [arb(0)] * field.size, accuracy.order)
-    start = arb(0)
-    for number, u in enumerate(inputs):
+    start = dt * numbers.start
+    for number in numbers:
+        u = inputs[number]
         if law is None:
             commanded, stated = list(u), list(u)
         else:
@@ -229,12 +235,12 @@ def tube(
                 raise EnclosureFailure(float(start.mid()))
             length, passage = found
             seconds = dt * ball(length)
-            steps = first, first + length
+            ends = first, first + length
             yield TubeSegment(
-                start, seconds, steps, _states(passage), tuple(passage.end.hull()),
+                start, seconds, ends, _states(passage), tuple(passage.end.hull()),
                 tuple(drive.all), tuple(commanded), passage.end, passage.moved.spread,
             )  # fmt: skip
-            states, first, start = passage.end, steps[1], dt * ball(steps[1])
+            states, first, start = passage.end, ends[1], dt * ball(ends[1])
 
 
 def _states(passage: _Passage) -> tuple[Coefficients, ...]:

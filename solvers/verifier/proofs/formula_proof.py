@@ -20,7 +20,6 @@ from compiler.tasks.monitor import (
     AtomKey,
     Monitored,
     Piece,
-    TimeSet,
     Trace,
     Verdicts,
     boolean_parts,
@@ -91,13 +90,15 @@ class FormulaProof:
     """What is known of the atoms of formulas along a tube, segment by segment.
 
     ``regions`` gives the sets that the atoms speak of; ``task`` the horizon.  ``tick`` is called
-    again and again; what it raises ends the proof.
+    again and again; what it raises ends the proof.  With a ``loop``, the sample at which one
+    begins, the formulas are about motions that go on for ever.
     """
 
     point_map: PointMap
     regions: Mapping[AtomKey, RegionDistance]
     task: ir.Task
     tick: Callable[[], None] = lambda: None
+    loop: int | None = None
     parts: list[_Part] = field(default_factory=list)
 
     def add(self, segment: TubeSegment, u: Sequence[arb]) -> None:
@@ -137,7 +138,7 @@ class FormulaProof:
         slices are halved for; where none of them straddles it, it is proved.
         """
         numbers = self._numbers(formula)
-        monitored = Monitored(formula, self.task.step * self.task.steps, self.task.step)
+        monitored = self._monitored(formula)
         most = len(self.parts) + MOST_SLICES
         while True:
             hoped = monitored.robustness(self._trace(numbers, hopeful=True)) or 0.0
@@ -147,6 +148,11 @@ class FormulaProof:
             if enough or not self._refine(level, numbers, most):
                 return monitored.robustness(trace), hoped
 
+    def _monitored(self, formula: ir.Formula) -> Monitored:
+        task = self.task
+        loop = None if self.loop is None else self.loop * task.step
+        return Monitored(formula, task.step * task.steps, task.step, loop)
+
     def _numbers(self, formula: ir.Formula) -> list[int]:
         """The places of its atoms among all."""
         wanted = {key(atom) for atom in atoms(formula)}
@@ -154,7 +160,7 @@ class FormulaProof:
 
     def _by_cases(self, formula: ir.Formula) -> Status:
         """What follows if atoms that are not decided are tried both ways, in whole slices."""
-        step = self.task.step
+        step, monitored = self.task.step, self._monitored(formula)
         known: dict[ir.Formula, Verdicts] = {}
         for part in boolean_parts(formula):
             values = [(slice_, self._value(part, slice_)) for slice_ in self.parts]
@@ -162,12 +168,11 @@ class FormulaProof:
                 value: [(s.first * step, s.last * step) for s, found in values if found is value]
                 for value in (True, False)
             }
-            end = step * self.task.steps
-            must, never = (TimeSet.closed(end, spans[value]) for value in (True, False))
+            must, never = (monitored.union(spans[value]) for value in (True, False))
             known[part] = Verdicts(must, never.complement)
         trace = self._trace(self._numbers(formula), hopeful=False)
         for status, said in ((Status.HOLDS, formula), (Status.FAILS, ir.Not(formula))):
-            if Monitored(said, step * self.task.steps, step).holds(trace, 0.0, known):
+            if self._monitored(said).holds(trace, 0.0, known):
                 return status
         return Status.UNDECIDED
 

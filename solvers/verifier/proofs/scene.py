@@ -15,6 +15,7 @@ from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.verifier.proofs.control_law import ControlLaw
+from solvers.verifier.proofs.loop_set import Loop
 
 # --- Who watches a long proof: told how far it has come, and able to end it -----------------------
 
@@ -42,6 +43,7 @@ class Motion:
 
     ``state`` holds coordinates and rates; the spec says where modules' own states begin.  All
     numbers are in SI units.  With a ``law``, inputs are those of the motion without deviations.
+    With a ``loop`` the motion goes on for ever.
     """
 
     theta: tuple[ParameterValue, ...]
@@ -50,6 +52,7 @@ class Motion:
     effector: int
     path: tuple[tuple[str, ...], ...]
     law: ControlLaw | None = None
+    loop: Loop | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,8 +44,9 @@ def prove_motion(
 
     Where the task names disturbances, what the planned motion is proved to do is then proved of all
     disturbed ones, and conditions are about those; where the robot starts, and the path of cells,
-    is about the planned one.  To ``refute`` asks for a disturbed motion that violates what could
-    not be proved.
+    is about the planned one.  So it is where motions go on for ever: the planned one up to the end
+    of the first round, all rounds of all motions then.  To ``refute`` asks for a disturbed motion
+    that violates what could not be proved.
 
     What the ``watch`` raises ends the proof.
     """
@@ -54,10 +55,11 @@ def prove_motion(
         return (CheckedCondition(f"effector {missing} of the task", Status.FAILS, 0.0, ""),)
     try:
         planned = _planned(scene, motion, watch)
-        if scene.task.robust is None or decisive(planned) is not None:
+        several = scene.task.robust is not None or scene.task.repeat
+        if not several or decisive(planned) is not None:
             return planned
         found = disturbed_findings(scene, motion, planned, ACCURACIES[0], watch)
-        if not refute:
+        if not refute or scene.task.repeat:
             return found
         return with_counterexample(scene, motion, found, ACCURACIES[0], watch)
     except UndefinedValueError as error:
@@ -112,7 +114,8 @@ def _conditions(
         scene.abstraction, float(scene.task.step), motion.path, following, followed.positions()
     )
     if motion.law is not None:
-        prefix = PLANNED if scene.task.robust is not None else ""
+        several = scene.task.robust is not None or scene.task.repeat
+        prefix = PLANNED if several else ""
         found += effort_conditions(scene.model, scene.task, followed.commanded, prefix)
     return (*found, *followed.conditions(), path)
 

@@ -4,48 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from textwrap import shorten
 
 from flint import arb
 
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import (
-    BALLS,
     ball,
     closed_ball,
     constant_ball,
-    scalar_balls,
 )
-from compiler.expressions.tape import Tape, tape
-from compiler.robots.robot import RobotModel, RodBody
+from compiler.expressions.tape import tape
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.tasks.formula_parts import atoms, formula_text
 from compiler.tasks.monitor import key
 from compiler.tasks.specification import measurement_radii, uncertain_masses
 from grammar_lang import ir
-from solvers.verifier.proofs.apart import Apart
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import InputError, SampledLaw, open_loop, sampled_law
+from solvers.verifier.proofs.defined import Defined
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.end_conditions import EndConditions
+from solvers.verifier.proofs.endless_conditions import endless_conditions, reached_some_time
 from solvers.verifier.proofs.formula_proof import FormulaProof
+from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
+from solvers.verifier.proofs.loop_set import LoopSet, loop_set
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.region_distance import region_distance
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.tube_checks import (
-    MOST_SPLITS,
     Constraint,
-    Inside,
     StateLimit,
     Status,
     Stretch,
     check_segment,
     close_margins,
-    rows_of,
 )
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
-from solvers.verifier.proofs.zonotope import InitialSet, Zonotope
+from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, zonotope
 
 LONGEST_TEXT = 72
 """Characters of a formula in a report."""
@@ -56,7 +52,8 @@ class DrivenRobot:
     """A robot of which everything is known but where it begins, in balls.
 
     ``state`` is the planned start in the graph's coordinates, ``inputs`` the stated inputs per
-    step.  With a ``law`` the state ends with the inputs that it holds.
+    step.  With a ``law`` the state ends with the inputs that it holds.  With a ``loop`` it is about
+    all motions, which go on for ever.
     """
 
     scene: Scene
@@ -67,6 +64,7 @@ class DrivenRobot:
     state: tuple[arb, ...]
     inputs: tuple[tuple[arb, ...], ...]
     law: SampledLaw | None = None
+    loop: LoopSet | None = None
 
     @property
     def tail(self) -> tuple[arb, ...]:
@@ -77,9 +75,9 @@ class DrivenRobot:
 def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> DrivenRobot:
     """A motion in the working precision.
 
-    Where it is ``disturbed``, measurements have the task's errors, and the last entries of the
-    state are the factors of uncertain masses.  A law is rounded there, and where the task names no
-    disturbances, so that there is no other proof.
+    Where it is ``disturbed``, measurements have the task's errors, the last entries of the state
+    are the factors of uncertain masses, and a loop begins from all states of its set.  A law is
+    rounded there, and where the task names no disturbances, so that there is no other proof.
     """
     model, task = scene.model, scene.task
     masses = uncertain_masses(task, model) if disturbed else ()
@@ -94,37 +92,46 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
     still = 0 if law is None else len(robot_inputs(model)) + len(masses)
     slopes = tape(graph.input_slopes) if task.robust is not None else None
     curvature = None
-    if task.robust is not None:
+    if task.robust is not None or task.repeat:
         second, places = graph.curvature
         curvature = Curvature(tape(second), places)
     field = VectorField(
         tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes, curvature
     )
-    moves = None if task.robust is None else tape(graph.point_slopes)
+    moves = None if curvature is None else tape(graph.point_slopes)
     point_map = PointMap(tape(graph.points), field, graph.model.dimension, moves)
     exact = [graph.coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
     state = [ball(value) for part in exact for value in part]
     state += [arb(0) if item.initial is None else closed_ball(item.initial) for item in own]
     if law is None:
         inputs = tuple(tuple(ball(value) for value in step) for step in motion.inputs)
-        return DrivenRobot(scene, motion, graph, field, point_map, tuple(state), inputs)
+        loop = _loop(scene, motion, graph, state) if disturbed else None
+        return DrivenRobot(scene, motion, graph, field, point_map, tuple(state), inputs, loop=loop)
     noise = measurement_radii(task, model) if disturbed else ()
     rounding = law.rounding if disturbed or task.robust is None else ()
     rows = graph.coordinates.rows
     sampled = sampled_law(law, motion.inputs, rows, noise, rounding, len(own))
     state += [arb(0)] * (still - len(masses)) + [arb(1)] * len(masses)
+    loop = _loop(scene, motion, graph, state) if disturbed else None
     return DrivenRobot(
-        scene, motion, graph, field, point_map, tuple(state), sampled.inputs, sampled
+        scene, motion, graph, field, point_map, tuple(state), sampled.inputs, sampled, loop
     )
+
+
+def _loop(scene: Scene, motion: Motion, graph: RobotGraph, state: Sequence[arb]) -> LoopSet | None:
+    if motion.loop is None:
+        return None
+    masses = [item.part for item in uncertain_masses(scene.task, scene.model)]
+    return loop_set(motion.loop, graph, state, masses)
 
 
 @dataclass(slots=True)
 class Followed:
     """What a tube shows, as far as it goes; ``samples`` are the states at the steps.
 
-    ``commanded`` are the inputs that a law commands, a row per step; none without one.  ``last``
-    is the set of states at the last of the ``samples``.  ``ended`` says why it goes no farther than
-    ``time``, empty where it is complete.
+    ``commanded`` are the inputs that a law commands, a row per step; none without one.  ``reached``
+    are the sets at the end of the prefix and of the first round of a loop, or at the end of all.
+    ``ended`` says why it goes no farther than ``time``, empty where it is complete.
     """
 
     robot: DrivenRobot
@@ -135,9 +142,9 @@ class Followed:
     end: EndConditions
     samples: list[Sequence[arb]]
     commanded: list[Sequence[arb]] = field(default_factory=list[Sequence[arb]])
+    reached: list[Zonotope] = field(default_factory=list[Zonotope])
     time: float = 0.0
     ended: str = ""
-    last: Zonotope | None = None
 
     def positions(self) -> list[list[list[arb]]]:
         """Positions (samples, points, d)."""
@@ -146,8 +153,15 @@ class Followed:
     def conditions(self) -> list[CheckedCondition]:
         """All that a complete tube shows, but for what is asked of samples alone."""
         found = self.so_far()
-        found += self.end.conditions(self.robot.point_map, self.samples[-1], self.last)
-        found += [self._satisfied(*each) for each in enumerate(self.robot.scene.task.satisfy)]
+        scene, effector = self.robot.scene, self.robot.motion.effector
+        task, loop = scene.task, self.robot.loop
+        if task.repeat and loop is None:
+            return found
+        if loop is not None:
+            found += endless_conditions(loop, self.reached, task, effector, self.formulas)
+        else:
+            found += self.end.conditions(self.robot.point_map, self.samples[-1], self.reached[-1])
+        found += [self.satisfied(*each) for each in enumerate(task.satisfy)]
         return found
 
     def so_far(self) -> list[CheckedCondition]:
@@ -168,7 +182,7 @@ class Followed:
         ]
         return found
 
-    def _satisfied(self, number: int, clause: ir.Satisfy) -> CheckedCondition:
+    def satisfied(self, number: int, clause: ir.Satisfy) -> CheckedCondition:
         """What is proved of a formula; its margin is a bound of its robustness."""
         text = shorten(formula_text(clause.formula), LONGEST_TEXT, placeholder=" …")
         verdict = self.formulas.verdict(clause.formula)
@@ -197,34 +211,52 @@ def follow(
         position_conditions(scene, robot.tail),
         state_limits(scene, robot.field.size),
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
-        _formulas(scene, robot.point_map, watch.tick),
+        _formulas(robot, watch.tick),
         EndConditions(scene, robot.motion.effector),
         [],
     )
     ends: dict[int, Sequence[arb]] = {0: box_of(initial)}
     try:
-        for segment in tube(
-            robot.field, initial, robot.inputs, ball(step), accuracy, error, robot.law
-        ):
-            watch.tick()
-            inputs = segment.inputs
-            whole = Stretch.of(segment, inputs)
-            check_segment(robot.point_map, whole, found.constraints, found.limits)
-            found.end.add(robot.point_map, segment, inputs)
-            found.formulas.add(segment, inputs)
-            if found.defined.is_needed:
-                found.defined.check(segment, inputs)
-            found.time = float((segment.start + segment.length).mid())
-            if robot.law is not None and segment.number == len(found.commanded):
-                found.commanded.append(segment.commanded)
-            if segment.steps[1].denominator == 1:
-                ends[int(segment.steps[1])], found.last = segment.end, segment.last
-                watch.part(int(segment.steps[1]), scene.task.steps)
+        for start, steps in legs(robot, initial):
+            last = zonotope(start)
+            for segment in tube(
+                robot.field, start, robot.inputs, ball(step), accuracy, error, robot.law, steps
+            ):
+                watch.tick()
+                _check(found, segment)
+                last = last if segment.last is None else segment.last
+                if segment.steps[1].denominator == 1:
+                    ends[int(segment.steps[1])] = segment.end
+                    watch.part(int(segment.steps[1]), scene.task.steps)
+            found.reached.append(last)
     except EnclosureFailure as failure:
         found.ended = str(failure)
     close_margins(robot.point_map, found.constraints)
     found.samples = [ends[number] for number in sorted(ends)]
     return found
+
+
+def legs(robot: DrivenRobot, initial: InitialSet) -> list[tuple[InitialSet, range]]:
+    """The sets from which steps are followed: with a loop the prefix, then one round of all."""
+    count, loop = len(robot.inputs), robot.loop
+    if loop is None:
+        return [(initial, range(count))]
+    return [(initial, range(loop.first)), (loop.initial, range(loop.first, count))]
+
+
+def _check(found: Followed, segment: TubeSegment) -> None:
+    """Hold a segment against the task."""
+    robot, inputs = found.robot, segment.inputs
+    whole = Stretch.of(segment, inputs)
+    check_segment(robot.point_map, whole, found.constraints, found.limits)
+    if not robot.scene.task.repeat:
+        found.end.add(robot.point_map, segment, inputs)
+    found.formulas.add(segment, inputs)
+    if found.defined.is_needed:
+        found.defined.check(segment, inputs)
+    found.time = float((segment.start + segment.length).mid())
+    if robot.law is not None and segment.number == len(found.commanded):
+        found.commanded.append(segment.commanded)
 
 
 def box_of(initial: InitialSet) -> list[arb]:
@@ -238,145 +270,15 @@ def box_of(initial: InitialSet) -> list[arb]:
     ]
 
 
-def _formulas(scene: Scene, point_map: PointMap, tick: Callable[[], None]) -> FormulaProof:
+def _formulas(robot: DrivenRobot, tick: Callable[[], None]) -> FormulaProof:
     """The atoms of the task's formulas, with the sets they speak of."""
+    scene, task = robot.scene, robot.scene.task
+    spoken = [clause.formula for clause in task.satisfy]
+    if task.repeat and task.reach is not None:
+        spoken.append(reached_some_time(task.reach, robot.motion.effector))
     regions = {
         key(atom): region_distance(scene.polytope(scene.workspace.region(atom.region)))
-        for atom in atoms(*(clause.formula for clause in scene.task.satisfy))
+        for atom in atoms(*spoken)
     }
-    return FormulaProof(point_map, regions, scene.task, tick)
-
-
-# --- Whether the equations of motion have a value, as written, at every instant of a tube ---------
-
-
-@dataclass(slots=True)
-class Defined:
-    """Divisors that are not zero, then radicands that are not negative; the worst answer so far.
-
-    ``tape`` maps (q, w, u, theta, k) to the ``divisors`` first and the radicands behind them;
-    ``tail`` holds the balls of theta and k.
-    """
-
-    tape: Tape
-    divisors: int
-    tail: tuple[arb, ...]
-    status: Status = Status.HOLDS
-    time: float = 0.0
-
-    @property
-    def is_needed(self) -> bool:
-        """Whether there is anything to check."""
-        return self.tape.outputs > 0
-
-    def check(self, segment: TubeSegment, u: Sequence[arb]) -> None:
-        """Hold the conditions against one segment of a tube, halving it where they are open."""
-        half = segment.length / 2
-        pending = [(half, half, 0)]
-        while pending and self.status is not Status.FAILS:
-            middle, width, depth = pending.pop()
-            status = self.over(segment.at(middle + arb(0, 1) * width), u)
-            if status is Status.UNDECIDED and depth < MOST_SPLITS:
-                quarter = width / 2
-                pending += [
-                    (centre, quarter, depth + 1) for centre in (middle + quarter, middle - quarter)
-                ]
-            elif status is not Status.HOLDS:
-                self.status, self.time = status, float((segment.start + middle).mid())
-                pending = []
-
-    def over(self, state: Sequence[arb], u: Sequence[arb]) -> Status:
-        """The conditions on states given as balls."""
-        values = self.tape.evaluate([*state, *u, *self.tail], BALLS)
-        parts = [_divisor(value) for value in values[: self.divisors]]
-        parts += [_radicand(value) for value in values[self.divisors :]]
-        if Status.FAILS in parts:
-            return Status.FAILS
-        return Status.UNDECIDED if Status.UNDECIDED in parts else Status.HOLDS
-
-
-def _divisor(value: arb) -> Status:
-    if value == 0:
-        return Status.FAILS
-    return Status.HOLDS if value != 0 else Status.UNDECIDED
-
-
-def _radicand(value: arb) -> Status:
-    if value < 0:
-        return Status.FAILS
-    return Status.HOLDS if value >= 0 else Status.UNDECIDED
-
-
-# --- What has to hold at every instant of a motion: the task's and the robot's own bounds ---------
-
-
-def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:
-    """Bounds, and every ``avoid``; ``tail`` holds the balls of theta and k."""
-    task, workspace, graph = scene.task, scene.workspace, scene.graph
-    effectors = tuple(range(len(graph.model.effectors)))
-    bounds = rows_of(scene.polytope(workspace.bounds))
-    bodies = _bodies(scene, tail)
-    found: list[Constraint] = [Inside("bounds", effectors, rows=bounds)]
-    if task.bounds_body:
-        for name, points, radius in bodies:
-            found.append(Inside(f"bounds of {name}", points, rows=bounds, distance=radius))
-    several = len(effectors) > 1
-    tips = [(f"effector {e + 1}" if several else "effector", (e,), arb(0)) for e in effectors]
-    for avoid in task.avoid:
-        groups = bodies if avoid.subject == "body" else tips
-        for name in avoid.regions:
-            region = workspace.region(name)
-            found += [_apart(scene, region, avoid.margin, group) for group in groups]
-    return found
-
-
-def _bodies(scene: Scene, tail: Sequence[arb]) -> list[tuple[str, tuple[int, ...], arb]]:
-    """Per body its name, its points behind the effectors, and its radius."""
-    first = len(scene.model.effectors)
-    return [
-        (scene.body(i), tuple(first + point for point in hull), _radius(scene.model, i, tail))
-        for i, hull in enumerate(scene.graph.hulls)
-    ]
-
-
-def _apart(
-    scene: Scene, region: ir.Region, margin: Fraction, group: tuple[str, tuple[int, ...], arb]
-) -> Apart:
-    name, points, radius = group
-    polytope = scene.polytope(region)
-    vertices: tuple[tuple[arb, ...], ...] = ()
-    if polytope.is_bounded:
-        vertices = tuple(tuple(ball(x) for x in vertex) for vertex in polytope.vertices)
-    return Apart(
-        f"clearance of {name} to {region.name}",
-        points,
-        rows=rows_of(polytope),
-        vertices=vertices,
-        distance=ball(margin) + radius,
-    )
-
-
-def _radius(model: RobotModel, body: int, tail: Sequence[arb]) -> arb:
-    """The radius of a body: that of a capsule, else zero."""
-    item = model.bodies[body]
-    if not isinstance(item, RodBody) or item.radius is None:
-        return arb(0)
-    return scalar_balls(model.scalars, tail)[item.radius]
-
-
-def state_limits(scene: Scene, size: int) -> list[StateLimit]:
-    """Joint and rate limits as balls, on the rows of q = D y; states have ``size`` entries."""
-    graph, found = scene.graph, list[StateLimit]()
-    none = (0,) * len(graph.model.dofs)
-    own = (0,) * (size - 2 * len(graph.model.dofs))
-    for number, dof in enumerate(graph.model.dofs):
-        row = graph.coordinates.rows[number]
-        unit = "rad" if dof.kind == "revolute" else "m"
-        for weights, interval, what, measure in (
-            ((*row, *none, *own), dof.range, "range", unit),
-            ((*none, *row, *own), dof.rate, "rate", f"{unit}/s"),
-        ):
-            if interval is not None:
-                ends = closed_ball(interval.lower), closed_ball(interval.upper)
-                found.append(StateLimit(f"{what} of joint {number + 1}", measure, weights, *ends))
-    return found
+    loop = None if robot.loop is None else robot.loop.first
+    return FormulaProof(robot.point_map, regions, task, tick, loop)

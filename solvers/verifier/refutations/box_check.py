@@ -46,10 +46,11 @@ def _why_not(
     if max(len(model.dofs), len(model.parameters)) > MOST_VARIABLES:
         return f"a covering is of at most {MOST_VARIABLES} coordinates and parameters"
     tree = parse(covering)
-    leaves = (node for node in tree if isinstance(node, ParameterLeaf))
+    by_drives = any(isinstance(node, ParameterLeaf) and node.reason == "!" for node in tree)
+    if by_drives and task.repeat:
+        return "what drives cannot do within the horizon, they may do in a later round"
     try:
         poses = CoveredPoses(motion_conditions(model, workspace, task))
-        by_drives = any(leaf.reason == "!" for leaf in leaves)
         drive = drive_reach(model, workspace, task) if by_drives else None
     except BoxTreeError:
         raise

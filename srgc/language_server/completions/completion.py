@@ -171,6 +171,7 @@ STATEMENTS = MappingProxyType(
             "effort": "effort <= ${1:10} ${2|N*m,N|};",
             "horizon": "horizon ${1:40} steps of ${2:0.1} s;",
             "satisfy": "satisfy ${0:eventually T};",
+            "repeat": "repeat;",
             "control": "control ${1|open loop,feedback|};",
         },
     }

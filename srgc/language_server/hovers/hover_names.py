@@ -257,6 +257,8 @@ def _task(analysis: Analysis, entity: Entity) -> str:
         lines.append(f"- gravity: ({gravity}) m/s^2")
     if task.control is not None:
         lines.append(f"- control: {task.control}")
+    if task.repeat:
+        lines.append("- goes on for ever")
     return "\n".join(lines)
 
 

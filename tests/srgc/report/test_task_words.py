@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grammar_lang.load import load
-from srgc.report.verdict import task_sentences
+from srgc.report.task_sentences import task_sentences
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 
 
@@ -43,6 +43,8 @@ def words(text: str, folder: Path) -> str:
          "The inputs are fixed in advance"),
         (TURNER, "  reach T;", "  reach T;\n  control feedback;",
          "The inputs follow what is measured"),
+        (TURNER, "  reach T;", "  reach T;\n  repeat;", "At some time the same effector is in `T`"),
+        (TURNER, "  reach T;", "  reach T;\n  repeat;", "for ever: the horizon of 2 s is a"),
     ],
 )  # fmt: skip
 def test_numbers_have_their_units(tmp_path: Path, spec: str, old: str, new: str, said: str) -> None:

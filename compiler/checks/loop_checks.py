@@ -1,0 +1,85 @@
+"""Whether a motion that goes on for ever can begin where its task says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from compiler.robots.effector_counts import several_effectors
+from compiler.workspaces.polytope import Polytope, polytope_of
+from grammar_lang import ir
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+
+
+def loop_diagnostics(program: ir.Program, sink: Sink) -> None:
+    """Report starts that contradict what formulas ask of all times, of tasks that repeat.
+
+    Maps are obstacles already.  Nothing is said of a start in a given pose, nor of an effector that
+    is not known to be the one that starts.
+    """
+    for task in program.tasks.values():
+        if task.repeat and isinstance(task.start, ir.StartIn):
+            for clause in task.satisfy:
+                for atom, inside in _at_first(clause.formula, positive=True):
+                    _check(program, task, task.start, atom, sink, inside=inside)
+
+
+def _at_first(formula: ir.Formula, *, positive: bool) -> Iterator[tuple[ir.Atom, bool]]:
+    """The atoms that are true (or false) at the first instant wherever a formula holds there."""
+    match formula:
+        case ir.Atom():
+            yield formula, positive
+        case ir.Not(operand=part):
+            yield from _at_first(part, positive=not positive)
+        case ir.And(operands=parts) | ir.Or(operands=parts):
+            if isinstance(formula, ir.And) is positive:
+                for part in parts:
+                    yield from _at_first(part, positive=positive)
+        case ir.Implies(left=left, right=right) if not positive:
+            yield from _at_first(left, positive=True)
+            yield from _at_first(right, positive=False)
+        case ir.Always(operand=part, window=window) | ir.Eventually(operand=part, window=window):
+            if isinstance(formula, ir.Always) is positive and window.lower == 0:
+                yield from _at_first(part, positive=positive)
+        case _:
+            return
+
+
+def _check(
+    program: ir.Program,
+    task: ir.Task,
+    start: ir.StartIn,
+    atom: ir.Atom,
+    sink: Sink,
+    *,
+    inside: bool,
+) -> None:
+    if _starting(program, task, start) != atom.effector:
+        return
+    workspace = program.workspaces[task.workspace]
+    begins, asked = _region(workspace, start.region), _region(workspace, atom.region)
+    if begins is None or asked is None:
+        return
+    wrong = begins.intersection(asked).is_empty if inside else asked.contains(begins)
+    if wrong:
+        where = "outside" if inside else "inside"
+        sink.error(
+            Code.START_OUTSIDE_LOOP,
+            f"the motion starts {where} `{atom.region}`, against what this asks of all times",
+            atom.span,
+            "write `eventually always` for what holds once the motion has come to its loop",
+            [(start.span, f"it starts in `{start.region}`")],
+        )
+
+
+def _starting(program: ir.Program, task: ir.Task, start: ir.StartIn) -> int | None:
+    """The number of the effector that starts in the region; None where that is open."""
+    named = start.effector or (None if task.reach is None else task.reach.effector)
+    if named is None and several_effectors(program, program.grammars[task.grammar]) is False:
+        return 1
+    return named
+
+
+def _region(workspace: ir.Workspace, name: str) -> Polytope | None:
+    """The exact set of a region; None where it is none with interior, which is reported."""
+    shape = polytope_of(workspace.region(name).shape, workspace.dimension)
+    return shape if shape.is_bounded and not shape.is_empty and shape.has_interior else None

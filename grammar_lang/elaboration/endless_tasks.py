@@ -1,0 +1,49 @@
+"""Clauses that speak of the end of a motion, in a task whose motion goes on for ever."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.syntax import tasks as t
+
+
+def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
+    """Report what is due at the end of a motion that has none.
+
+    Args:
+        task: the task.
+        repeat: its clause ``repeat``; None: its motions end, and nothing is reported.
+        sink: where errors go.
+    """
+    if repeat is None:
+        return
+    notes = [(repeat.span, "the motion goes on for ever")]
+    for item in task.items:
+        if isinstance(item, t.Reach) and item.rates is not None:
+            message = "a motion that goes on for ever has no end at which to rest"
+            hint = "remove `at rest`, or remove `repeat;`"
+            sink.error(Code.REST_WITHOUT_END, message, item.span, hint, notes)
+        elif isinstance(item, t.Satisfy):
+            for last in _lasts(item.formula):
+                message = "a motion that goes on for ever has no last part"
+                hint = "write `eventually always` for what holds from some time on"
+                sink.error(Code.LAST_WITHOUT_END, message, last.span, hint, notes)
+
+
+def _lasts(formula: t.Formula) -> Iterator[t.Last]:
+    """The parts ``last[…]`` of a formula, from left to right."""
+    match formula:
+        case t.Last(operand=part):
+            yield formula
+            yield from _lasts(part)
+        case t.Unary(operand=part):
+            yield from _lasts(part)
+        case t.Joined(operands=parts):
+            for part in parts:
+                yield from _lasts(part)
+        case t.Binary(left=left, right=right):
+            yield from _lasts(left)
+            yield from _lasts(right)
+        case t.Atom():
+            return

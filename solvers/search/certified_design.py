@@ -1,0 +1,109 @@
+"""A motion that was found, stated in decimals and proved; or what stood in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from compiler.expressions.exact_numbers import decimal
+from compiler.robots.parameter_values import nearest_values
+from compiler.words.derivation import Derivation
+from grammar_lang import ir
+from solvers.search.closed_loop import controlled, loop_claim
+from solvers.search.configuration_search import Configuration
+from solvers.search.path_task import Design, beyond_loop, missing_margin, motion_of
+from solvers.trajectory.fine_motion import fine_motion
+from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.visited_cells import cell_names
+from solvers.verifier.proofs.checked_condition import decisive
+from solvers.verifier.proofs.effort_bounds import planned_efforts
+from solvers.verifier.proofs.scene import Watch
+from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
+
+
+@dataclass(frozen=True, slots=True)
+class Unproved:
+    """Why a proof did not go through, in words that follow a reason.
+
+    ``lacking`` is how much wider the margin for disturbed motions has to be, as a part of it,
+    ``beyond`` by what part motions leave the set of their loop.
+    """
+
+    obstacle: str
+    lacking: float = 0.0
+    beyond: float = 0.0
+
+
+NO_SET = Unproved("; no set of states was found that every round returns into")
+
+
+DIVERGES = Unproved("; the motion with feedback diverges")
+
+
+def certified_design(
+    program: ir.Program,
+    task: ir.Task,
+    derivation: Derivation,
+    path_problem: PathProblem,
+    found: Configuration,
+    tick: Callable[[], None],
+) -> Design | Unproved | None:
+    """The design, if the continuous-time nonlinear robot is proved to do the task.
+
+    None where the parameters have no decimals.
+
+    Args:
+        program: the spec.
+        task: what is proved.
+        derivation: that of the robot.
+        path_problem: what was asked of the motion.
+        found: the motion.
+        tick: called again and again; what it raises ends the proof.
+    """
+    trajectory, model = found.outcome.trajectory, path_problem.model
+    parameters = nearest_values(model.parameters, trajectory.theta)
+    if parameters is None:
+        return None
+    controller, gains = None, None
+    if path_problem.feedback:
+        closed = controlled(path_problem, trajectory)
+        if closed is None:
+            return DIVERGES
+        trajectory, gains, controller = closed
+    design = Design(
+        derivation,
+        model,
+        parameters,
+        path_problem.constraints.recorded,
+        path_problem.effector,
+        tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
+        tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
+        tuple(tuple(names) for names in cell_names(path_problem, trajectory, found.entries)),
+        found,
+        path_problem.abstraction,
+        controller=controller,
+    )
+    if path_problem.loop is not None:
+        loop = loop_claim(path_problem, trajectory, gains)
+        if loop is None:
+            return NO_SET
+        design = replace(design, loop=loop)
+    scene = scene_of(program, task, model, path_problem.abstraction, derivation)
+    conditions = prove_motion(scene, motion_of(design), Watch(tick))
+    obstacle = decisive(conditions)
+    if obstacle is not None:
+        spread = path_problem.spread
+        return Unproved(
+            f"; last proof tried: {obstacle.reason}",
+            0.0 if spread is None else missing_margin(conditions, spread),
+            beyond_loop(conditions),
+        )
+    if design.controller is None:
+        fine = fine_motion(path_problem.numeric, trajectory, float(task.step))
+        outcome = replace(found.outcome, trajectory=fine)
+    else:
+        # The search's bounds were tightened by what feedback may add.
+        peak, rho = planned_efforts(model, task, conditions)
+        outcome = replace(found.outcome, trajectory=trajectory, effort_peak=peak, robustness=rho)
+    configuration = replace(found, outcome=outcome)
+    return replace(design, configuration=configuration, conditions=conditions)

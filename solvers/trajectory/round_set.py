@@ -1,0 +1,161 @@
+r"""A set of states that every round of a motion with feedback returns into, to first order.
+
+The deviations at the beginning of one round and of the next are related by
+:math:`\delta' = \Phi \delta + W r + d`, with the monodromy matrix :math:`\Phi` of the linearised
+closed loop, columns W of what disturbs one round, and the drift d of the motion itself.  For
+coordinates :math:`\delta = V z` the box :math:`|z| \le s` is invariant if
+
+.. math:: |V^{-1} \Phi V|\, s + |V^{-1} (W, d)|\, 1 \le s .
+
+Source: Kolmanovsky & Gilbert, *Theory and computation of disturbance invariant sets for
+discrete-time linear systems* (1998); for parallelotopes, Dang & Maler (1998).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
+from grammar_lang import ir
+from solvers.trajectory.disturbance_spread import heavier_masses
+from solvers.trajectory.trajectory import Trajectory
+
+FLOOR = 1e-5
+"""In SI; no set is smaller, so that rounding and remainders of a proof find room."""
+LEAST_SLACK = 0.1
+"""By such a part a set is larger than estimated at least; where the prefix ends it is no more."""
+MOST_ROUNDS = 500
+"""A set that has not stopped growing after so many rounds is none."""
+SETTLED = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RoundSet:
+    """The states ``centre`` (N,) + ``generators`` (N, N) r with |r| <= 1, in SI units."""
+
+    centre: Array
+    generators: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _RoundMap:
+    """One round to first order: ``by_state`` (N, N), and columns (N, c) of all that is added."""
+
+    by_state: Array
+    columns: Array
+    entering: Array
+
+
+def round_sets(
+    numeric: NumericRobot,
+    task: ir.Task,
+    motion: Trajectory,
+    gains: Array,
+    loop: int,
+    substeps: int,
+    slack: float,
+) -> tuple[RoundSet, ...]:
+    """Some sets with ``slack``, a part of their size; none where none is found.
+
+    Args:
+        numeric: the robot.
+        task: the task, whose disturbances are borne.
+        motion: the motion, which comes back at its end to where it is at the sample ``loop``.
+        gains: (k, m, N) of the feedback.
+        loop: the first sample of the loop.
+        substeps: the parts of a step.
+        slack: so much larger a set is than the estimate.
+    """
+    if not numeric.size:
+        return (RoundSet(motion.x[loop], np.zeros((0, 0))),)
+    with np.errstate(all="ignore"):
+        once = _round_map(numeric, task, motion, gains, loop, substeps)
+        if not all(np.isfinite(part).all() for part in (once.by_state, once.columns)):
+            return ()
+        try:
+            return tuple(RoundSet(motion.x[loop], box) for box in _boxes(once, slack))
+        except np.linalg.LinAlgError:
+            return ()
+
+
+def _round_map(
+    numeric: NumericRobot,
+    task: ir.Task,
+    motion: Trajectory,
+    gains: Array,
+    loop: int,
+    substeps: int,
+) -> _RoundMap:
+    model, size, width = numeric.graph.model, numeric.size, 2 * numeric.n
+    part, most = input_errors(task, model)
+    share, added = float(part), np.array([float(value) for value in most])
+    heavier = heavier_masses(numeric, task, motion)
+    count = heavier.shape[2]
+    noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
+    step = numeric.step(motion.x[:-1], motion.u, motion.theta, float(task.step), substeps)
+    columns = np.zeros((size, width + count))
+    columns[:width, :width] = np.diag([float(r) for r in disturbance_radii(task, model)])
+    entering, by_state = columns, np.eye(size)
+    for k, u in enumerate(motion.u):
+        if k == loop:
+            entering, columns = columns, np.zeros((size, width + count))
+        by_x, by_u = step.state[k] - step.input[k] @ gains[k], step.input[k]
+        columns = by_x @ columns
+        # The same mass all the time: its effects add up, sign by sign.
+        columns[:width, width : width + count] += heavier[k]
+        pushed = by_u * (share * np.abs(u) + added)
+        misread = by_u @ gains[k][:, :width] @ noise
+        columns = np.concatenate([columns, pushed, misread], axis=1)
+        if k >= loop:
+            by_state = by_x @ by_state
+    drift = (motion.x[-1] - motion.x[loop])[:, None]
+    return _RoundMap(by_state, np.concatenate([columns, drift], axis=1), entering)
+
+
+def _boxes(once: _RoundMap, slack: float) -> Iterator[Array]:
+    """The generators of invariant parallelotopes along some axes."""
+    for basis in _bases(once):
+        if not np.isfinite(basis).all() or abs(np.linalg.det(basis)) == 0:
+            continue
+        into = np.linalg.inv(basis)
+        turn = (1 + slack) * np.abs(into @ once.by_state @ basis)
+        added = (1 + slack) * np.abs(into @ once.columns).sum(axis=1)
+        added += (1 + slack) * FLOOR * np.abs(into).sum(axis=1)
+        least = (1 + LEAST_SLACK) * np.abs(into @ once.entering).sum(axis=1)
+        sizes = np.maximum(least, added)
+        for _ in range(MOST_ROUNDS):
+            grown = np.maximum(sizes, turn @ sizes + added)
+            if not np.isfinite(grown).all():
+                break
+            if np.all(grown <= (1 + SETTLED) * sizes):
+                yield basis * grown
+                break
+            sizes = grown
+
+
+def _bases(once: _RoundMap) -> Iterator[Array]:
+    """The axes of the states, those of the spread of all rounds, and those of the round map."""
+    size = len(once.by_state)
+    yield np.eye(size)
+    spread, share = np.zeros((size, size)), once.columns @ once.columns.T
+    share += FLOOR**2 * np.eye(size) + once.entering @ once.entering.T
+    for _ in range(MOST_ROUNDS):
+        spread = spread + share
+        share = once.by_state @ share @ once.by_state.T
+        if not np.trace(share) > SETTLED * np.trace(spread):
+            break
+    if np.isfinite(spread).all():
+        scale = np.sqrt(np.diag(spread))
+        axes = np.linalg.eigh(spread / scale / scale[:, None])[1]
+        yield scale[:, None] * axes
+    values, vectors = np.linalg.eig(once.by_state)
+    columns = [
+        vector.real if value.imag >= 0 else vector.imag
+        for value, vector in zip(values, vectors.T, strict=True)
+    ]
+    yield np.array(columns).T

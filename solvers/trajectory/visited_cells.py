@@ -1,0 +1,64 @@
+"""Which cells the effectors of a robot are in along a motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from solvers.trajectory.corridor import Entries
+from solvers.trajectory.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from solvers.trajectory.path_following import PathProblem
+
+
+def visited_cells(
+    path_problem: PathProblem, trajectory: Trajectory
+) -> tuple[tuple[int, ...], Entries] | None:
+    """The cells a trajectory visits and when it enters them, if that is a path of the task."""
+    numeric = path_problem.numeric
+    positions = numeric.points(trajectory.x[:, : numeric.n], trajectory.theta).value
+    avoided = {
+        name
+        for avoid in path_problem.task.avoid
+        if avoid.subject == "effector"
+        for name in avoid.regions
+    }
+    cells: list[int] = []
+    entries: list[int] = []
+    for sample, point in enumerate(positions[:, path_problem.effector]):
+        cell = path_problem.abstraction.locate(point)
+        if cell is None or path_problem.abstraction.cells[cell].propositions & avoided:
+            return None
+        if not cells or cells[-1] != cell:
+            if cells and cell not in path_problem.abstraction.neighbours[cells[-1]]:
+                return None
+            cells.append(cell)
+            entries.append(sample)
+    starts = cells[0] == path_problem.cells[0] or not path_problem.constraints.starts_in_its_cell
+    if not starts or cells[-1] != path_problem.cells[-1]:
+        return None
+    found = tuple(cells), tuple(entries)
+    return found if path_problem.along(*found).allows(found[1]) else None
+
+
+def cell_names(
+    path_problem: PathProblem, trajectory: Trajectory, entries: Entries
+) -> list[list[str]]:
+    """The cell of every effector at every sample."""
+    cells = path_problem.abstraction.cells
+    numeric = path_problem.numeric
+    positions = numeric.points(trajectory.x[:, : numeric.n], trajectory.theta).value
+    ends = [*entries[1:], path_problem.task.steps + 1]
+    own = [
+        cells[cell].name
+        for cell, first, last in zip(path_problem.cells, entries, ends, strict=True)
+        for _ in range(first, last)
+    ]
+    names = []
+    for effector in range(len(path_problem.model.effectors)):
+        if effector == path_problem.effector:
+            names.append(own)
+            continue
+        located = [path_problem.abstraction.locate(point) for point in positions[:, effector]]
+        names.append(["free" if i is None else cells[i].name for i in located])
+    return names

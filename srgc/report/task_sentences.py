@@ -1,0 +1,172 @@
+"""What a task asks, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from math import degrees
+
+from compiler.descriptions.model_symbols import closed_text
+from compiler.robots.state_and_input import EFFORT_UNITS
+from compiler.tasks.formula_parts import formula_text
+from grammar_lang import ir
+from srgc.render.html_text import many, number, with_unit
+
+RATE_UNITS: dict[ir.DofKind, str] = {"revolute": "rad/s", "prismatic": "m/s"}
+
+
+def task_sentences(program: ir.Program, task: ir.Task) -> tuple[str, ...]:
+    """What a task asks for, as plain text; regions and names are in backquotes."""
+    return tuple(f"{sentence}." for sentence in _sentences(program, task))
+
+
+def _sentences(program: ir.Program, task: ir.Task) -> Iterator[str]:
+    workspace = program.workspaces[task.workspace]
+    kind = "in the plane" if workspace.dimension == 2 else "in space"
+    yield f"Robots are those of the family `{task.grammar}`, {kind}{_modules(task)}"
+    if task.origin is not None:
+        word = " ".join(task.origin.word)
+        yield f"They are made from the existing robot `{word}`{_kept(program, task.origin)}"
+    yield _start(program, task)
+    if task.reach is not None:
+        yield _reach(program, task, task.reach)
+    yield from _avoided(task)
+    bodies = "all bodies of the robot stay" if task.bounds_body else "every effector stays"
+    yield f"At every instant {bodies} within the bounds of `{workspace.name}`"
+    for clause in task.satisfy:
+        yield f"The motion satisfies `{_short(formula_text(clause.formula))}`"
+    yield from _limits(task)
+
+
+def _modules(task: ir.Task) -> str:
+    return "" if task.modules is None else f", of at most {task.modules} modules"
+
+
+def _kept(program: ir.Program, origin: ir.Origin) -> str:
+    if not origin.fixed:
+        return ""
+    said = []
+    for each in origin.fixed:
+        module = program.modules[origin.word[each.symbol]]
+        (unit,) = (own.unit for own in module.parameters if own.name == each.name)
+        shown = closed_text(each.value) + ("" if unit == "1" else f" {unit.replace('*', '·')}")
+        said.append(f"`{module.name}.{each.name}` of symbol {each.symbol}: {shown}")
+    return f", whose parameters keep their values: {', '.join(said)}"
+
+
+def _who(effector: int | None) -> str:
+    return "an effector" if effector is None else f"effector {effector}"
+
+
+def _start(program: ir.Program, task: ir.Task) -> str:
+    if isinstance(task.start, ir.StartAt):
+        return "The robot starts at rest in the pose that the spec gives"
+    rates = task.start.rates
+    how = (
+        "at rest"
+        if not rates
+        else f"with rates of at most {_value(rates)} {_rate_unit(program, task)}"
+    )
+    return f"The robot starts {how}, with {_who(task.start.effector)} in `{task.start.region}`"
+
+
+def _rate_unit(program: ir.Program, task: ir.Task) -> str:
+    """The units of rates of the joints in a family."""
+    symbols = {s.name for rule in program.grammars[task.grammar].productions for s in rule.right}
+    modules = [program.modules[name] for name in symbols if name in program.modules]
+    kinds = {dof.kind for module in modules for dof in module.dofs}
+    units = [unit for kind, unit in RATE_UNITS.items() if kind in kinds]
+    return " or ".join(units)
+
+
+def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
+    end = _value(task.steps * task.step)
+    steps = f"{many(task.steps, 'step')} of {_value(task.step)} s"
+    bound = isinstance(task.start, ir.StartIn) and task.start.effector is None
+    who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
+    if task.repeat:
+        return f"At some time {who} is in `{reach.region}`"
+    found = f"At {end} s ({steps}) {who} is in `{reach.region}`"
+    rates = reach.rates
+    if rates is None:
+        return found
+    rest = rates.bound == ir.REST_RATE
+    slow = f"with rates of at most {_value(rates.bound)} {_rate_unit(program, task)}"
+    found += ", at rest" if rest else f", {slow}"
+    return found + (f", for the last {_value(rates.duration)} s" if rates.duration else "")
+
+
+def _avoided(task: ir.Task) -> Iterator[str]:
+    for clause in task.avoid:
+        who = "the whole body stays" if clause.subject == "body" else "every effector stays"
+        names = ", ".join(f"`{name}`" for name in clause.regions)
+        margin = f", by at least {_value(clause.margin)} m" if clause.margin else ""
+        yield f"At every instant {who} out of {names}{margin}"
+    if task.avoid_self is not None:
+        least = task.avoid_self.margin
+        by = f" by at least {_value(least)} m" if least else ""
+        yield f"Bodies that no module joins stay apart{by}"
+
+
+def _limits(task: ir.Task) -> Iterator[str]:
+    kinds = {"revolute": "turning", "prismatic": "sliding"}
+    for effort in task.effort:
+        bound = with_unit(float(effort.bound), EFFORT_UNITS[effort.kind])
+        what = "the norm of the efforts" if effort.norm2 else "the effort"
+        yield f"At {kinds[effort.kind]} joints {what} is at most {bound}"
+    if any(task.gravity):
+        vector = ", ".join(_value(part) for part in task.gravity)
+        yield f"Gravity is ({vector}) m/s²"
+    if task.control is not None:
+        feedback = task.control == "feedback"
+        yield (
+            "The inputs follow what is measured" if feedback else "The inputs are fixed in advance"
+        )
+    if task.repeat:
+        lasting = f"the horizon of {_value(task.steps * task.step)} s is a prefix and one loop"
+        yield f"The motion goes on for ever: {lasting}"
+    if task.robust is not None:
+        yield f"All of this holds although {_disturbances(task.robust)}"
+
+
+def _disturbances(robust: ir.Robust) -> str:
+    parts = []
+    if start := _radii(robust.start):
+        parts.append(f"the start is off by up to {start}")
+    if measured := _radii(robust.measured):
+        parts.append(f"what is measured is off by up to {measured}")
+    if robust.effort:
+        parts.append(f"every input is off by up to {_value(100 * robust.effort)} %")
+    if robust.effort_of_bound:
+        part = _value(100 * robust.effort_of_bound)
+        parts.append(f"every input is off by up to {part} % of its bound")
+    if robust.mass:
+        parts.append(f"all masses are off by up to {_value(100 * robust.mass)} % alike")
+    parts += [
+        f"the masses of each `{item.module}` are off by up to {_value(100 * item.part)} % alike"
+        for item in robust.masses
+    ]
+    return " and ".join(parts) or "nothing is disturbed"
+
+
+def _radii(radii: ir.Radii) -> str:
+    amounts = (
+        (radii.angle, "°"),
+        (radii.length, " m"),
+        (radii.angular_rate, "°/s"),
+        (radii.speed, " m/s"),
+    )
+    return ", ".join(
+        f"{number(degrees(amount), 6) if '°' in unit else _value(amount)}{unit}"
+        for amount, unit in amounts
+        if amount
+    )
+
+
+def _short(formula: str) -> str:
+    """A formula about the pieces of a map may have thousands of them."""
+    return formula if len(formula) <= 400 else f"{formula[:400]} …"
+
+
+def _value(value: Fraction) -> str:
+    return number(float(value), 6)

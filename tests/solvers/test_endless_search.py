@@ -1,0 +1,111 @@
+"""Searches of motions that go on for ever: shapes of loops, and what is not found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from solvers.verifier.verification import Outcome, verify_directory
+from srgc.cli import run
+from tests.oracles.result_files import read
+from tests.oracles.small_specs import MOTOR, SLIDER, TURNER, replaced
+
+
+def asked(spec: str, clauses: str) -> str:
+    """The spec with these clauses instead of ``reach T``, for ever, and time for a tour."""
+    longer = replaced(spec, "horizon 10 steps", "horizon 30 steps")
+    return replaced(longer, "  reach T;\n", f"  {clauses}\n  repeat;\n")
+
+
+def found(text: str, folder: Path) -> int:
+    path, out = folder / "spec.srg", folder / "out"
+    path.write_text(text, encoding="utf-8")
+    status = run(["synth", str(path), "-q", "-o", str(out)])
+    if status:
+        return -status
+    report = verify_directory(out)
+    assert report.outcome is Outcome.VALID, report.reason
+    (loop,) = [item for item in read(out)["claims"] if item["kind"] == "loop"]
+    first = loop["first"]
+    assert isinstance(first, int)
+    return first
+
+
+AGAIN = "satisfy always (eventually T by effector 1 and eventually S by effector 1);"
+STAY = "satisfy eventually always T by effector 1;"
+DISTURBED = "robust start 0.1 deg, 0.1 deg/s; robust effort 0.5 % of bound; robust mass 1 %;"
+
+
+@pytest.mark.parametrize(
+    ("text", "first"),
+    [
+        (asked(SLIDER, AGAIN), 0),
+        (asked(SLIDER, "satisfy eventually always T;"), 15),
+        (asked(SLIDER, "reach T;"), 0),
+        (asked(SLIDER, "satisfy always eventually[0 s, 6 s] T;"), 0),
+        (asked(TURNER, f"{AGAIN} {DISTURBED}"), 0),
+        (asked(TURNER, f"{STAY} {DISTURBED}"), 15),
+        (asked(TURNER, f"{AGAIN} {DISTURBED} gravity (0, -2) m/s^2;"), 0),
+        (asked(MOTOR, AGAIN), 0),
+    ],
+    ids=["tour", "stay", "reach", "window", "turner", "turner stays", "gravity", "motor"],
+)
+def test_loops_are_found_and_proved(text: str, first: int, tmp_path: Path) -> None:
+    assert found(text, tmp_path) == first
+
+
+def test_nothing_brings_a_mass_back_without_feedback(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert found(asked(SLIDER, "reach T; control open loop;"), tmp_path) == -4
+    assert "no set of states was found" in capsys.readouterr().out
+
+
+def test_what_is_out_of_reach_at_all_times_is_refuted(tmp_path: Path) -> None:
+    far = replaced(asked(SLIDER, "reach T;"), "box [2, 2.5]", "box [3.2, 3.5]")
+    assert found(far, tmp_path) == -3
+    assert verify_directory(tmp_path / "out").outcome is Outcome.VALID
+
+
+def test_weak_drives_refute_nothing(tmp_path: Path) -> None:
+    """Within the horizon the mass does not get there; swung to and fro for ever, it might."""
+    weak = replaced(asked(SLIDER, "reach T;"), "effort <= 10 N", "effort <= 0.01 N")
+    assert found(weak, tmp_path) == -4
+    once = replaced(weak, "  repeat;\n", "")
+    again = tmp_path / "once"
+    again.mkdir()
+    assert found(once, again) == -3
+
+
+def test_a_plan_is_one_round(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A tour ends where it begins; who stays has arrived by half of the horizon."""
+    path = tmp_path / "spec.srg"
+    for clauses, cells, latest in (
+        (AGAIN, ["S", "T", "S"], 30),
+        ("satisfy eventually always T;", ["S", "T"], 15),
+    ):
+        path.write_text(asked(SLIDER, clauses), encoding="utf-8")
+        assert run(["plan", str(path)]) == 0
+        lines = [line.split("\t") for line in capsys.readouterr().out.splitlines()]
+        assert [name for name, _ in lines if not name.startswith("free")] == cells
+        assert int(lines[-1][1].split()[2]) <= latest
+    path.write_text(asked(SLIDER, "satisfy always S and always not S;"), encoding="utf-8")
+    assert run(["plan", str(path)]) == 4
+    assert "no path" in capsys.readouterr().out
+    assert run(["plan", str(path), "--dump", "smt2"]) == 2
+
+
+def test_a_robot_that_cannot_move_stays_for_ever(tmp_path: Path) -> None:
+    fixed = replaced(asked(SLIDER, "satisfy always S;"), "B eps P eps M eps EN;", "B eps M eps EN;")
+    assert found(replaced(fixed, "box [0.1, 0.5]", "box [-0.1, 0.5]"), tmp_path) == 0
+    (loop,) = read(tmp_path / "out")["claims"]
+    assert (loop["centre"], loop["generators"]) == ([], [])
+
+
+def test_another_convex_solver_closes_loops_too(tmp_path: Path) -> None:
+    path = tmp_path / "spec.srg"
+    path.write_text(asked(SLIDER, AGAIN), encoding="utf-8")
+    out = tmp_path / "out"
+    assert run(["synth", str(path), "-q", "-o", str(out), "--solver", "CLARABEL"]) == 0
+    assert verify_directory(out).outcome is Outcome.VALID

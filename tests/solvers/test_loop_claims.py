@@ -1,0 +1,201 @@
+"""Claims of a loop, true ones and altered ones, each judged right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from solvers.verifier.verification import Outcome, verify_directory
+from tests.oracles.result_files import alter, alter_spec, read, write
+
+Content = dict[str, Any]
+Change = Callable[[Content], None]
+
+
+def claimed(content: Content, kind: str = "loop") -> Content:
+    (found,) = [item for item in content["claims"] if item["kind"] == kind]
+    assert isinstance(found, dict)
+    return found
+
+
+@pytest.fixture
+def folder(result: Callable[[str], Path]) -> Path:
+    found = result("looped")
+    (found / "design.json").unlink()
+    return found
+
+
+def judged(folder: Path, change: Change) -> tuple[Outcome, str]:
+    alter(folder, change, sign=True)
+    report = verify_directory(folder)
+    return report.outcome, report.reason or ""
+
+
+def test_all_rounds_are_proved(made: Callable[[str], Path]) -> None:
+    folder = made("looped") / "out"
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.VALID
+    names = {condition.name: condition.margin for condition in report.conditions}
+    assert 0 <= names["entry into the loop"] < 1
+    assert 0 <= names["return of the loop"] < 1
+    assert 0 < names["effort (N)"] < names["planned effort (N)"] < 10
+    assert read(folder)["format"] == 4
+    assert read(folder, "design.json")["loop"] == 0
+    said = (made("looped") / "stdout").read_text(encoding="utf-8")
+    assert "repeats: from 0 s to 6 s again and again, for ever\n" in said
+
+
+def flat(content: Content) -> None:
+    claimed(content)["generators"] = [["1", "2"], ["2", "4"]]
+
+
+def narrow(content: Content) -> None:
+    claimed(content)["generators"].pop()
+
+
+def long_row(content: Content) -> None:
+    claimed(content)["generators"][0].append("0")
+
+
+def long_centre(content: Content) -> None:
+    claimed(content)["centre"].append("0")
+
+
+def no_number(content: Content) -> None:
+    claimed(content)["centre"][0] = "NaN"
+
+
+def infinite(content: Content) -> None:
+    claimed(content)["generators"][0][0] = "Infinity"
+
+
+def beyond(content: Content) -> None:
+    claimed(content)["first"] = content["steps"]
+
+
+def before(content: Content) -> None:
+    claimed(content)["first"] = -1
+
+
+def no_whole_number(content: Content) -> None:
+    claimed(content)["first"] = 0.5
+
+
+def truth(content: Content) -> None:
+    claimed(content)["first"] = False
+
+
+def twice(content: Content) -> None:
+    content["claims"].append(claimed(content))
+
+
+def unknown_field(content: Content) -> None:
+    claimed(content)["rounds"] = 7
+
+
+def none_at_all(content: Content) -> None:
+    content["claims"].remove(claimed(content))
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (flat, "the set of the loop is flat"),
+        (narrow, "as many generators as states"),
+        (long_row, "as many generators as states"),
+        (long_centre, "the set of the loop is not one of 2 states"),
+        (no_number, "malformed"),
+        (infinite, "malformed"),
+        (beyond, "does not begin within the 30 steps"),
+        (before, "does not begin within the 30 steps"),
+        (no_whole_number, "a whole number is due"),
+        (truth, "a whole number is due"),
+        (twice, "more than one loop"),
+        (unknown_field, "`rounds` is unknown"),
+        (none_at_all, "the motion of the task goes on for ever"),
+    ],
+)
+def test_what_is_false_or_malformed_is_refuted(folder: Path, change: Change, reason: str) -> None:
+    outcome, said = judged(folder, change)
+    assert outcome is Outcome.REFUTED
+    assert reason in said
+
+
+def test_a_loop_of_a_motion_that_ends_is_refuted(folder: Path) -> None:
+    alter_spec(folder, "  repeat;\n", "", sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert "the motion of the task ends" in (report.reason or "")
+
+
+def times(factor: str) -> Change:
+    def change(content: Content) -> None:
+        loop = claimed(content)
+        loop["generators"] = [
+            [str(Decimal(x) * Decimal(factor)) for x in row] for row in loop["generators"]
+        ]
+
+    return change
+
+
+def moved_by(part: str) -> Change:
+    """The centre by so much of a generator."""
+
+    def change(content: Content) -> None:
+        loop = claimed(content)
+        loop["centre"] = [
+            str(Decimal(x) + Decimal(part) * Decimal(row[0]))
+            for x, row in zip(loop["centre"], loop["generators"], strict=True)
+        ]
+
+    return change
+
+
+def later(content: Content) -> None:
+    """Half of the loop does not come back."""
+    claimed(content)["first"] = 15
+
+
+def without_gains(content: Content) -> None:
+    law = claimed(content, "controller")
+    law["gains"] = [[["0"] * len(row) for row in step] for step in law["gains"]]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [times("0.5"), times("0.1"), moved_by("1"), later, without_gains],
+    ids=["half", "tenth", "moved", "later", "open"],
+)
+def test_a_set_that_rounds_leave_proves_nothing(folder: Path, change: Change) -> None:
+    outcome, said = judged(folder, change)
+    assert outcome is Outcome.UNDECIDED, said
+
+
+def test_a_larger_set_that_is_returned_into_is_as_good(folder: Path) -> None:
+    assert judged(folder, times("1.05"))[0] is Outcome.VALID
+
+
+def test_a_plan_beside_the_middle_of_the_set_is_accepted(folder: Path) -> None:
+    assert judged(folder, moved_by("0.01"))[0] is Outcome.VALID
+
+
+def test_the_folder_says_what_is_proved(result: Callable[[str], Path]) -> None:
+    folder = result("looped")
+
+    write(folder, {**read(folder, "design.json"), "loop": 3}, "design.json")
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert "`loop`" in (report.reason or "")
+
+
+def test_another_formula_fails(folder: Path) -> None:
+    """The mass does not stay."""
+    asked = "always (eventually T and eventually S)"
+    alter_spec(folder, asked, "eventually always T", sign=True)
+    assert verify_directory(folder).outcome is Outcome.REFUTED
+    assert Fraction(read(folder)["step"]) == Fraction(1, 5)
