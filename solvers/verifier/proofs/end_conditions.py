@@ -17,6 +17,7 @@ from compiler.expressions.evaluators.balls import ball
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition, inside, least
 from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.moved_set import Spread
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.scene import Scene
 from solvers.verifier.proofs.tube_checks import (
@@ -65,10 +66,19 @@ class FinalRates(StateLimit):
     def gaps_of(self, states: Zonotope) -> list[arb]:
         """Per joint how far its rate is from the bound, on a set in which rates go together."""
         bound = arb("inf") if self.upper is None else self.upper
+        return [bound - abs(value) for value in states.values(self._weights(len(states.middle)))]
+
+    def gap_in(self, spread: Spread, time: arb) -> arb:
+        """The least distance in a wide tube, at an instant or over a ball of them."""
+        bound, worst = arb("inf") if self.upper is None else self.upper, arb("inf")
+        for weights in self._weights(len(spread.reach)):
+            worst = worst.min(bound - abs(spread.value(weights, time)))
+        return worst
+
+    def _weights(self, size: int) -> list[list[int]]:
+        """The joints' rates as sums of entries of a state."""
         none = [0] * len(self.rows)
-        size = len(states.middle)
-        weights = [[*none, *row, *[0] * (size - 2 * len(row))] for row in self.rows]
-        return [bound - abs(value) for value in states.values(weights)]
+        return [[*none, *row, *[0] * (size - 2 * len(row))] for row in self.rows]
 
     def gap(self, state: Sequence[arb]) -> arb:
         """The least of them."""

@@ -18,6 +18,7 @@ from flint import arb
 from compiler.expressions.evaluators.balls import ball
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.moved_set import Spread
 from solvers.verifier.proofs.point_map import PointMap, Slice
 
 MOST_SPLITS = 12
@@ -194,6 +195,10 @@ class StateLimit:
             gap = gap.min(self.upper - value)
         return gap
 
+    def gap_in(self, spread: Spread, time: arb) -> arb:
+        """The distance in a wide tube, at an instant or over a ball of them."""
+        return self.gap_of(spread.value(self.weights, time))
+
     def note(self, status: Status, margin: float, time: arb) -> None:
         """Keep what a slice shows."""
         self.status, self.margin, self.time = status, margin, float(time.mid())
@@ -268,7 +273,7 @@ class _View:
         if spread is None or over > 0:
             return over, middle
         times = stretch.middle + arb(0, 1) * stretch.half, stretch.middle
-        closer, shown = (limit.gap_of(spread.value(limit.weights, time)) for time in times)
+        closer, shown = (limit.gap_in(spread, time) for time in times)
         return over.max(closer.lower()), middle.max(shown.lower())
 
 
