@@ -123,7 +123,7 @@ class ClosedChain:
                 parts[1][:], parts[2][:] = parts[1][0], parts[2][0, 0]
             yield Corner(*parts)
 
-    def motion(self, corner: Corner) -> tuple[Array, Array]:
+    def motion(self, corner: Corner, accuracy: float = 1e-11) -> tuple[Array, Array]:
         """States at fine times (t, 2n), and the inputs that are commanded (k, m)."""
         n, lengths = self.n, np.array(self.lengths(self.content))
         angle, rate = radii(self.text, "start")
@@ -147,7 +147,7 @@ class ClosedChain:
 
                 span = self.dt / PIECES
                 found = solve_ivp(
-                    slope, (0, span), state, method="DOP853", rtol=1e-11, atol=1e-12,
+                    slope, (0, span), state, method="DOP853", rtol=accuracy, atol=accuracy / 10,
                     t_eval=np.linspace(0, span, FINE + 1)[1:],
                 )  # fmt: skip
                 if not found.success:
