@@ -25,6 +25,8 @@ PIECES = 3
 """How often errors of inputs may change within a step."""
 FINE = 5
 """How often a piece is looked at."""
+HOPELESS = 10.0
+"""A motion ends where so many times the bound of an input is commanded: it grows without end."""
 
 
 def number(text: str, pattern: str) -> float:
@@ -138,6 +140,8 @@ class ClosedChain:
             seen = state + noise * corner.misread[k]
             u = planned - self.gains[k] @ (seen - self.reference[k])
             commanded.append(u)
+            if np.abs(u).max() > HOPELESS * self.bound:
+                return np.array(states), np.array(commanded)
             for piece in range(PIECES):
                 torque = u + push * corner.pushed[k, piece]
 
