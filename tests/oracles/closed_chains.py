@@ -25,6 +25,8 @@ PIECES = 3
 """How often errors of inputs may change within a step."""
 FINE = 5
 """How often a piece is looked at."""
+HOPELESS = 10.0
+"""A motion ends where so many times the bound of an input is commanded: it grows without end."""
 
 
 def number(text: str, pattern: str) -> float:
@@ -123,7 +125,7 @@ class ClosedChain:
                 parts[1][:], parts[2][:] = parts[1][0], parts[2][0, 0]
             yield Corner(*parts)
 
-    def motion(self, corner: Corner) -> tuple[Array, Array]:
+    def motion(self, corner: Corner, accuracy: float = 1e-11) -> tuple[Array, Array]:
         """States at fine times (t, 2n), and the inputs that are commanded (k, m)."""
         n, lengths = self.n, np.array(self.lengths(self.content))
         angle, rate = radii(self.text, "start")
@@ -138,6 +140,8 @@ class ClosedChain:
             seen = state + noise * corner.misread[k]
             u = planned - self.gains[k] @ (seen - self.reference[k])
             commanded.append(u)
+            if np.abs(u).max() > HOPELESS * self.bound:
+                return np.array(states), np.array(commanded)
             for piece in range(PIECES):
                 torque = u + push * corner.pushed[k, piece]
 
@@ -147,7 +151,7 @@ class ClosedChain:
 
                 span = self.dt / PIECES
                 found = solve_ivp(
-                    slope, (0, span), state, method="DOP853", rtol=1e-11, atol=1e-12,
+                    slope, (0, span), state, method="DOP853", rtol=accuracy, atol=accuracy / 10,
                     t_eval=np.linspace(0, span, FINE + 1)[1:],
                 )  # fmt: skip
                 if not found.success:

@@ -25,6 +25,8 @@ Content = dict[str, Any]
 CORNERS = 8
 CLOSE = 1e-8
 """What the oracle may be off by, in SI."""
+PLANNED = 1e-13
+"""The accuracy of the planned motion, of which nine digits are stated in a certificate."""
 TINY = Fraction(1, 10**10)
 KINDS = ("gain", "reference", "sample", "noise", "mass", "allowance", "start")
 
@@ -145,7 +147,7 @@ class Loops:
         loop = self.loop(made.content, made.text)
         # A motion that explodes is none that keeps anything.
         with np.errstate(all="ignore"):
-            states, commanded = loop.motion(loop.still())
+            states, commanded = loop.motion(loop.still(), PLANNED)
             peak = float(np.abs(commanded).max())
             room = loop.room(states, commanded) | loop.planned_room(states)
             rng = np.random.default_rng(seed)
@@ -154,9 +156,11 @@ class Loops:
                 room |= {name: min(room[name], margin) for name, margin in seen.items()}
                 if min(room.values()) < -CLOSE:
                     break
-        # What is stated of the planned motion follows, so that the loop alone is judged.
-        made.content["effort_peak"] = f"{peak:.12f}"
-        made.content["robustness"] = f"{loop.bound - peak:.12f}"
+        # What is stated of the planned motion follows, so that the loop alone is judged; what is
+        # too little to matter changes no digit of it.
+        if not made.is_tiny:
+            made.content["effort_peak"] = f"{peak:.12f}"
+            made.content["robustness"] = f"{loop.bound - peak:.12f}"
         self.write(made)
         report = verify_directory(self.folder)
         return Trial(self.name, seed, made, report.outcome, report.reason or "", room)

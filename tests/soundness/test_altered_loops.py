@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from solvers.verifier.verification import Outcome
-from tests.soundness.altered_loops import KINDS, Loops, Trial, tally, unjust, unsound
+from tests.soundness.altered_loops import KINDS, PLANNED, Loops, Trial, tally, unjust, unsound
 
 LOOPS = {"closed": ((1.0,), "L"), "pair": ((1.0, 1.5), "LK")}
 PARTS, PART = 10, 30
@@ -29,7 +29,7 @@ def test_the_oracle_follows_the_certified_loop(
     """Its planned motion has the stated peak, and no corner breaks the task."""
     loops = Loops(name, made(name) / "out", tmp_path, *LOOPS[name])
     loop = loops.loop(loops.content, loops.text)
-    states, commanded = loop.motion(loop.still())
+    states, commanded = loop.motion(loop.still(), PLANNED)
     assert abs(commanded).max() == pytest.approx(float(loops.content["effort_peak"]), rel=1e-9)
     assert min((loop.room(states, commanded) | loop.planned_room(states)).values()) >= 0
 
