@@ -18,9 +18,7 @@ from grammar_lang.syntax import (
     Semantics,
 )
 
-# --- The abstract syntax of ``satisfy``: linear temporal logic on finite traces -------------------
-#
-# Continues :mod:`grammar_lang.syntax` with the part of ``srg.lark`` called formulas.
+# --- The abstract syntax of ``satisfy``: linear temporal logic, formulas in ``srg.lark`` ----------
 
 
 @node
@@ -82,12 +80,7 @@ class Binary:
 Formula: TypeAlias = Atom | Unary | Last | Joined | Binary
 
 
-# --- The abstract syntax of workspaces and tasks, and of a whole file -----------------------------
-#
-# Continues :mod:`grammar_lang.syntax` with the rules of the last two parts of ``srg.lark``.
-
-
-# --- workspaces --------------------------------------------------------------------------------
+# --- workspaces ---------------------------------------------------------------------------------
 
 
 @node

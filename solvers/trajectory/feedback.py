@@ -174,7 +174,7 @@ def closed_spread(
     loop: int | None = None,
     slack: float = LEAST_SLACK,
 ) -> tuple[Array, DisturbanceSpread | None]:
-    """The gains along a trajectory, and how far disturbed motions get with them.
+    """The gains (k, m, N) along a trajectory, and how far disturbed motions get with them.
 
     Of several sizes of deviations, those are taken that let disturbed motions spread least on
     average, and command little: to second order, unless that grows beyond all bounds.  None for a
@@ -217,7 +217,10 @@ def closed_spread(
 
 
 def spread_cost(spread: DisturbanceSpread, scales: Array) -> float:
-    """How far disturbed motions spread on average, more so if much is commanded against it."""
+    """How far disturbed motions spread on average, more so if much is commanded against it.
+
+    ``scales`` (m,) are the sizes of inputs, in their units.
+    """
     share = float(np.max(spread.inputs / scales, initial=0.0))
     mean = float(np.max(spread.points, axis=1, initial=0.0).mean())
     return mean * (1 + share) / (1 - share) if share < 1 else mean * share * BEYOND_BOUNDS

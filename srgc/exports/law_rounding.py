@@ -78,6 +78,9 @@ def rounding_bounds(
         measured: per sample all that may be measured (2n,) as balls; the program gets the nearest
             numbers of the precision.
         precision: that of all constants and operations.
+
+    Raises:
+        ValueError: the controller has no gains.
     """
     claim = controller.design.claim.controller
     if claim is None:

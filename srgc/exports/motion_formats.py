@@ -204,7 +204,7 @@ def trajectory_arrays(motion: ExportedMotion) -> bytes:
 
 
 def array_file(numbers: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> bytes:
-    """Arrays by their names; same content, same bytes.  Nothing in it is compressed or pickled."""
+    """Arrays of any shape by their names; same content, same bytes, none compressed or pickled."""
     arrays: dict[str, NDArray[np.generic]] = {
         name: np.ascontiguousarray(value, dtype="<f8") for name, value in numbers.items()
     }
