@@ -51,7 +51,8 @@ def _c_lines(
         yield from _c_table("gains", flat, precision, len(controller.inputs))
     yield f"int {_signature(controller, precision)}"
     n, m = len(controller.measured), len(controller.inputs)
-    yield from (C_CLOSED if closed else C_OPEN).format(kind=kind, name=name, n=n, m=m).splitlines()
+    body, again = C_CLOSED if closed else C_OPEN, _c_again(controller)
+    yield from body.format(kind=kind, name=name, n=n, m=m, again=again).splitlines()
 
 
 def _signature(controller: ExportedController, precision: Precision) -> str:
@@ -87,6 +88,24 @@ def _c_comment(text: str) -> str:
     return shown
 
 
+def _c_again(controller: ExportedController) -> str:
+    """Statements that take samples behind the last to those of the loop."""
+    first, name = controller.loop, controller.name
+    if first is None:
+        return ""
+    turned = f"{first} + (sample - {first}) % ({name}_samples - {first})"
+    return f"    if (sample >= {name}_samples) {{\n        sample = {turned};\n    }}\n"
+
+
+def _python_again(controller: ExportedController) -> str:
+    """The same in Python."""
+    first = controller.loop
+    if first is None:
+        return ""
+    turned = f"{first} + (sample - {first}) % (SAMPLES - {first})"
+    return f"    if sample >= SAMPLES:\n        sample = {turned}\n"
+
+
 C_CHECKS = """\
 #include <float.h>
 
@@ -106,7 +125,7 @@ C_CLOSED = """\
     {kind} off[{n}];
     int i, j;
 
-    if (sample < 0 || sample >= {name}_samples) {{
+{again}    if (sample < 0 || sample >= {name}_samples) {{
         return -1;
     }}
     for (j = 0; j < {n}; j++) {{
@@ -128,7 +147,7 @@ C_OPEN = """\
     int i;
 
     (void)measured;
-    if (sample < 0 || sample >= {name}_samples) {{
+{again}    if (sample < 0 || sample >= {name}_samples) {{
         return -1;
     }}
     for (i = 0; i < {m}; i++) {{
@@ -175,14 +194,14 @@ def _python_lines(controller: ExportedController, notes: Sequence[str]) -> Itera
     yield ""
     yield from _python_table("PLANNED", controller.planned)
     if controller.reference is None or controller.gains is None:
-        yield from PYTHON_OPEN.splitlines()
+        yield from PYTHON_OPEN.replace("@again@", _python_again(controller)).splitlines()
         return
     yield from _python_table("REFERENCE", controller.reference)
     yield "GAINS = ("
     for gain in controller.gains:
         yield f"    ({' '.join(_tuple(row) + ',' for row in gain)}),"
     yield ")"
-    yield from PYTHON_CLOSED.splitlines()
+    yield from PYTHON_CLOSED.replace("@again@", _python_again(controller)).splitlines()
 
 
 def _names(name: str, items: Sequence[Quantity]) -> Iterator[str]:
@@ -206,7 +225,7 @@ PYTHON_CLOSED = '''
 
 def controller(sample, measured):
     """The inputs to hold from a sample on, by what is measured at it: a list of floats."""
-    if not 0 <= sample < SAMPLES:
+@again@    if not 0 <= sample < SAMPLES:
         raise IndexError(f"there is no sample {sample}")
     if len(measured) != len(MEASURED):
         raise ValueError(f"there are {len(MEASURED)} measured quantities, not {len(measured)}")
@@ -221,7 +240,7 @@ def controller(sample, measured):
 PYTHON_OPEN = '''
 def controller(sample, measured=()):
     """The inputs to hold from a sample on: a list of floats. Nothing that is measured is read."""
-    if not 0 <= sample < SAMPLES:
+@again@    if not 0 <= sample < SAMPLES:
         raise IndexError(f"there is no sample {sample}")
     return list(PLANNED[sample])'''
 

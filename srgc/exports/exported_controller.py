@@ -49,6 +49,12 @@ class ExportedController:
         return len(self.planned)
 
     @property
+    def loop(self) -> int | None:
+        """The first sample of a loop, which comes again after the last; None: the motion ends."""
+        claim = self.design.claim.loop
+        return None if claim is None else claim.first
+
+    @property
     def period(self) -> Fraction:
         """The time between samples in seconds."""
         return self.design.task.step
@@ -122,6 +128,10 @@ def described(controller: ExportedController) -> Iterator[str]:
         yield "delay. Angles count turns: they are not reduced to an interval."
         yield ""
         yield from _listed("measured", controller.measured)
+    if controller.loop is not None:
+        yield ""
+        yield f"The motion goes on for ever: behind sample {last} comes {controller.loop} again,"
+        yield f"so that sample {last + 1} is that, and so on."
     yield ""
     yield from _listed("inputs", controller.inputs)
 

@@ -96,7 +96,8 @@ def measured_states(folder: Path, count: int) -> list[tuple[int, list[float]]]:
     for number in range(count):
         sample = rng.randrange(len(samples))
         share = (lambda: rng.choice((-1, 1))) if number % 3 else (lambda: rng.uniform(-1, 1))
-        found.append((sample, [float(x.mid()) + share() * float(x.rad()) for x in samples[sample]]))
+        state = [low + (1 + share()) / 2 * (high - low) for low, high in samples[sample].tolist()]
+        found.append((sample, state))
     return found
 
 
@@ -208,6 +209,23 @@ def test_a_design_that_was_found(srgc: Export, result: Result) -> None:
                 abs(Fraction(u) - v) <= most
                 for u, v, most in zip(held, exact, allowed, strict=True)
             )
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_a_loop_begins_again(srgc: Export, result: Result, compiler: str) -> None:
+    """Behind the last sample comes the first of the loop; before the first there is none."""
+    folder = result("looped")
+    target, content = exported(srgc, folder), result_files.read(folder)
+    first = next(claim["first"] for claim in content["claims"] if claim["kind"] == "loop")
+    steps, sizes = content["steps"], (len(content["start"]), len(content["inputs"][0]))
+    run = compiled(compiler, target / "controller.c", content["task"], sizes)
+    python, measured = module(target / "controller.py"), [0.1 * k for k in range(sizes[0])]
+    for sample in range(first, steps):
+        for rounds in (1, 2, 1000):
+            again = sample + rounds * (steps - first)
+            assert run(again, measured) == run(sample, measured)
+            assert python.controller(again, measured) == python.controller(sample, measured)
+    assert run(-1, measured) is None
 
 
 # --- open loops ----------------------------------------------------------------------------------
