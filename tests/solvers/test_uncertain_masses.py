@@ -19,7 +19,7 @@ from compiler.robots.robot import BodyOwner
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.specification import UncertainMass, uncertain_masses
 from grammar_lang import ir
-from solvers.trajectory.task_limits import disturbance_spread
+from solvers.trajectory.disturbance_spread import disturbance_spread
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.disturbed_proof import disturbed_start, input_error
 from solvers.verifier.proofs.enclosure import Accuracy
@@ -163,7 +163,8 @@ def test_the_spread_that_a_search_tightens_by_is_that_of_corners(clauses: str) -
     numeric = NumericRobot(robot_graph(where.model, where.task.gravity))
     u = np.array([[float(x) for x in row] for row in INPUTS])
     x = numeric.simulate(np.array([float(v) for v in START]), u, np.zeros(0), 0.1, 8)
-    found = disturbance_spread(numeric, where.task, Trajectory(x, u, np.zeros(0)), 8)
+    steps = numeric.step(x[:-1], u, np.zeros(0), 0.1, 8)
+    found = disturbance_spread(numeric, where.task, Trajectory(x, u, np.zeros(0)), steps)
     expected, times = np.zeros((7, 6)), np.arange(6) * 0.1
     for item in uncertain_masses(where.task, where.model):
         low, high = (

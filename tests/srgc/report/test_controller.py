@@ -70,7 +70,7 @@ def test_the_width_is_that_of_the_disturbances_at_first(pages: Pages) -> None:
 def test_the_band_of_an_input_holds_what_corners_command(
     evidence_on: Callable[[str], Evidence],
 ) -> None:
-    """At the first sample: gains times the largest deviations that are measured there."""
+    """At the first sample: gains times the largest deviations measured there, and rounding."""
     evidence = evidence_on("closed")
     claim = evidence.found and evidence.found.claim
     assert claim is not None
@@ -83,6 +83,8 @@ def test_the_band_of_an_input_holds_what_corners_command(
     gains = np.array([[float(text) for text in row] for row in claim.controller.gains[0]])
     off = np.radians([0.5 + 0.05, 0.5 + 0.1])
     most = float(claim.inputs[0][0]) + float(np.abs(gains[0]) @ off)
+    assert claim.controller.rounding is not None
+    most += float(claim.controller.rounding[0])
     assert curve.band[0, 1] == pytest.approx(most, rel=1e-6)
 
 
