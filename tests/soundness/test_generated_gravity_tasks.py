@@ -26,7 +26,7 @@ from tests.oracles.hand_motions import sampled_motion
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results" / "gravity"
 QUICK_SEEDS = (3, 7, 10)
-FOUND_SEEDS = (3, 7, 10)
+FOUND_SEEDS = (3, 6, 9)
 made = cache(gravity_task)
 
 
