@@ -105,6 +105,11 @@ def disturbed_replay(
     design = found_design(folder)
     if design.task.robust is None:
         raise UsageFault(f"{folder}: the task names no disturbances (`robust ...`)")
+    if design.task.robust.masses:
+        # Left out, they would be a claim that nobody has tried.
+        raise UsageFault(
+            f"{folder}: errors of single modules' masses (`robust mass p % of M`) are not simulated"
+        )
     mujoco, text = mujoco_module(), mujoco_text(design)
     count = max(1, ceil(design.task.step / (request.timestep or USUAL_STEP)))
     if count * design.task.steps * len(request.numbers) > MOST_STEPS:

@@ -197,6 +197,7 @@ def test_numbers_may_be_any(made: Result) -> None:
             ("--in", "mujoco", "--disturbed", 3, "--halvings", 1),
             "without --halvings",
         ),
+        ("pair", ("--in", "mujoco", "--disturbed", 2), "single modules' masses"),
         ("closed", ("--in", "mujoco", "--seed", 3), "--seed goes with --disturbed"),
         ("closed", ("--in", "mujoco", "--disturbed", 0), "0 is not in the range"),
         (
@@ -205,7 +206,15 @@ def test_numbers_may_be_any(made: Result) -> None:
             "fewer motions",
         ),
     ],
-    ids=["no disturbances", "python", "halvings", "a seed alone", "no motion", "too many"],
+    ids=[
+        "no disturbances",
+        "python",
+        "halvings",
+        "masses of modules",
+        "a seed alone",
+        "no motion",
+        "too many",
+    ],
 )
 def test_what_is_refused(
     srgc: Command, made: Result, spec: str, options: tuple[object, ...], said: str
