@@ -55,6 +55,5 @@ def test_hundreds_of_altered_loops(
     """Three hundred, two of three about one link, in parts."""
     count = PART * (2 if name == "closed" else 1) // 3
     found = trials(made, tmp_path, name, range(1000 * part, 1000 * part + count))
-    seen = tally(found)
-    assert sum(seen["broken", each.value] for each in Outcome) >= 1
-    assert seen["kept", "valid"] >= 1
+    # Not every part has one that breaks the task.
+    assert tally(found)["kept", "valid"] >= 1
