@@ -50,6 +50,12 @@ LONGEST_RUN = 6
 GAIN = 1e-4
 """A gain of robustness that is worth moving an entry for, relative to the effort bound."""
 RETIMING = IterationBudget(8, 1e-4, 1e-7, 1)
+TURN = 12.0
+"""rad: the largest rate of a minimum-jerk turn from rest to rest by 2 pi, times its duration."""
+FARTHEST = 10.0
+"""rad or m; how much farther disturbed motions get makes no difference."""
+CALM = 0.1
+"""The price of motions at that rate all the time, in units of the effort bound."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,17 +114,32 @@ def search_configuration(
     else:
         search.run()
     entries = path_problem.waypoints()[1]
-    top = _best(search.polished(entries), path_problem, entries, context)
+    ranked = sorted(search.polished(entries), key=lambda outcome: -search.worth(outcome))
+    top = _best(ranked, path_problem, entries, context)
     return Configuration(
         top.outcome, top.entries, len(search.samples), top.path_problem.cells, tuple(search.samples)
     )
 
 
+def calmer(path_problem: PathProblem) -> PathProblem:
+    """The same task with a price on rates.
+
+    The least effort under gravity is often that of an arm which falls and whirls.  Samples say
+    little of such a motion, feedback can do little within a step, and a tube about it grows fast.
+    """
+    duration = float(path_problem.task.steps * path_problem.task.step)
+    return replace(path_problem, rates=CALM * (duration / TURN) ** 2)
+
+
+def chosen_by_spread(path_problem: PathProblem) -> bool:
+    """Whether parameters are compared by how far disturbed motions get, besides."""
+    return path_problem.rates > 0 and path_problem.task.robust is not None
+
+
 def _best(
-    outcomes: list[ControlOutcome], path_problem: PathProblem, entries: Entries, context: RunContext
+    ranked: list[ControlOutcome], path_problem: PathProblem, entries: Entries, context: RunContext
 ) -> Timed:
-    """The best of some outcomes that keeps to its cells; else the best of all."""
-    ranked = sorted(outcomes, key=lambda outcome: -outcome.robustness)
+    """The first of ranked outcomes that keeps to its cells; else the first of all."""
     for outcome in ranked:
         if outcome.feasible:
             timed = bound_to_cells(path_problem, outcome, entries, context)
@@ -144,6 +165,8 @@ class _Survey:
         self.context = context
         self.attempts: list[ControlOutcome] = []
         """The outcome of every seed at all parameters."""
+        self.valued: list[tuple[float, ControlOutcome]] = []
+        """The best outcome at each of the parameters, with its worth."""
         self.samples: list[Sample] = []
 
     def run(self) -> None:
@@ -155,7 +178,8 @@ class _Survey:
                 break
             thetas = [self.space.from_cube(point) for point in points]
             for point, outcome in zip(points, self.evaluate(thetas, SURVEY), strict=True):
-                search.tell(point, outcome.robustness)
+                self.valued.append((self.worth(outcome), outcome))
+                search.tell(point, self.valued[-1][0])
 
     def evaluate(self, thetas: list[Array], budget: IterationBudget) -> list[ControlOutcome]:
         """The best outcome at each of the parameters."""
@@ -170,14 +194,24 @@ class _Survey:
             self.context.reporter.robustness(max(o.robustness for o in self.attempts))
         return found
 
+    def worth(self, outcome: ControlOutcome) -> float:
+        """The robustness of an outcome, the less the farther disturbed motions get from it."""
+        path_problem = self.evaluator.path_problem
+        if not outcome.feasible or not chosen_by_spread(path_problem):
+            return outcome.robustness
+        closed = replace(path_problem, feedback=True).spreading(outcome.trajectory, 1.0)
+        far = FARTHEST if closed.spread is None else min(FARTHEST, closed.spread.size)
+        entries = path_problem.waypoints()[1]
+        return outcome.robustness - far * path_problem.problem(entries).scale
+
     def polished(self, entries: Entries) -> list[ControlOutcome]:
         """The best outcomes with their parameters made unknowns of the convex programs."""
         if self.space.is_point:
             return self.attempts
-        chosen = self.basins()
+        chosen, path_problem = self.basins(), self.evaluator.path_problem
         requests = [
             SolveRequest(
-                start.trajectory, entries, self.space.free_box(start.trajectory.theta), POLISH,
+                start.trajectory, entries, free_parameters(path_problem, start.trajectory), POLISH,
                 released=True,
             )
             for start in chosen
@@ -191,7 +225,10 @@ class _Survey:
 
     def basins(self) -> list[ControlOutcome]:
         """The best outcomes that differ in parameters or in motion from each other."""
-        ranked = sorted(self.attempts, key=lambda attempt: -attempt.robustness)
+        if chosen_by_spread(self.evaluator.path_problem):
+            ranked = [outcome for _, outcome in sorted(self.valued, key=lambda pair: -pair[0])]
+        else:
+            ranked = sorted(self.attempts, key=lambda attempt: -attempt.robustness)
         chosen = ranked[:1]
         for differs in (_moves_apart, self._lies_apart):
             for attempt in ranked:
@@ -341,5 +378,10 @@ def _solved(
 
 
 def free_parameters(path_problem: PathProblem, about: Trajectory) -> tuple[Array, Array] | None:
-    """Bounds (p,) of the parameters as unknowns next to a motion; None where none may vary."""
+    """Bounds (p,) of the parameters as unknowns next to a motion; None where none may vary.
+
+    Convex programs know nothing of disturbed motions: parameters chosen for these stay.
+    """
+    if chosen_by_spread(path_problem):
+        return None
     return parameter_space(path_problem.model).free_box(about.theta)

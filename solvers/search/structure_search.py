@@ -25,6 +25,7 @@ from solvers.search.closed_loop import feedback_choices, unbearable_noise
 from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
+    calmer,
     resolved,
     search_configuration,
     within_limits,
@@ -292,7 +293,7 @@ class StructureSearch:
                 leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
             )
             return Attempt(None, robustness, excluded)
-        return self.widened(path_problem.along(found.cells, found.entries), found)
+        return self.widened(path_problem, found, label)
 
     def keep(self, found: Configuration) -> None:
         """Keep what was evaluated for a path, for tables."""
@@ -300,14 +301,26 @@ class StructureSearch:
         self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
         self.top = max(self.top, found.outcome.robustness)
 
-    def widened(self, path_problem: PathProblem, found: Configuration) -> Attempt:
+    def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
         """A proved design from a feasible configuration; open loop first, where that may do."""
         attempt = Attempt(None, found.outcome.robustness)
         for feedback in feedback_choices(path_problem, found.outcome):
-            attempt = self.with_margins(replace(path_problem, feedback=feedback), found)
+            if feedback:
+                path_problem, found = self.calmed(path_problem, found, label)
+            along = path_problem.along(found.cells, found.entries)
+            attempt = self.with_margins(replace(along, feedback=feedback), found)
             if attempt.design is not None:
                 break
         return attempt
+
+    def calmed(
+        self, path_problem: PathProblem, found: Configuration, label: str
+    ) -> tuple[PathProblem, Configuration]:
+        """A configuration for the same path that feedback suits better, if there is one."""
+        calm = calmer(path_problem)
+        slower = search_configuration(calm, f"{label}|calm", self.context)
+        self.counts["evaluations"] += slower.evaluations
+        return (calm, slower) if slower.outcome.feasible else (path_problem, found)
 
     def with_margins(self, path_problem: PathProblem, found: Configuration) -> Attempt:
         """A proved design with as much tightening as that takes."""

@@ -88,7 +88,8 @@ class _Iteration:
     quiet: int = 0
     level: float = FUNNEL
     conceded: float = np.inf
-    margin: float = -np.inf
+    best: float = -np.inf
+    """What the last step was worth."""
 
     def run(self) -> None:
         """Iterate until nothing is gained, nothing helps or the iterations are used up."""
@@ -108,9 +109,14 @@ class _Iteration:
             self.hold()
             return self.region.radius >= SMALLEST_RADIUS
         self.current = trial
-        gained = (result.margin - self.margin) / self.problem.scale
+        gained = (self.worth(result) - self.best) / self.problem.scale
         self.adapt(trial, gained)
         return not self.ended(result, trial, gained)
+
+    def worth(self, result: StepResult) -> float:
+        """What a step is worth: its margin, less the price of its rates."""
+        n, price = self.problem.numeric.n, self.problem.scale * self.problem.rates
+        return result.margin - price * float(np.sum(result.trajectory.x[:, n : 2 * n] ** 2))
 
     def solved(self, region: TrustRegion, accuracy: float) -> StepResult | None:
         """The convex step about where we are; what is tried next changes where there is none."""
@@ -157,7 +163,7 @@ class _Iteration:
         scale = self.problem.scale
         conceded = _conceded(result, scale)
         self.stuck = self.stuck + 1 if conceded > STUCK * self.conceded > STUCK * NEEDED else 0
-        self.conceded, self.margin = conceded, result.margin
+        self.conceded, self.best = conceded, self.worth(result)
         self.fictitious = conceded > NEEDED
         if conceded > DEFECT:
             self.status = "violations remain"
@@ -208,7 +214,7 @@ def synthesise_control(
     current = measured(problem, start)
     if current is None:
         return _hopeless(problem, start)
-    question = SubproblemSpec(problem.limits, problem.groups, theta_box, weights or Weights())
+    question = SubproblemSpec(problem.limits, problem.groups, theta_box, weights or Weights(rates=problem.rates))
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
     # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
     iteration = _Iteration(problem, step, budget, region, current, fictitious=current.excess > NEAR)

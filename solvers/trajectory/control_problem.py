@@ -26,7 +26,7 @@ class ControlProblem:
     """A robot, its limits and its time grid; positions are constrained by ``rows_of``.
 
     A step takes ``dt`` seconds and is integrated in ``substeps`` parts.  ``steps`` makes what
-    solves the convex steps.
+    solves the convex steps, ``rates`` is the price of squares of rates in them, in SI.
     """
 
     numeric: NumericRobot
@@ -36,6 +36,7 @@ class ControlProblem:
     groups: tuple[InputGroup, ...]
     rows_of: RowsOf
     steps: StepMaker = field(default=ConvexStep)
+    rates: float = 0.0
 
     @property
     def scale(self) -> float:

@@ -51,6 +51,11 @@ class DisturbanceSpread:
         """The largest of the positions, in metres."""
         return float(np.max(self.points, initial=0.0))
 
+    @property
+    def size(self) -> float:
+        """The largest deviation of a position in metres or of a coordinate in rad or m."""
+        return max(self.widest, float(np.max(self.states[:, 0], initial=0.0)))
+
     def scaled(self, factor: float) -> DisturbanceSpread:
         """So many times as wide."""
         return DisturbanceSpread(

@@ -74,7 +74,8 @@ class PathProblem:
     With ``feedback`` a controller keeps robots near the motion.  With a ``loop``, the sample at
     which it begins, the motion ends where it is there, and what comes behind it again and again
     stays in the last cell, unless it is all of the motion; the set of the loop is larger than its
-    estimate by the part ``slack``.  ``solver`` is the name in cvxpy of
+    estimate by the part ``slack``.  ``rates`` is the price of squares of rates, per sample, in SI.
+    ``solver`` is the name in cvxpy of
     what solves the convex steps, None: our own programs.
     """
 
@@ -97,6 +98,7 @@ class PathProblem:
     feedback: bool = False
     loop: int | None = None
     slack: float = LEAST_SLACK
+    rates: float = 0.0
     solver: str | None = None
 
     @property
@@ -193,7 +195,7 @@ class PathProblem:
         plan = self.plan(entries, released=released)
         return ControlProblem(
             self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
-            step_maker(self.solver),
+            step_maker(self.solver), self.rates / (task.steps + 1),
         )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------

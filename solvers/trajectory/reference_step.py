@@ -20,7 +20,8 @@ has a slack of its own, the sum of which is paid for, and rho is worth nothing:
 .. math::
     \text{(C.6)}\quad \lVert v_i \rVert_\infty \le g_i, \qquad \epsilon \sum_{l<i} g_l \le g_i.
 
-S is the largest margin of an input.  Further terms, the same tiny share of the square of every
+S is the largest margin of an input.  Where rates have a price :math:`w_v`, that times the sum of
+their squares is taken off.  Further terms, the same tiny share of the square of every
 other unknown, make the optimum unique.
 """
 
@@ -121,6 +122,7 @@ class _Step:
             - weights.quadratic * cp.sum_squares(self.u / scale)
             - self.region.proximal * moves
             - weights.regular / 2 * sum(cp.sum_squares(unknown) for unknown in rest)
+            - weights.rates * cp.sum_squares(self.x[:, self.n : 2 * self.n])
         )
 
     # --- the constraints ------------------------------------------------------------------------

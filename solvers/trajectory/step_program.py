@@ -224,6 +224,10 @@ class StepProgram:
             linear[layout.rho] = -1.0 / scale
         quadratic[layout.u] = 2 * weights.quadratic / scale**2
         quadratic[layout.x[:, : layout.n]] = 2 * proximal
+        if weights.rates:
+            rates = layout.x[:, layout.n : 2 * layout.n]
+            quadratic[rates] = 2 * weights.rates
+            linear[rates] = 2 * weights.rates * model.about.x[:, layout.n : 2 * layout.n]
         if layout.p:
             # A parameter bears on every sample.
             size = np.maximum(np.abs(model.about.theta), LEAST)

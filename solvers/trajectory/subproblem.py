@@ -24,13 +24,14 @@ class Weights:
     """Penalties of the convex step: per unit of effort (V), per metre (sigma), of squares.
 
     Squares of inputs are in units of the largest margin; ``regular`` is given to every other
-    unknown, for the solver's sake.
+    unknown, for the solver's sake.  ``rates`` is the price of the squares of all rates, in SI.
     """
 
     fictitious: float = 20.0
     position: float = 200.0
     quadratic: float = 1e-4
     regular: float = 1e-9
+    rates: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
