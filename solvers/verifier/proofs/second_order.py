@@ -41,18 +41,20 @@ from compiler.expressions.evaluators.balls import (
     both_signs,
     column,
     diagonal,
+    rows,
     stacked,
 )
 from solvers.verifier.proofs.a_priori import (
     Deviation,
+    Drive,
     LinearPart,
     NearPath,
     input_slopes,
     linear_part,
-    steady_part,
 )
 from solvers.verifier.proofs.deviation_flow import Flow, flow
-from solvers.verifier.proofs.vector_field import Curvature, VectorField
+from solvers.verifier.proofs.disturbance_response import LinearSlice, linear_slices, response
+from solvers.verifier.proofs.vector_field import Curvature, Expansion, VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
 
 SLICES = 4
@@ -98,62 +100,81 @@ def added_by_forms(
     if curvature is None or field.size + field.dofs > MOST_ENTRIES:
         return None
     linear = linear_part(field, near, [arb(0)] * field.size, degree)
-    transition = flow(field, near.path.length / 2, linear)
+    half = near.path.length / 2
+    transition = flow(field, half, linear)
+    slices = linear_slices(linear, half, SLICES)
     slopes = input_slopes(field, near, found.radii) if near.drive.is_disturbed else None
-    lower = arb_mat(linear.lower.tolist()[: field.dofs])
-    moving: list[arb_mat] | None = None
-    # First of the box that no deviation leaves, then of closer sets.
+    # First of the box that no deviation leaves, at all times; then of closer sets, part by part.
     pull = (found.linear.rates * column(found.radii) + column(found.push)).entries()
     most = [*found.radii, *(item.upper() for item in pull[field.dofs : 2 * field.dofs])]
     parts = [_Columns.of(diagonal(most))]
+    over = [near.path.over]
+    moving: list[arb_mat] = []
     forms: _Forms | None = None
     added = None
     for _ in range(ROUNDS):
-        most = [m.min(w) for m, w in zip(most, _widest(parts), strict=True)]
-        hessians = _hessians(field, curvature, near, most)
-        if hessians is None:
-            return None
-        closer = _hull([_forms(hessians, part) for part in parts])
+        widths = [part.widths.entries() for part in parts]
+        within = [[m.min(w) for m, w in zip(most, each, strict=True)] for each in widths]
+        ranges = []
+        for about, each, part in zip(over, within, parts, strict=True):
+            hessians = _hessians(field, curvature, near.drive, about, each)
+            if hessians is None:
+                return None
+            ranges.append(_forms(hessians, part))
+        closer = _hull(ranges)
         if forms is not None and not _smaller(closer, forms):
             break
         forms = closer
-        added = _added(near, transition, linear, slopes, forms)
-        if moving is None:
-            small = states.reduced(KEPT)
-            moving = []
-            for k in range(SLICES):
-                time = near.path.length * arb(k).union(arb(k + 1)) / SLICES
-                places = transition.at(time) * arb_mat(small.columns).transpose()
-                moving.append(stacked(places, lower * places))
-        rest = _accelerations(field, linear, near, slopes, forms)
-        own = _own_columns(field, lower, added.reach, rest)
-        parts = [_Columns.of(beside(part, own)) for part in moving]
+        added = _added(near, transition, linear, slices, slopes, forms)
+        if not moving:
+            times = [item.since for item in slices]
+            over = [near.path.about(half + time.mid(), time.rad()) for time in times]
+            small = arb_mat(states.reduced(KEPT).columns).transpose()
+            for item in slices:
+                places = transition.at(half + item.since) * small
+                moving.append(stacked(places, _joints(field, item) * places))
+        parts = [
+            _Columns.of(beside(each, _own_columns(field, item, near, slopes, forms, added.reach)))
+            for item, each in zip(slices, moving, strict=True)
+        ]
     return None if added is None else (transition, added)
 
 
-def _own_columns(field: VectorField, lower: arb_mat, box: Sequence[arb], rest: arb_mat) -> arb_mat:
-    """The columns of V that are not images of the set's: a box of e, and what e_a - A e may be."""
-    places = diagonal(box)
-    none = arb_mat(field.size, rest.ncols(), [arb(0)] * (field.size * rest.ncols()))
-    return stacked(beside(places, none), beside(lower * places, rest))
+def _joints(field: VectorField, part: LinearSlice) -> arb_mat:
+    """The rows of A that are about accelerations of joints."""
+    return rows(part.lower, 0, field.dofs)
 
 
-def _accelerations(
-    field: VectorField, linear: LinearPart, near: NearPath, slopes: arb_mat | None, forms: _Forms
+def _own_columns(
+    field: VectorField,
+    part: LinearSlice,
+    near: NearPath,
+    slopes: arb_mat | None,
+    forms: _Forms,
+    box: Sequence[arb],
 ) -> arb_mat:
-    """The columns of the joints' part of e_a - A e: what disturbances and forces amount to.
+    """The columns of V that are not images of the set's: a box of e, and what e_a - A e may be.
 
-    As columns, not as a box: an uncertain mass times accelerations is a part of the forces.
+    The latter is what disturbances and forces amount to, as columns: an uncertain mass times
+    accelerations is a part of the forces.
     """
     most = [abs(c) + r for c, r in zip(forms.centre, forms.radii, strict=True)]
     pushed = diagonal([(a + b).upper() for a, b in zip(most, near.defect, strict=True)])
     if slopes is not None:
         pushed = beside(pushed, slopes * diagonal(near.drive.disturbance))
-    return arb_mat(linear.inertia.solve(pushed).tolist()[: field.dofs])
+    rest = rows(part.inertia.solve(pushed), 0, field.dofs)
+    places = diagonal(box)
+    none = arb_mat(field.size, rest.ncols(), [arb(0)] * (field.size * rest.ncols()))
+    return stacked(beside(places, none), beside(_joints(field, part) * places, rest))
 
 
 def _added(
-    near: NearPath, transition: Flow, linear: LinearPart, slopes: arb_mat | None, forms: _Forms
+    near: NearPath,
+    transition: Flow,
+    linear: LinearPart,
+    slices: Sequence[LinearSlice],
+    slopes: arb_mat | None,
+    forms: _Forms,
 ) -> Added:
     """What a set gains by disturbances, by the path's defect, and by the forms."""
     height = len(forms.radii)
@@ -166,12 +187,13 @@ def _added(
             columns.append([arb(int(i == j)) for j in range(height)])
     # The centre of the forms pushes all the time: that is a shift.
     length, own = near.path.length, None
-    solved = linear.inertia.solve(arb_mat([list(forms.centre)]).transpose())
-    shift = steady_part(solved, [arb(1)], length, linear, residue)
+    centre = arb_mat([list(forms.centre)]).transpose()
+    shift = response(centre, [arb(1)], length, linear, slices, residue)
     pushed, reach = shift.rest, shift.reach
     if columns:
-        solved = linear.inertia.solve(arb_mat(columns).transpose())
-        found = steady_part(solved, bounds, length, linear, 0 * residue)
+        found = response(
+            arb_mat(columns).transpose(), bounds, length, linear, slices, 0 * residue
+        )
         own = found.columns
         pushed = [a + b for a, b in zip(pushed, found.rest, strict=True)]
         reach = [a + b for a, b in zip(reach, found.reach, strict=True)]
@@ -209,12 +231,12 @@ def _exact(matrix: Array) -> arb_mat:
 
 
 def _hessians(
-    field: VectorField, curvature: Curvature, near: NearPath, most: Sequence[arb]
+    field: VectorField, curvature: Curvature, drive: Drive, about: Expansion, most: Sequence[arb]
 ) -> list[_Hessian] | None:
-    """Of each entry of F, for z within ``most`` (N,); None where F is not smooth."""
+    """Of each entry of F ``about`` a path, for z within ``most`` (N,); None: F is not smooth."""
     n, size, side = field.dofs, field.size, field.size + field.dofs
-    over = near.path.over.entries
-    tail = [*near.drive.all, *field.tail]
+    over = about.entries
+    tail = [*drive.all, *field.tail]
     still = [entry[0] for entry in over]
     still += [entry[1] if len(entry) > 1 else arb(0) for entry in over[n : 2 * n]]
     means = [arb(0)] * len(curvature.places)
@@ -321,14 +343,6 @@ def range_of_forms(hessians: Sequence[arb_mat], columns: arb_mat) -> list[tuple[
     """
     found = _forms([_Hessian.of(hessian) for hessian in hessians], _Columns.of(columns))
     return list(zip(found.centre, found.radii, strict=True))
-
-
-def _widest(parts: Sequence[_Columns]) -> list[arb]:
-    """Bounds of |z| on all parts."""
-    found = parts[0].widths.entries()
-    for part in parts[1:]:
-        found = [a.max(b) for a, b in zip(found, part.widths.entries(), strict=True)]
-    return found
 
 
 def _smaller(forms: _Forms, than: _Forms) -> bool:

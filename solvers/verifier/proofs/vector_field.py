@@ -272,6 +272,11 @@ class Path:
         """The path at an instant."""
         return [polynomial(time) for polynomial in self.polynomials]
 
+    def about(self, centre: arb, half: arb) -> Expansion:
+        """The expansion about all times within ``half`` of a ``centre``."""
+        shifted = [p(arb_poly([centre, 1])).coeffs() or [arb(0)] for p in self.polynomials]
+        return Expansion(tuple(over_interval(entry, half) for entry in shifted))
+
 
 def taylor_polynomials(
     field: VectorField,
