@@ -24,7 +24,9 @@ from solvers.run_context import RunContext
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
 from solvers.trajectory.corridor import Entries
+from solvers.trajectory.fine_motion import narrowed
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.task_limits import effort_scale
 from solvers.trajectory.trajectory import Trajectory
 from solvers.trajectory.visited_cells import visited_cells
 
@@ -201,8 +203,7 @@ class _Survey:
             return outcome.robustness
         closed = replace(path_problem, feedback=True).spreading(outcome.trajectory, 1.0)
         far = FARTHEST if closed.spread is None else min(FARTHEST, closed.spread.size)
-        entries = path_problem.waypoints()[1]
-        return outcome.robustness - far * path_problem.problem(entries).scale
+        return outcome.robustness - far * effort_scale(path_problem.groups)
 
     def polished(self, entries: Entries) -> list[ControlOutcome]:
         """The best outcomes with their parameters made unknowns of the convex programs."""
@@ -260,12 +261,12 @@ def within_limits(
     The limits that it passes there are narrowed and the motion is found anew, a few times.
     """
     for _ in range(NARROWINGS):
-        narrowed = (
-            path_problem.narrowed(found.outcome.trajectory) if found.outcome.feasible else None
+        closer = (
+            narrowed(path_problem, found.outcome.trajectory) if found.outcome.feasible else None
         )
-        if narrowed is None:
+        if closer is None:
             break
-        path_problem = narrowed
+        path_problem = closer
         found = resolved(path_problem, found)
     return path_problem, found
 

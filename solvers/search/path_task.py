@@ -21,7 +21,8 @@ from solvers.parameters.parameter_search import parameter_space
 from solvers.planner import EffectorPath
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
-from solvers.trajectory.path_following import BEYOND, LEAST_MARGIN, SUBSTEPS, PathProblem
+from solvers.trajectory.fine_motion import BEYOND
+from solvers.trajectory.path_following import LEAST_MARGIN, SUBSTEPS, PathProblem
 from solvers.trajectory.round_set import LEAST_SLACK
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,

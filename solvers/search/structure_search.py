@@ -41,7 +41,7 @@ from solvers.search.sampled_cells import reachable_cells, standing_configuration
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
 from solvers.trajectory.corridor import gentle_entries, polyline, smooth_timing
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
-from solvers.trajectory.fine_motion import seems_to_satisfy
+from solvers.trajectory.fine_motion import refined, seems_to_satisfy, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
@@ -69,11 +69,15 @@ class BlockedPrefix:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """What became of a plan: a proved design, or the best robustness and what to exclude."""
+    """What became of a plan: a proved design, or the best robustness and what to exclude.
+
+    Of an ``unstable`` motion its inputs alone do not keep the robot near.
+    """
 
     design: Design | None
     robustness: float
     excluded: CounterExample | None = None
+    unstable: bool = False
 
 
 @dataclass(slots=True)
@@ -304,7 +308,10 @@ class StructureSearch:
     def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
         """A proved design from a feasible configuration; open loop first, where that may do."""
         attempt = Attempt(None, found.outcome.robustness)
-        for feedback in feedback_choices(path_problem, found.outcome):
+        choices = feedback_choices(path_problem, found.outcome)
+        for feedback in (False, True):
+            if feedback not in choices and not (feedback and attempt.unstable):
+                continue
             if feedback:
                 path_problem, found = self.calmed(path_problem, found, label)
             along = path_problem.along(found.cells, found.entries)
@@ -340,6 +347,9 @@ class StructureSearch:
                     why = noise or no_margin_text(path_problem.spread)
                     self.obstacle = f"{tried}; {why}"
                 break
+            if not path_problem.feedback and unstable(path_problem, found.outcome.trajectory):
+                self.obstacle = f"{tried}; the motion is unstable: its inputs alone do not cause it"
+                return Attempt(None, found.outcome.robustness, unstable=not self.task.control)
             self.lacking = self.beyond = 0.0
             if tightening.is_last or seems_to_satisfy(path_problem, found.outcome.trajectory):
                 design = self.certified(path_problem, found)
@@ -356,7 +366,7 @@ class StructureSearch:
         self, path_problem: PathProblem, trajectory: Trajectory, tightening: ConstraintTightening
     ) -> PathProblem:
         """The same task with tightening for what a motion needs of it."""
-        wider = path_problem.with_margin(tightening.margin).refined(trajectory)
+        wider = refined(path_problem.with_margin(tightening.margin), trajectory)
         wider = replace(wider, slack=tightening.slack)
         return wider.spreading(trajectory, tightening.spreads) if self.task.robust else wider
 

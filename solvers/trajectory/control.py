@@ -214,7 +214,9 @@ def synthesise_control(
     current = measured(problem, start)
     if current is None:
         return _hopeless(problem, start)
-    question = SubproblemSpec(problem.limits, problem.groups, theta_box, weights or Weights(rates=problem.rates))
+    question = SubproblemSpec(
+        problem.limits, problem.groups, theta_box, weights or Weights(rates=problem.rates)
+    )
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
     # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
     iteration = _Iteration(problem, step, budget, region, current, fictitious=current.excess > NEAR)

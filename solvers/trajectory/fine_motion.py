@@ -1,4 +1,4 @@
-"""The motion that inputs cause, integrated far more finely than the search needs."""
+"""The motion that inputs cause, integrated more finely than the search does by itself."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from compiler.tasks.sampled_formula import sampled
 from compiler.tasks.word_formula import holds
 from compiler.time_limits.time_limit import is_late
 from compiler.workspaces.polytope import polytope_of
-from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
+from solvers.trajectory.task_limits import state_limits
 from solvers.trajectory.trajectory import Trajectory
 
 AGREEMENT = 1e-10
@@ -46,6 +47,90 @@ def _sampled(numeric: NumericRobot, trajectory: Trajectory, dt: float, parts: in
     u = np.repeat(trajectory.u, parts, axis=0)
     x = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt / parts, SUBSTEPS)
     return x[::parts]
+
+
+# --- How finely a search has to integrate, and what a motion breaks between its samples -----------
+#
+# Feedback brings the robot back at every sample, so that errors of single steps count; without it
+# they add up, and an unstable motion carries them away.
+
+
+INTEGRATION_SHARE = 0.2
+"""The part of the margins that the error of the discretisation may use up."""
+MOST_SUBSTEPS = 32
+WITHIN = 4
+"""How often limits are looked at within a step once a motion is there."""
+BEYOND = 1.25
+"""How much farther a limit is moved than motions went beyond it."""
+
+
+def refined(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem:
+    """The same task with as many substeps as a motion needs to be integrated accurately.
+
+    Doubling them once more moves no point and no coordinate by more than a share of its margin.
+    """
+    substeps = path_problem.substeps
+    while substeps < MOST_SUBSTEPS and not _accurate(path_problem, trajectory, substeps):
+        substeps *= 2
+    return replace(path_problem, substeps=substeps)
+
+
+def unstable(path_problem: PathProblem, trajectory: Trajectory) -> bool:
+    """Whether inputs alone do not keep the robot near the motion that was found for them.
+
+    Errors of the integration carry it away.
+    """
+    return not _accurate(path_problem, trajectory, path_problem.substeps)
+
+
+def _accurate(path_problem: PathProblem, trajectory: Trajectory, substeps: int) -> bool:
+    """Whether so many substeps, and twice as many, say nearly the same of a motion."""
+    numeric, n = path_problem.numeric, path_problem.numeric.n
+    share = INTEGRATION_SHARE * np.array([path_problem.margin, path_problem.limit_margin])
+    dt, theta, u = float(path_problem.task.step), trajectory.theta, trajectory.u
+    with np.errstate(all="ignore"):
+        if path_problem.feedback:
+            found = [numeric.step(trajectory.x[:-1], u, theta, dt, c * substeps) for c in (1, 2)]
+            pair = [each.value for each in found]
+        else:
+            first = trajectory.x[0]
+            pair = [numeric.simulate(first, u, theta, dt, c * substeps) for c in (1, 2)]
+        points = [numeric.points(states[:, :n], theta).value for states in pair]
+    gaps = np.array([_largest_gap(*points), _largest_gap(*pair)])
+    return bool(np.all(gaps <= share))
+
+
+def _largest_gap(before: Array, after: Array) -> float:
+    return float(np.max(np.abs(after - before), initial=0.0))
+
+
+def narrowed(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem | None:
+    """The same task with the limits narrowed that a motion passes within its steps, or None."""
+    n = path_problem.numeric.n
+    with np.errstate(all="ignore"):
+        x = _within_steps(path_problem, trajectory)
+    states = x[:, : 2 * n].reshape(len(x), 2, n).transpose(2, 1, 0)
+    limits = state_limits(path_problem.model)
+    below = limits[:, :, 0] - np.min(states, axis=2)
+    above = np.max(states, axis=2) - limits[:, :, 1]
+    beyond = np.stack([below, above], axis=2) + LIMIT_MARGIN / 2
+    if not bool(np.any(beyond > 0)):
+        return None
+    before = 0.0 if path_problem.insets is None else path_problem.insets
+    return replace(path_problem, insets=before + np.maximum(0.0, BEYOND * beyond))
+
+
+def _within_steps(path_problem: PathProblem, trajectory: Trajectory) -> Array:
+    """The states (K, N) at ``WITHIN`` instants of every step."""
+    numeric, theta, u = path_problem.numeric, trajectory.theta, trajectory.u
+    dt, substeps = float(path_problem.task.step), path_problem.substeps
+    parts = max(1, substeps // WITHIN)
+    if not path_problem.feedback:
+        often = np.repeat(u, WITHIN, axis=0)
+        return numeric.simulate(trajectory.x[0], often, theta, dt / WITHIN, parts)
+    times = [k * dt / WITHIN for k in range(1, WITHIN)]
+    found = [numeric.step(trajectory.x[:-1], u, theta, time, substeps).value for time in times]
+    return np.concatenate([trajectory.x, *found])
 
 
 # --- A look at a motion between its samples, in floats, before a proof is tried -------------------

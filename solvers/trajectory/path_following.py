@@ -38,7 +38,6 @@ from solvers.trajectory.task_limits import (
     input_groups,
     motion_limits,
     resting_inputs,
-    state_limits,
 )
 from solvers.trajectory.trajectory import Trajectory
 
@@ -46,19 +45,12 @@ if TYPE_CHECKING:
     from solvers.planner import EffectorPath
 
 SUBSTEPS = 2
-MOST_SUBSTEPS = 32
-INTEGRATION_SHARE = 0.2
-"""The part of the margins that the error of the discretisation may use up."""
 LIMIT_MARGIN = 1e-3
 """Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
 LEAST_MARGIN = 2e-3
 """The position margin in metres that a search begins with."""
 OVERSHOOT = 4.0
 """A wider position margin widens that distance so much faster: motions overshoot within steps."""
-WITHIN = 4
-"""How often limits are looked at within a step once a motion is there."""
-BEYOND = 1.25
-"""How much farther a limit is moved than motions went beyond it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -344,43 +336,3 @@ class PathProblem:
         return gains_along(
             self.numeric, self.task, trajectory, groups, self.substeps, self.loop, self.slack
         )
-
-    def refined(self, trajectory: Trajectory) -> PathProblem:
-        """The same task with as many substeps as a motion needs to be integrated accurately.
-
-        Doubling them once more moves no point and no coordinate by more than a share of its margin.
-        """
-        numeric, n, dt = self.numeric, self.numeric.n, float(self.task.step)
-        substeps, theta, u = self.substeps, trajectory.theta, trajectory.u
-        share = INTEGRATION_SHARE * np.array([self.margin, self.limit_margin])
-        with np.errstate(all="ignore"):
-            x = numeric.simulate(trajectory.x[0], u, theta, dt, substeps)
-            while substeps < MOST_SUBSTEPS:
-                finer = numeric.simulate(trajectory.x[0], u, theta, dt, 2 * substeps)
-                points = (numeric.points(states[:, :n], theta).value for states in (x, finer))
-                gaps = np.array([_largest_gap(*points), _largest_gap(x, finer)])
-                if bool(np.all(gaps <= share)):
-                    break
-                substeps, x = 2 * substeps, finer
-        return replace(self, substeps=substeps)
-
-    def narrowed(self, trajectory: Trajectory) -> PathProblem | None:
-        """The same task with the limits narrowed that a motion passes within its steps, or None."""
-        numeric, n = self.numeric, self.numeric.n
-        u = np.repeat(trajectory.u, WITHIN, axis=0)
-        dt, theta = float(self.task.step) / WITHIN, trajectory.theta
-        with np.errstate(all="ignore"):
-            x = numeric.simulate(trajectory.x[0], u, theta, dt, max(1, self.substeps // WITHIN))
-        states = x[:, : 2 * n].reshape(len(x), 2, n).transpose(2, 1, 0)
-        limits = state_limits(self.model)
-        below = limits[:, :, 0] - np.min(states, axis=2)
-        above = np.max(states, axis=2) - limits[:, :, 1]
-        beyond = np.stack([below, above], axis=2) + LIMIT_MARGIN / 2
-        if not bool(np.any(beyond > 0)):
-            return None
-        before = 0.0 if self.insets is None else self.insets
-        return replace(self, insets=before + np.maximum(0.0, BEYOND * beyond))
-
-
-def _largest_gap(before: Array, after: Array) -> float:
-    return float(np.max(np.abs(after - before), initial=0.0))

@@ -13,6 +13,7 @@ from compiler.robots.normal_form import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.fine_motion import refined
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
 from solvers.trajectory.task_limits import motion_limits
 from solvers.trajectory.trajectory import Trajectory
@@ -66,7 +67,7 @@ def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):
     theta, k = np.array([1.2]), 10
     u = np.linspace(-3, 3, k)[:, None]
     still = Trajectory(np.zeros((k + 1, 2)), u, theta)
-    fine = swing.refined(still)
+    fine = refined(swing, still)
     assert fine.substeps > swing.substeps
     inertia, pull = 1.2**3 / 3, 1.2 * 40 * 0.6
     state = np.zeros(2)
@@ -88,7 +89,7 @@ def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):
 def test_a_gentle_motion_keeps_its_substeps(tmp_path):
     plain = path_problem(tmp_path)
     still = Trajectory(np.zeros((11, 2)), np.full((10, 1), 0.1), np.array([1.5]))
-    assert plain.refined(still).substeps == plain.substeps
+    assert refined(plain, still).substeps == plain.substeps
 
 
 def test_an_outcome_that_is_no_number_counts_as_the_worst(tmp_path, monkeypatch):

@@ -191,9 +191,7 @@ def _added(
     shift = response(centre, [arb(1)], length, linear, slices, residue)
     pushed, reach = shift.rest, shift.reach
     if columns:
-        found = response(
-            arb_mat(columns).transpose(), bounds, length, linear, slices, 0 * residue
-        )
+        found = response(arb_mat(columns).transpose(), bounds, length, linear, slices, 0 * residue)
         own = found.columns
         pushed = [a + b for a, b in zip(pushed, found.rest, strict=True)]
         reach = [a + b for a, b in zip(reach, found.reach, strict=True)]
