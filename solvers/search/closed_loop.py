@@ -19,17 +19,25 @@ from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.further_claims import ControllerClaim, LoopClaim
 
 
+def needs_feedback(path_problem: PathProblem) -> bool:
+    """Whether a motion gets feedback whatever it is.
+
+    The task says so, or what it measures; and nothing else brings a motion back into the set of its
+    loop.
+    """
+    task = path_problem.task
+    measured = task.robust is not None and task.robust.measured != ir.Radii()
+    asked = task.control == "feedback" or measured or path_problem.loop is not None
+    return asked and task.control != "open loop"
+
+
 def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tuple[bool, ...]:
     """Whether the motion of an outcome gets feedback: what is tried, in turn.
 
     Open loop first, if neither the motion is unstable nor disturbances carry it away.
     """
     task = path_problem.task
-    if path_problem.loop is not None:
-        # Nothing else brings a motion back into the set of its loop.
-        return (task.control != "open loop",)
-    robust = task.robust or ir.Robust()
-    if task.control is not None or robust.measured != ir.Radii():
+    if needs_feedback(path_problem) or task.control == "open loop":
         return (task.control != "open loop",)
     if outcome.regulated:
         return (True,)

@@ -133,9 +133,19 @@ def calmer(path_problem: PathProblem) -> PathProblem:
     return replace(path_problem, rates=CALM * (duration / TURN) ** 2)
 
 
+def calmed(
+    path_problem: PathProblem, found: Configuration, label: str, context: RunContext
+) -> tuple[PathProblem, Configuration]:
+    """A configuration for the same path that suits feedback better, if there is one."""
+    calm = calmer(path_problem)
+    slower = search_configuration(calm, f"{label}|calm", context)
+    return (calm, slower) if slower.outcome.feasible else (path_problem, found)
+
+
 def chosen_by_spread(path_problem: PathProblem) -> bool:
     """Whether parameters are compared by how far disturbed motions get, besides."""
-    return path_problem.rates > 0 and path_problem.task.robust is not None
+    robust = path_problem.task.robust is not None
+    return path_problem.rates > 0 and robust and path_problem.loop is None
 
 
 def _best(

@@ -21,10 +21,11 @@ from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.run_context import RunContext
 from solvers.search.certified_design import certified_design
-from solvers.search.closed_loop import feedback_choices, unbearable_noise
+from solvers.search.closed_loop import feedback_choices, needs_feedback, unbearable_noise
 from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
+    calmed,
     calmer,
     resolved,
     search_configuration,
@@ -269,6 +270,8 @@ class StructureSearch:
         others = tuple(path for path in plan.paths if path is not leader)
         path_problem = self.place.path_problem(cells, recorded, leader.effector, leader.cells)
         path_problem = timed(replace(path_problem, others=others), leader.entries)
+        if needs_feedback(path_problem):
+            path_problem = calmer(path_problem)
         label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
         found = search_configuration(path_problem, label, self.context)
         self.counts["evaluations"] += found.evaluations
@@ -312,22 +315,14 @@ class StructureSearch:
         for feedback in (False, True):
             if feedback not in choices and not (feedback and attempt.unstable):
                 continue
-            if feedback:
-                path_problem, found = self.calmed(path_problem, found, label)
+            if feedback and not path_problem.rates:
+                path_problem, found = calmed(path_problem, found, label, self.context)
+                self.counts["evaluations"] += found.evaluations
             along = path_problem.along(found.cells, found.entries)
             attempt = self.with_margins(replace(along, feedback=feedback), found)
             if attempt.design is not None:
                 break
         return attempt
-
-    def calmed(
-        self, path_problem: PathProblem, found: Configuration, label: str
-    ) -> tuple[PathProblem, Configuration]:
-        """A configuration for the same path that feedback suits better, if there is one."""
-        calm = calmer(path_problem)
-        slower = search_configuration(calm, f"{label}|calm", self.context)
-        self.counts["evaluations"] += slower.evaluations
-        return (calm, slower) if slower.outcome.feasible else (path_problem, found)
 
     def with_margins(self, path_problem: PathProblem, found: Configuration) -> Attempt:
         """A proved design with as much tightening as that takes."""
