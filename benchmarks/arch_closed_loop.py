@@ -4,16 +4,18 @@ Every property is shown of all starts, or disproved by one (`network_pendulums.p
 the published equations from corners and random starts of every part. The networks are published
 and not part of this repository: `--networks` is a folder that has the .nnet files somewhere in it.
 
-    git clone https://github.com/verivital/ARCH-COMP2024
-    python benchmarks/arch_closed_loop.py --networks ARCH-COMP2024
+    git clone https://github.com/verivital/ARCH-COMP2024 out/ARCH-COMP2024
+    python benchmarks/arch_closed_loop.py
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import platform
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
@@ -25,7 +27,7 @@ from timing import ROOT, machine
 
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.network_pendulums import CASES, Box, Case, Enclosed, shown
+from benchmarks.network_pendulums import CASES, Box, Case, Enclosed, enclosed, shown
 from benchmarks.relu_network import ReluNetwork, read_network
 from compiler.arrays import Array
 from solvers.verifier.proofs.tube_checks import Status
@@ -40,9 +42,18 @@ PUBLISHED = (
     ("JuliaReach", "single 2023", "violated by a corner", "0.32 to 12"),
     ("JuliaReach", "less robust 2024", "shown of 2 steps of 20, 8 parts", "34 to 139"),
     ("JuliaReach", "more robust 2024", "violated by a corner", "0.65 to 21"),
+    ("POLAR", "single 2023", "violated", "1"),
 )
-"""Wall seconds on the pages of ClosedLoopReachability.jl 0.6.2 (17 August 2025, Julia 1.11.6) to
-0.8.0 (30 July 2026, Julia 1.12.6), least and largest of six versions. No machine is named."""
+"""Wall seconds. JuliaReach: the pages of ClosedLoopReachability.jl 0.6.2 (17 August 2025, Julia
+1.11.6) to 0.8.0 (30 July 2026, Julia 1.12.6), least and largest of six versions. POLAR: the files
+in `ARCH-COMP22/Single_Pendulum/outputs` of its repository, whole seconds. No machine is named."""
+DRAWN = (
+    ("single 2024", "CROWN-Reach", (0.5664, 0.7085)),
+    ("single 2023", "POLAR", (0.5696, 0.7197)),
+)
+"""The angle on the last piece of published pictures, 0.99 s to 1 s: `single_pendulum.fig` of 30 May
+2024 in the repository of CROWN-Reach, `Single_Pendulum_1.plt` in that of POLAR."""
+LAST_PIECE = Fraction(99, 5), Fraction(20)
 
 
 def accelerations(x: Array, torque: Array) -> Array:
@@ -59,7 +70,9 @@ def accelerations(x: Array, torque: Array) -> Array:
     return np.array([a - c * b / 2, b])
 
 
-def simulated(case: Case, network: ReluNetwork, starts: Array) -> Iterator[Array]:
+def simulated(
+    case: Case, network: ReluNetwork, starts: Array, instants: int = INSTANTS
+) -> Iterator[Array]:
     """States (2 n, starts) at first, and at so many instants of each step."""
     x, n = starts, case.links
     yield x
@@ -70,8 +83,8 @@ def simulated(case: Case, network: ReluNetwork, starts: Array) -> Iterator[Array
             state = flat.reshape(starts.shape)
             return np.concatenate([state[n:], accelerations(state, torque)]).ravel()
 
-        for _ in range(INSTANTS):
-            span = (0.0, float(case.period) / INSTANTS)
+        for _ in range(instants):
+            span = (0.0, float(case.period) / instants)
             ran = solve_ivp(rate, span, x.ravel(), method="DOP853", rtol=1e-10, atol=1e-12)
             x = ran.y[:, -1].reshape(starts.shape)
             yield x
@@ -105,7 +118,8 @@ def checked(case: Case, network: ReluNetwork, box: Box, found: Enclosed, starts:
     """
     x = starts
     for number, x in enumerate(simulated(case, network, starts)):
-        ends = found.bounds(Fraction(number, INSTANTS), Fraction(case.period))
+        instant = Fraction(number, INSTANTS)
+        ends = found.bounds(instant, instant, Fraction(case.period))
         low, high = (np.array(end)[:, None] for end in ends)
         if (x < low - SLACK).any() or (x > high + SLACK).any():
             sys.exit(f"{case.name}: a motion from {box} left the enclosure at instant {number}")
@@ -146,6 +160,30 @@ def line(case: Case, network: ReluNetwork, runs: int, count: int) -> str:
     return told
 
 
+def drawn(case: Case, network: ReluNetwork, count: int) -> Iterator[str]:
+    """The range of the first angle on the last piece, and what others have drawn of it."""
+    free = replace(case, limits=(None,) * len(case.limits))
+    low, high = enclosed(free, network, case.box).bounds(*LAST_PIECE, Fraction(case.period))
+    yield f"{case.name:<18}{'ours':<14}{low[0]:>9.4f}{high[0]:>9.4f}{high[0] - low[0]:>9.4f}"
+    starts, sizes = starts_of(case.box, count, np.random.default_rng(SEED)), []
+    for number, x in enumerate(simulated(case, network, starts, instants=5)):
+        if Fraction(number, 5) >= LAST_PIECE[0]:
+            sizes += [x[0].min(), x[0].max()]
+    least, most = min(sizes), max(sizes)
+    yield f"{case.name:<18}{'sampled':<14}{least:>9.4f}{most:>9.4f}{most - least:>9.4f}"
+    for name, tool, (bottom, top) in DRAWN:
+        if name == case.name:
+            yield f"{case.name:<18}{tool:<14}{bottom:>9.4f}{top:>9.4f}{top - bottom:>9.4f}"
+
+
+def processor() -> str:
+    """What the times are of."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
+    models = [each.partition(":")[2].strip() for each in lines if each.startswith("model name")]
+    return models[0] if models else platform.processor() or platform.machine()
+
+
 HEAD = (
     f"{'case':<18}{'property':<10}{'parts':>6}{'tubes':>7}{'margin':>10}{'sampled':>10}{'cpu s':>9}"
     "  widths at the end (sampled)"
@@ -154,7 +192,9 @@ HEAD = (
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--networks", type=Path, required=True, help="a folder with .nnet files")
+    parser.add_argument(
+        "--networks", type=Path, default=ROOT / "out" / "ARCH-COMP2024", help="with .nnet files"
+    )
     parser.add_argument("--cases", nargs="*", help="names; default all")
     parser.add_argument("--runs", type=int, default=3, help="of which times are the medians")
     parser.add_argument("--starts", type=int, default=1000, help="random ones that are simulated")
@@ -165,10 +205,18 @@ def main() -> None:
         if options.cases and case.name not in options.cases:
             continue
         if case.network not in files:
-            sys.exit(f"{options.networks}: no file {case.network}")
+            print(f"{case.name:<18}no file {case.network} in the folder of networks")
+            continue
         print(
             line(case, read_network(files[case.network]), options.runs, options.starts), flush=True
         )
+    print(f"\none process on {processor()}, Python {platform.python_version()}")
+    print("\nangle from 0.99 s to 1 s: least, largest, width")
+    for case in CASES:
+        if case.network in files and case.name in {name for name, _, _ in DRAWN}:
+            network = read_network(files[case.network])
+            for told in drawn(case, network, options.starts):
+                print(told, flush=True)
     print("\npublished, wall seconds")
     for tool, name, what, seconds in PUBLISHED:
         print(f"{tool:<12}{name:<18}{what:<34}{seconds:>12}")

@@ -61,6 +61,8 @@ ACCURACY = Accuracy(order=10, bits=64, remainder=1e-7)
 RATE_SHARE = Fraction(1, 3)
 """A box is cut along a rate where it is this much longer than along angles."""
 MOST_PARTS = 500
+SLICES = 16
+"""The parts of a segment over which ranges are taken."""
 Interval = tuple[str, str]
 Box = tuple[tuple[Fraction, Fraction], ...]
 
@@ -165,27 +167,36 @@ class Enclosed:
         found = {limit.status for limit in self.limits}
         if Status.FAILS in found:
             return Status.FAILS
-        return Status.HOLDS if found == {Status.HOLDS} and not self.ended else Status.UNDECIDED
+        undecided = self.ended or Status.UNDECIDED in found
+        return Status.UNDECIDED if undecided else Status.HOLDS
 
     @property
     def margin(self) -> float:
         """The least of all limits."""
-        return min(limit.margin for limit in self.limits)
+        return min((limit.margin for limit in self.limits), default=float("inf"))
 
     def complete(self, case: Case) -> bool:
         """Whether it goes on to the last step."""
         return len(self.hulls) == case.steps + 1
 
-    def bounds(self, steps: Fraction, period: Fraction) -> tuple[list[float], list[float]]:
-        """The ends of all entries after so many ``steps``, outwards: (2 n,) each."""
-        size = len(self.hulls[0])
-        values = self.hulls[0]
-        for segment in self.segments:
-            first, last = segment.steps
-            if first < steps <= last:
-                with working_precision(ACCURACY.bits):
-                    values = segment.at(ball((steps - first) * period))[:size]
-        return [float(x.lower()) for x in values], [float(x.upper()) for x in values]
+    def bounds(
+        self, first: Fraction, last: Fraction, period: Fraction
+    ) -> tuple[list[float], list[float]]:
+        """The least and largest of all entries from one time to another, in steps: (2 n,) each."""
+        size, lows, highs = len(self.hulls[0]), list[list[float]](), list[list[float]]()
+        with working_precision(ACCURACY.bits):
+            for segment in self.segments:
+                start, end = segment.steps
+                if start <= last and first <= end:
+                    begun, length = max(first, start) - start, min(last, end) - max(first, start)
+                    for k in range(SLICES if length else 1):
+                        sides = (begun + length * j / SLICES for j in (k, k + 1))
+                        time = arb.union(*(ball(side * period) for side in sides))
+                        values = segment.at(time)[:size]
+                        lows.append([float(x.lower()) for x in values])
+                        highs.append([float(x.upper()) for x in values])
+        low = [min(entry) for entry in zip(*lows, strict=True)]
+        return low, [max(entry) for entry in zip(*highs, strict=True)]
 
 
 def enclosed(case: Case, network: ReluNetwork, box: Box) -> Enclosed:

@@ -92,7 +92,7 @@ def test_motions_stay_in_their_enclosure(case: Case, seed: int) -> None:
                 )  # fmt: skip
                 x = ran.y[:, -1]
                 time = step + Fraction(piece + 1, pieces)
-                least, most = found.bounds(time, Fraction(case.period))
+                least, most = found.bounds(time, time, Fraction(case.period))
                 assert (np.array(least) - 1e-9 <= x).all(), (step, piece)
                 assert (x <= np.array(most) + 1e-9).all(), (step, piece)
         reached.append(x)
@@ -212,7 +212,20 @@ def test_networks_are_read_from_their_text_format(tmp_path: Path) -> None:
 
 
 def test_a_missing_network_is_named(tmp_path: Path) -> None:
-    command = [sys.executable, str(SCRIPT), "--networks", str(tmp_path)]
-    ran = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
-    assert ran.returncode == 1
-    assert ran.stderr == f"{tmp_path}: no file controller_single_pendulum.nnet\n"
+    command = [sys.executable, str(SCRIPT), "--networks", str(tmp_path), "--cases", "single 2024"]
+    ran = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert "single 2024       no file controller_single_pendulum.nnet in the folder" in ran.stdout
+
+
+def test_enclosures_over_an_interval_hold_those_of_instants() -> None:
+    still = ReluNetwork((Layer(((Fraction(0), Fraction(0)),), (Fraction(0),)),))
+    found = enclosed(SINGLE, still, SINGLE.box)
+    period = Fraction(SINGLE.period)
+    low, high = found.bounds(Fraction(3, 2), Fraction(7, 2), period)
+    for instant in (Fraction(3, 2), Fraction(2), Fraction(11, 4), Fraction(7, 2)):
+        least, most = found.bounds(instant, instant, period)
+        assert all(a <= b for a, b in zip(low, least, strict=True))
+        assert all(a >= b for a, b in zip(high, most, strict=True))
+    # Both angle and rate grow, so that the range begins at its first instant.
+    first = found.bounds(Fraction(3, 2), Fraction(3, 2), period)[0]
+    assert low == pytest.approx(first, abs=1e-3)
