@@ -23,6 +23,7 @@ from compiler.arrays import Array
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.zonotope import Zonotope
 
+F = Fraction
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / "benchmarks" / "arch_closed_loop.py"
 
@@ -68,13 +69,26 @@ def free(links: int, initial: tuple[tuple[str, str], ...], steps: int) -> Case:
 
 
 SINGLE = free(1, (("1", "1.175"), ("0", "0.2")), 8)
+KINKED = free(1, (("-0.3", "0.3"), ("-0.2", "0.2")), 4)
 DOUBLE = free(2, (("1", "1.1"), ("-0.3", "-0.2"), ("0", "0.1"), ("0.5", "0.6")), 5)
+BENT = free(2, (("-0.1", "0.1"),) * 4, 3)
+PUSH = ReluNetwork((Layer(((F(1), F(0)),), (F(0),)), Layer(((F(1),),), (F(0),))))
+"""T = max(theta, 0)."""
 
 
-@pytest.mark.parametrize(("case", "seed"), [(SINGLE, 1), (SINGLE, 2), (DOUBLE, 3)])
-def test_motions_stay_in_their_enclosure(case: Case, seed: int) -> None:
-    n, rng = case.links, np.random.default_rng(seed)
-    network = random_network((2 * n, 10, 8, n), seed, 0.6)
+@pytest.mark.parametrize(
+    ("case", "network"),
+    [
+        (SINGLE, random_network((2, 10, 8, 1), 1, 0.6)),
+        (KINKED, random_network((2, 10, 8, 1), 2, 0.6)),
+        (KINKED, PUSH),
+        (DOUBLE, random_network((4, 10, 8, 2), 3, 0.6)),
+        (BENT, random_network((4, 10, 8, 2), 4, 0.6)),
+    ],
+    ids=["single", "kinked", "push", "double", "bent"],
+)
+def test_motions_stay_in_their_enclosure(case: Case, network: ReluNetwork) -> None:
+    n, rng = case.links, np.random.default_rng(1)
     found = enclosed(case, network, case.box)
     assert found.status is Status.HOLDS
     assert found.complete(case)
@@ -105,7 +119,7 @@ def test_motions_stay_in_their_enclosure(case: Case, seed: int) -> None:
 def test_networks_are_within_their_affine_enclosures(seed: int) -> None:
     rng = np.random.default_rng(seed)
     network = random_network((3, 12, 9, 2), seed, 0.7)
-    middle, columns = rng.normal(size=3), rng.normal(size=(5, 3)) * 0.3
+    middle, columns = rng.normal(size=3) * 0.2, rng.normal(size=(5, 3)) * 0.3
     states = Zonotope(
         [arb(x) for x in middle.tolist()],
         [[arb(x) for x in column] for column in columns.tolist()],
@@ -116,7 +130,8 @@ def test_networks_are_within_their_affine_enclosures(seed: int) -> None:
     assert found.errors is not None
     errors = np.array([[float(x) for x in row] for row in found.errors.tolist()])
     off = []
-    for factors in rng.uniform(-1, 1, (400, 5)):
+    corners = np.array(list(product((-1.0, 1.0), repeat=5)))
+    for factors in np.vstack([corners, rng.uniform(-1, 1, (200, 5))]):
         x = middle + factors @ columns
         off.append(outputs(network, x) - gain @ x - offset)
         assert network(x) == pytest.approx(outputs(network, x), abs=1e-12)
