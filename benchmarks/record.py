@@ -87,6 +87,12 @@ BENCHMARKS = {
         "certified tube.",
         "benchmarks/disturbed.py",
     ),
+    "arch_closed_loop": Benchmark(
+        "Networks as controllers",
+        "The pendulums of ARCH-COMP, whose controllers are neural networks: enclosures of all "
+        "motions, against simulations and published times.",
+        "benchmarks/arch_closed_loop.py",
+    ),
     "case_study": Benchmark(
         "The case study",
         "`specs/planar_arm.srg` from the command line, and the parts of it.",

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Protocol
 
 from flint import arb, arb_mat
 
@@ -59,6 +60,19 @@ class InputError:
             (abs(u).upper() * self.part + most).upper()
             for u, most in zip(commanded, self.most, strict=True)
         ]
+
+
+class HoldingLaw(Protocol):
+    """What holds inputs from sample to sample, in balls, as states behind those of a robot."""
+
+    @property
+    def place(self) -> int:
+        """The number of the states before the held inputs."""
+        ...
+
+    def held(self, step: int, states: Zonotope) -> Zonotope:
+        """The states at a sample with the inputs that the law then holds."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)

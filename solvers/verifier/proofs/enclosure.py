@@ -29,7 +29,7 @@ from compiler.expressions.evaluators.balls import (
     working_precision,
 )
 from solvers.verifier.proofs.a_priori import Drive, NearPath, deviation
-from solvers.verifier.proofs.control_law import InputError, SampledLaw
+from solvers.verifier.proofs.control_law import HoldingLaw, InputError
 from solvers.verifier.proofs.moved_set import MovedSet, Spread, moved_set
 from solvers.verifier.proofs.step_control import (
     LEAST_PARTS,
@@ -182,7 +182,7 @@ def tube(
     dt: arb,
     accuracy: Accuracy,
     error: InputError | None = None,
-    law: SampledLaw | None = None,
+    law: HoldingLaw | None = None,
     steps: range | None = None,
 ) -> Iterator[TubeSegment]:
     """The validated solutions under inputs held for ``dt`` each, segment by segment.
