@@ -214,15 +214,16 @@ def test_a_kind_that_is_not_known_is_undecided(folder: Path) -> None:
     assert "`oracle`" in said
 
 
-def test_a_law_without_gains_proves_nothing_of_such_disturbances(folder: Path) -> None:
+def test_a_law_without_gains_does_not_keep_the_task_under_such_disturbances(folder: Path) -> None:
     def without(content: Content) -> None:
         gains = law(content)["gains"]
         law(content)["gains"] = [[["0"] * len(row) for row in step] for step in gains]
         for item in content["claims"]:
             item["gains"] = [[["0"] * len(row) for row in step] for step in gains]
 
-    outcome, _ = judged(folder, without)
-    assert outcome is Outcome.UNDECIDED
+    outcome, said = judged(folder, without)
+    assert outcome is Outcome.REFUTED
+    assert said == "target T: violated by a disturbed motion at 2 s"
 
 
 def test_gains_of_the_wrong_sign_are_not_valid(folder: Path) -> None:
@@ -255,6 +256,32 @@ def test_a_reference_that_is_somewhere_else_is_not_valid(folder: Path) -> None:
 def test_larger_disturbances_are_not_what_was_proved(folder: Path, old: str, new: str) -> None:
     alter_spec(folder, old, new, sign=True)
     assert verify_directory(folder).outcome is not Outcome.VALID
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("robust measure 0.05 deg, 0.1 deg/s", "robust measure 5 deg, 10 deg/s", "effort (N*m)"),
+        ("robust effort 1 % of bound", "robust effort 5 % of bound", "target T"),
+        ("robust start 0.5 deg, 0.5 deg/s", "robust start 60 deg, 0.5 deg/s", "effort (N*m)"),
+    ],
+)
+def test_disturbances_that_break_the_task_are_shown(
+    folder: Path, old: str, new: str, reason: str
+) -> None:
+    alter_spec(folder, old, new, sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert report.reason is not None
+    assert report.reason.startswith(f"{reason}: violated by a disturbed motion at ")
+    (spec,) = (folder / "spec").iterdir()
+    content, text = read(folder), spec.read_text(encoding="utf-8")
+    loop = ClosedChain(content, text, lambda _: [1.0], (1.0,), "L")
+    seen = [
+        min(loop.room(*loop.motion(corner)).values())
+        for corner in loop.corners(np.random.default_rng(1), 40)
+    ]
+    assert min(seen) < 0
 
 
 def rounded(allowance: str) -> Change:
