@@ -1,8 +1,8 @@
 """Motions that go on for ever, searched as motions of one round.
 
-Two shapes of loops are tried: a tour that ends where it begins, at the start of the motion; and a
-motion that comes to a cell, in which it stays.  What the formulas of the task ask for ever is asked
-of the round in a form that is sufficient (:mod:`compiler.tasks.round_formula`).
+Three shapes are tried: a tour that ends where it begins, at the start of the motion; a motion that
+comes to a cell, in which it stays; and one that comes to a tour.  What the formulas of the task ask
+for ever is asked of the round in a form that is sufficient (:mod:`compiler.tasks.round_formula`).
 """
 
 from __future__ import annotations
@@ -13,22 +13,25 @@ from fractions import Fraction
 from compiler.tasks.round_formula import on_one_round
 from compiler.tasks.sampled_formula import SampledFormula, sampled
 from compiler.tasks.specification import PlanningProblem
-from compiler.tasks.word_formula import every
+from compiler.tasks.word_formula import Literal, eventually, every, some
 from grammar_lang import ir
 
 ARRIVAL = Fraction(1, 2)
 """The part of the horizon by which a motion that stays has arrived."""
+ENTRIES = Fraction(1, 4), Fraction(1, 2)
+"""The parts of the horizon by which a motion comes to a tour that it does not begin on."""
 
 
 @dataclass(frozen=True, slots=True)
 class RoundTask:
     """A task about motions that end, and the sample at which the loop begins; None: there is none.
 
-    ``task`` is what is searched.
+    ``task`` is what is searched.  What ``stays`` is in the last cell from that sample on.
     """
 
     task: ir.Task
     loop: int | None = None
+    stays: bool = False
 
     @property
     def formula(self) -> SampledFormula | None:
@@ -48,30 +51,65 @@ def round_tasks(task: ir.Task, recorded: int) -> tuple[RoundTask, ...]:
     if not task.repeat:
         return (RoundTask(task),)
     arrival = int(task.steps * ARRIVAL)
-    return tuple(_round_task(task, recorded, loop) for loop in ((0, arrival) if arrival else (0,)))
+    found = [_round_task(task, recorded, 0)]
+    if arrival:
+        found.append(_round_task(task, recorded, arrival, stays=True))
+    found += [
+        _round_task(task, recorded, loop)
+        for loop in (int(task.steps * part) for part in ENTRIES)
+        if loop
+    ]
+    return tuple(found)
 
 
-def _round_task(task: ir.Task, recorded: int, loop: int) -> RoundTask:
+def _round_task(task: ir.Task, recorded: int, loop: int, *, stays: bool = False) -> RoundTask:
     formulas = [clause.formula for clause in task.satisfy]
     if task.reach is not None:
         window = ir.Window(Fraction(0), None)
         formulas.append(ir.Eventually(ir.Atom(task.reach.region, recorded + 1), window))
     end, begin = task.steps * task.step, loop * task.step
     asked = tuple(ir.Satisfy(on_one_round(formula, begin, end)) for formula in formulas)
-    return RoundTask(replace(task, satisfy=asked, reach=None, repeat=False), loop)
+    return RoundTask(replace(task, satisfy=asked, reach=None, repeat=False), loop, stays)
 
 
-def closing(problem: PlanningProblem, loop: int | None) -> tuple[PlanningProblem, ...]:
+def closing(problem: PlanningProblem, shape: RoundTask) -> tuple[PlanningProblem, ...]:
     """The planning problems of paths that close; that itself where there is no loop.
 
-    Of a tour there is one per cell that a planned effector may start in, the same for all of them.
+    Of a tour from the start there is one per cell that a planned effector may start in, the same
+    for all of them.
     """
-    if loop is None:
+    if shape.loop is None:
         return (problem,)
-    if loop:
-        return (replace(problem, settled=loop, timed=True),)
+    if shape.stays:
+        return (replace(problem, settled=shape.loop, timed=True),)
+    if shape.loop:
+        return (_returning(problem, shape.loop),)
     first, *others = problem.effectors
     return tuple(
         replace(problem, effectors=(replace(first, start=(cell,), end=(cell,)), *others))
         for cell in first.start
+    )
+
+
+def _returning(problem: PlanningProblem, loop: int) -> PlanningProblem:
+    """The problem of paths that end in the cells in which they are at the sample ``loop``.
+
+    Each cell is a region of its own, whose name has a blank, as no other has.
+    """
+    names = [f"cell {number}" for number in range(len(problem.propositions))]
+    asked = [] if problem.formula is None else [problem.formula]
+    for planned in problem.effectors:
+        there = (Literal(name, planned.effector + 1, positive=True) for name in names)
+        asked.append(
+            some(
+                every([eventually(cell, sample, sample) for sample in (loop, problem.steps)])
+                for cell in there
+            )
+        )
+    regions = zip(problem.propositions, names, strict=True)
+    return replace(
+        problem,
+        propositions=tuple(known | {name} for known, name in regions),
+        formula=every(asked),
+        timed=True,
     )

@@ -37,7 +37,7 @@ from solvers.search.path_task import (
     PathTask,
     no_margin_text,
 )
-from solvers.search.round_task import closing, round_tasks
+from solvers.search.round_task import RoundTask, closing, round_tasks
 from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
 from solvers.trajectory.corridor import gentle_entries, polyline, smooth_timing
@@ -100,6 +100,7 @@ class StructureSearch:
     number: int
     robot: str
     proved: ir.Task = field(init=False)
+    shape: RoundTask = field(init=False)
     loop: int | None = None
     obstacle: str = ""
     """What stood in the way of the last motion that was tried."""
@@ -119,7 +120,7 @@ class StructureSearch:
     """The best robustness of all paths."""
 
     def __post_init__(self) -> None:
-        self.proved = self.task
+        self.proved, self.shape = self.task, RoundTask(self.task)
 
     @property
     def place(self) -> PathTask:
@@ -134,6 +135,7 @@ class StructureSearch:
         """A proved design in which that effector starts and reaches; else why there is none."""
         design, reason = None, ""
         for part in round_tasks(self.proved, recorded):
+            self.shape = part
             if part.loop is not None:
                 self.task, self.loop, self.formula = part.task, part.loop, part.formula
             design, reason = self.design_of_round(recorded)
@@ -178,7 +180,7 @@ class StructureSearch:
         starts = start_cells(cells, self.task, self.numeric)
         problem = planning_problem(cells, self.task, recorded, starts)
         design, reason = None, "the task leaves no cell to start in"
-        for closed in closing(problem, self.loop):
+        for closed in closing(problem, self.shape):
             reachable = self.within_reach(closed, cells)
             design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
             if not tried and reachable != closed:

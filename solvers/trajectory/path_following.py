@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -64,11 +65,10 @@ class PathProblem:
     other effectors in it, and ``timing`` is when the cells are entered, where smooth timing will
     not do.  ``spread`` is by how much disturbed motions tighten the constraints beyond the margins.
     With ``feedback`` a controller keeps robots near the motion.  With a ``loop``, the sample at
-    which it begins, the motion ends where it is there, and what comes behind it again and again
-    stays in the last cell, unless it is all of the motion; the set of the loop is larger than its
-    estimate by the part ``slack``.  ``rates`` is the price of squares of rates, per sample, in SI.
-    ``solver`` is the name in cvxpy of
-    what solves the convex steps, None: our own programs.
+    which it begins, the motion ends where it is there, and in the same cell; the set of the loop is
+    larger than its estimate by the part ``slack``.  ``rates`` is the price of squares of rates, per
+    sample, in SI.  ``solver`` is the name in cvxpy of what solves the convex steps, None: our own
+    programs.
     """
 
     numeric: NumericRobot
@@ -153,7 +153,9 @@ class PathProblem:
 
     def allows(self, entries: Entries) -> bool:
         """Whether the path may be entered so: every cell has samples, and the formula holds."""
-        if not in_order(entries, self.task.steps) or (self.loop and entries[-1] > self.loop):
+        if not in_order(entries, self.task.steps):
+            return False
+        if self.loop and self.cells[bisect_right(entries, self.loop) - 1] != self.cells[-1]:
             return False
         return self.formula is None or holds(self.formula, self.word(entries))
 

@@ -112,7 +112,7 @@ def _problems(cells: Abstraction, task: ir.Task) -> Iterator[PlanningProblem]:
     """The problem of a task; of one that repeats, those of the shapes that a search looks at."""
     recorded = recorded_effector(task) or 0
     for part in round_tasks(task, recorded):
-        yield from closing(planning_problem(cells, part.task, recorded), part.loop)
+        yield from closing(planning_problem(cells, part.task, recorded), part)
 
 
 def _lines(plan: Plan, cells: Abstraction, task: ir.Task) -> Iterator[str]:

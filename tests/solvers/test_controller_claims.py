@@ -12,6 +12,7 @@ import pytest
 
 from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.verification import Outcome, verify_directory
+from tests.oracles.closed_chains import ClosedChain
 from tests.oracles.result_files import alter, alter_spec, read
 
 Content = dict[str, Any]
@@ -152,21 +153,77 @@ def test_what_is_false_or_malformed_is_refuted(folder: Path, change: Change, rea
     assert reason in said
 
 
+@pytest.fixture
+def pair(result: Callable[[str], Path]) -> Path:
+    found = result("pair")
+    (found / "design.json").unlink()
+    return found
+
+
+def off_by(name: str, amount: str) -> Change:
+    def change(content: Content) -> None:
+        content[name] = str(Decimal(content[name]) + Decimal(amount))
+
+    return change
+
+
+def test_what_the_bounds_of_a_proof_leave_open_is_undecided(pair: Path) -> None:
+    """The planned motion is enclosed up to 1.6e-9 N*m here; the bound is its upper end.
+
+    What is true lies below that (as another test shows), where nothing is shown to be false.
+    """
+    outcome, said = judged(pair, off_by("effort_peak", "-1.5e-9"))
+    assert outcome is Outcome.UNDECIDED
+    assert "`effort_peak` is between" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "amount"),
+    [
+        ("effort_peak", "1.5e-9"),
+        ("effort_peak", "-4e-9"),
+        ("effort_peak", "-0.01"),
+        ("robustness", "2e-8"),
+        ("robustness", "-2e-8"),
+    ],
+)
+def test_what_lies_beyond_the_bounds_of_a_proof_is_refuted(
+    pair: Path, name: str, amount: str
+) -> None:
+    outcome, said = judged(pair, off_by(name, amount))
+    assert outcome is Outcome.REFUTED
+    assert f"`{name}` is" in said
+
+
+def test_the_true_peak_is_within_the_bounds_of_the_proof(pair: Path) -> None:
+    """As an integration by hand finds it, whose own error is below 1e-11 N*m."""
+    (spec,) = (pair / "spec").iterdir()
+    content, text = read(pair), spec.read_text(encoding="utf-8")
+    loop = ClosedChain(content, text, lambda _: [1.3, 0.9], (1.0, 1.5), "LK")
+    true = float(np.abs(loop.motion(loop.still(), 1e-13)[1]).max())
+    (condition,) = [
+        item for item in verify_directory(pair).conditions if item.name == "planned effort (N*m)"
+    ]
+    assert 1e-9 < condition.most - condition.margin < 3e-9
+    assert condition.margin - 1e-11 <= 10 - true <= condition.most + 1e-11
+
+
 def test_a_kind_that_is_not_known_is_undecided(folder: Path) -> None:
     outcome, said = judged(folder, lambda content: content["claims"].append({"kind": "oracle"}))
     assert outcome is Outcome.UNDECIDED
     assert "`oracle`" in said
 
 
-def test_a_law_without_gains_proves_nothing_of_such_disturbances(folder: Path) -> None:
+def test_a_law_without_gains_does_not_keep_the_task_under_such_disturbances(folder: Path) -> None:
     def without(content: Content) -> None:
         gains = law(content)["gains"]
         law(content)["gains"] = [[["0"] * len(row) for row in step] for step in gains]
         for item in content["claims"]:
             item["gains"] = [[["0"] * len(row) for row in step] for step in gains]
 
-    outcome, _ = judged(folder, without)
-    assert outcome is Outcome.UNDECIDED
+    outcome, said = judged(folder, without)
+    assert outcome is Outcome.REFUTED
+    assert said == "target T: violated by a disturbed motion at 2 s"
 
 
 def test_gains_of_the_wrong_sign_are_not_valid(folder: Path) -> None:
@@ -199,6 +256,32 @@ def test_a_reference_that_is_somewhere_else_is_not_valid(folder: Path) -> None:
 def test_larger_disturbances_are_not_what_was_proved(folder: Path, old: str, new: str) -> None:
     alter_spec(folder, old, new, sign=True)
     assert verify_directory(folder).outcome is not Outcome.VALID
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("robust measure 0.05 deg, 0.1 deg/s", "robust measure 5 deg, 10 deg/s", "effort (N*m)"),
+        ("robust effort 1 % of bound", "robust effort 5 % of bound", "target T"),
+        ("robust start 0.5 deg, 0.5 deg/s", "robust start 60 deg, 0.5 deg/s", "effort (N*m)"),
+    ],
+)
+def test_disturbances_that_break_the_task_are_shown(
+    folder: Path, old: str, new: str, reason: str
+) -> None:
+    alter_spec(folder, old, new, sign=True)
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.REFUTED
+    assert report.reason is not None
+    assert report.reason.startswith(f"{reason}: violated by a disturbed motion at ")
+    (spec,) = (folder / "spec").iterdir()
+    content, text = read(folder), spec.read_text(encoding="utf-8")
+    loop = ClosedChain(content, text, lambda _: [1.0], (1.0,), "L")
+    seen = [
+        min(loop.room(*loop.motion(corner)).values())
+        for corner in loop.corners(np.random.default_rng(1), 40)
+    ]
+    assert min(seen) < 0
 
 
 def rounded(allowance: str) -> Change:

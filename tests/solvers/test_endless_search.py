@@ -33,6 +33,10 @@ def found(text: str, folder: Path) -> int:
 
 
 AGAIN = "satisfy always (eventually T by effector 1 and eventually S by effector 1);"
+BEYOND_START = (
+    "satisfy always eventually T; satisfy always eventually U; satisfy eventually always not S;"
+)
+"""A tour between two regions, without the start."""
 STAY = "satisfy eventually always T by effector 1;"
 DISTURBED = "robust start 0.1 deg, 0.1 deg/s; robust effort 0.5 % of bound; robust mass 1 %;"
 
@@ -53,6 +57,31 @@ DISTURBED = "robust start 0.1 deg, 0.1 deg/s; robust effort 0.5 % of bound; robu
 )
 def test_loops_are_found_and_proved(text: str, first: int, tmp_path: Path) -> None:
     assert found(text, tmp_path) == first
+
+
+def with_a_second_region(spec: str, region: str) -> str:
+    return replaced(spec, "  target T ", f"  region U {region} m;\n  target T ")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        asked(with_a_second_region(SLIDER, "box [1.2, 1.5] x [-0.2, 0.2]"), BEYOND_START),
+        asked(
+            with_a_second_region(TURNER, "box [0.85, 1.2] x [0.85, 1.2]"),
+            f"{BEYOND_START.replace(';', ' by effector 1;')} {DISTURBED}",
+        ),
+    ],
+    ids=["slider", "turner"],
+)
+def test_a_tour_that_the_start_is_not_on(text: str, tmp_path: Path) -> None:
+    """A prefix leads into it."""
+    first = found(text, tmp_path)
+    assert first in {7, 15}
+    rounds = read(tmp_path / "out")["path"][0][first:]
+    assert rounds[0] == rounds[-1]
+    assert {"T", "U"} <= {name.split(".")[0] for name in rounds}
+    assert not any(name.startswith("S") for name in rounds)
 
 
 def test_nothing_brings_a_mass_back_without_feedback(

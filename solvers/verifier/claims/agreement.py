@@ -28,10 +28,10 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.spec_copy import bounded_bytes
 from solvers.verifier.proofs.checked_condition import CheckedCondition
-from solvers.verifier.proofs.effort_bounds import bound_name, planned_efforts
+from solvers.verifier.proofs.effort_bounds import bound_name, planned_efforts, planned_ranges
 from solvers.verifier.proofs.trajectory_proof import Motion
 from solvers.verifier.proofs.tube_checks import Status
-from solvers.verifier.report import Refused
+from solvers.verifier.report import Outcome, Refused
 
 # --------------------------------------------------------------------------------------------------
 # Whether ``design.json``, which people read, says what the certificate, which is proved, says.
@@ -269,17 +269,28 @@ def check_planned_efforts(
     """The claimed peak and robustness are those proved of the planned motion of a closed loop.
 
     Raises:
-        Refused: one of them is not, or the task leaves a free input without a bound.
+        Refused: one of them is not, undecided where the proof's bounds leave open whether it is; or
+            the task leaves a free input without a bound.
     """
     free = unbounded_kinds(model, task)
     if free:
         raise Refused(f"the task bounds no effort of {' and '.join(free)} joints")
-    for name, proved in zip(
-        ("effort_peak", "robustness"), planned_efforts(model, task, conditions), strict=True
-    ):
+    names = "effort_peak", "robustness"
+    proved, ranges = (
+        planned_efforts(model, task, conditions),
+        planned_ranges(model, task, conditions),
+    )
+    for name, bound, (least, most) in zip(names, proved, ranges, strict=True):
         stated = float(exact(getattr(claim, name)))
-        if not abs(stated - proved) <= CLOSELY * max(1.0, abs(proved)):
-            raise Refused(f"`{name}` is {proved:.17g}, not {stated:.17g}")
+        close = CLOSELY * max(1.0, abs(bound))
+        if abs(stated - bound) <= close:
+            continue
+        if not least - close <= stated <= most + close:
+            raise Refused(f"`{name}` is {bound:.17g}, not {stated:.17g}")
+        raise Refused(
+            f"`{name}` is between {least:.17g} and {most:.17g}, which does not show {stated:.17g}",
+            Outcome.UNDECIDED,
+        )
 
 
 @dataclass(frozen=True, slots=True)

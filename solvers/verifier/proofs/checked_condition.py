@@ -36,6 +36,8 @@ class CheckedCondition:
     """Whether it rests on rational numbers alone, not on balls."""
     why: str = ""
     """Why it does not hold, where more is to be said than that."""
+    most: float = NO_MARGIN
+    """An upper bound of the margin, where one is known."""
 
     @property
     def level(self) -> str:

@@ -36,7 +36,7 @@ def effort_conditions(
     """
     found = []
     for bound in input_bounds(model, task):
-        status, margin, worst = Status.HOLDS, inf, 0
+        status, margin, most, worst = Status.HOLDS, inf, inf, 0
         for step, row in enumerate(commanded):
             gap = _gap(bound, row)
             lower = float(gap.lower())
@@ -46,8 +46,9 @@ def effort_conditions(
                 status = Status.UNDECIDED
             if not lower >= margin:
                 margin, worst = lower, step
+            most = min(most, float(gap.upper()))
         name, time = f"{prefix}{bound_name(bound)}", float(worst * task.step)
-        found.append(CheckedCondition(name, status, margin, bound.unit, time))
+        found.append(CheckedCondition(name, status, margin, bound.unit, time, most=most))
     return found
 
 
@@ -58,15 +59,31 @@ def planned_efforts(
 
     Both in the inputs' units; the robustness is the least margin of all bounds (Definition 7).
     """
-    margins = {each.name: each.margin for each in conditions}
-    peak, robustness = 0.0, inf
+    (_, peak), (robustness, _) = planned_ranges(model, task, conditions)
+    return peak, robustness
+
+
+Range = tuple[float, float]
+
+
+def planned_ranges(
+    model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
+) -> tuple[Range, Range]:
+    """Between which numbers the largest effort and the robustness of the planned motion are.
+
+    In the inputs' units.
+    """
+    known = {each.name: each for each in conditions}
+    peak, robustness = (0.0, 0.0), (inf, inf)
     for bound in input_bounds(model, task):
         name = bound_name(bound)
-        margin = margins.get(f"{PLANNED}{name}", margins.get(name, inf))
-        robustness = min(robustness, margin)
+        found = known.get(f"{PLANNED}{name}", known.get(name))
+        margin, most = (inf, inf) if found is None else (found.margin, found.most)
+        robustness = min(robustness[0], margin), min(robustness[1], most)
         if bound.effort:
-            peak = max(peak, float(bound.upper) - margin)
-    return peak, robustness if robustness < inf else 0.0
+            upper = float(bound.upper)
+            peak = max(peak[0], upper - most), max(peak[1], upper - margin)
+    return peak, robustness if robustness[0] < inf else (0.0, 0.0)
 
 
 def _gap(bound: InputBound, row: Sequence[arb]) -> arb:

@@ -17,13 +17,14 @@ from compiler.expressions.tape import UndefinedValueError
 from compiler.tasks.specification import missing_effector
 from compiler.workspaces.abstraction import Abstraction
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
-from solvers.verifier.proofs.disturbed_proof import disturbed_findings, with_counterexample
+from solvers.verifier.proofs.disturbed_proof import disturbed_findings
 from solvers.verifier.proofs.effort_bounds import PLANNED, effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.scene import UNWATCHED, Motion, Scene, Watch, scene_of
 from solvers.verifier.proofs.start_check import positive_mass, start_conditions, unphysical
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import driven_robot, follow
+from solvers.verifier.proofs.violating_motion import with_violation
 from solvers.verifier.proofs.zonotope import InitialSet
 
 __all__ = ["ACCURACIES", "Motion", "Scene", "prove_motion", "scene_of"]
@@ -45,8 +46,8 @@ def prove_motion(
     Where the task names disturbances, what the planned motion is proved to do is then proved of all
     disturbed ones, and conditions are about those; where the robot starts, and the path of cells,
     is about the planned one.  So it is where motions go on for ever: the planned one up to the end
-    of the first round, all rounds of all motions then.  To ``refute`` asks for a disturbed motion
-    that violates what could not be proved.
+    of the first round, all rounds of all motions then.  To ``refute`` asks for a motion that
+    violates what could not be proved.
 
     What the ``watch`` raises ends the proof.
     """
@@ -56,12 +57,16 @@ def prove_motion(
     try:
         planned = _planned(scene, motion, watch)
         several = scene.task.robust is not None or scene.task.repeat
-        if not several or decisive(planned) is not None:
+        found, proved = planned, frozenset[str]()
+        if several and decisive(planned) is None:
+            found = disturbed_findings(scene, motion, planned, ACCURACIES[0], watch)
+            proved = frozenset(each.name for each in found if each.status is Status.HOLDS)
+        elif motion.law is None:
             return planned
-        found = disturbed_findings(scene, motion, planned, ACCURACIES[0], watch)
-        if not refute or scene.task.repeat:
+        worst = decisive(found)
+        if not refute or worst is None or worst.status is Status.FAILS:
             return found
-        return with_counterexample(scene, motion, found, ACCURACIES[0], watch)
+        return with_violation(scene, motion, found, proved, ACCURACIES[:2], watch)
     except UndefinedValueError as error:
         return (CheckedCondition(f"equations of motion: {error}", Status.FAILS, 0.0, ""),)
 

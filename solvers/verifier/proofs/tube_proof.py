@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from textwrap import shorten
 
 from flint import arb
@@ -72,15 +73,21 @@ class DrivenRobot:
         return self.field.tail
 
 
-def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> DrivenRobot:
-    """A motion in the working precision.
+def driven_robot(
+    scene: Scene,
+    motion: Motion,
+    *,
+    disturbed: bool = False,
+    factors: Sequence[Fraction] = (),
+) -> DrivenRobot:
+    """A motion in the working precision; ``factors`` are those of uncertain masses, default 1.
 
     Where it is ``disturbed``, measurements have the task's errors, the last entries of the state
     are the factors of uncertain masses, and a loop begins from all states of its set.  A law is
     rounded there, and where the task names no disturbances, so that there is no other proof.
     """
     model, task = scene.model, scene.task
-    masses = uncertain_masses(task, model) if disturbed else ()
+    masses = uncertain_masses(task, model) if disturbed or factors else ()
     law = motion.law
     if law is None and masses:
         law = open_loop(motion.inputs, 2 * len(model.dofs))
@@ -111,7 +118,8 @@ def driven_robot(scene: Scene, motion: Motion, *, disturbed: bool = False) -> Dr
     rounding = law.rounding if disturbed or task.robust is None else ()
     rows = graph.coordinates.rows
     sampled = sampled_law(law, motion.inputs, rows, noise, rounding, len(own))
-    state += [arb(0)] * (still - len(masses)) + [arb(1)] * len(masses)
+    state += [arb(0)] * (still - len(masses))
+    state += [ball(value) for value in factors] or [arb(1)] * len(masses)
     loop = _loop(scene, motion, graph, state) if disturbed else None
     return DrivenRobot(
         scene, motion, graph, field, point_map, tuple(state), sampled.inputs, sampled, loop
