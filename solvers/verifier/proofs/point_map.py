@@ -18,7 +18,7 @@ from compiler.expressions.evaluators.balls import BALLS, SERIES, SIGNS, rows
 from compiler.expressions.tape import Tape
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.vector_field import VectorField
-from solvers.verifier.proofs.zonotope import Zonotope, columns_of
+from solvers.verifier.proofs.zonotope import Zonotope
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,7 @@ class PointMap:
         over = Slice(none, none, points)
         if not states.columns:
             return over
-        return self._with_columns(over, states.middle, columns_of(states), hull)
+        return self._with_columns(over, states.middle, states.matrix, hull)
 
     def _with_columns(
         self, over: Slice, state: Sequence[arb], columns: arb_mat, hull: Sequence[arb]
