@@ -53,7 +53,7 @@ class Spread:
         size = len(self.reach)
         rows = [[r if i == j else arb(0) for j in range(size)] for i, r in enumerate(self.reach)]
         if self.states.columns:
-            moved = self.flow.at(time) * arb_mat(self.states.columns).transpose()
+            moved = self.flow.at(time) * self.states.matrix
             rows = [a + b for a, b in zip(moved.tolist(), rows, strict=True)]
         return self.path.at(time), arb_mat(rows)
 

@@ -18,7 +18,7 @@ from compiler.expressions.evaluators.balls import BALLS, SERIES, SIGNS, rows
 from compiler.expressions.tape import Tape
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.vector_field import VectorField
-from solvers.verifier.proofs.zonotope import Zonotope, columns_of
+from solvers.verifier.proofs.zonotope import Zonotope
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,8 @@ class Slice:
     """Positions over a slice of time: per point and axis (p(0), p'(0), p''/2) and half-width d.
 
     In a wide tube ``columns`` are those of p(0) about the ``path``, (d, c) per point: its entries
-    go together.
+    go together; ``ranges`` are balls of all positions over the slice, (d,) per point, which are
+    closer than the expansion where p' is hardly known.
     """
 
     time: arb
@@ -34,6 +35,7 @@ class Slice:
     points: tuple[tuple[tuple[arb, arb, arb], ...], ...]
     path: tuple[tuple[arb, ...], ...] = ()
     columns: tuple[arb_mat, ...] = ()
+    ranges: tuple[tuple[arb, ...], ...] = ()
 
     def form(self, normal: Sequence[arb], point: int) -> tuple[arb, arb]:
         """Enclosures of ``normal . p`` over the slice and at its middle."""
@@ -44,11 +46,14 @@ class Slice:
             zero = zero.intersection(self._together(normal, point))
         s = arb(0, 1) * self.half
         square = arb(0.5, 0.5) * self.half * self.half
-        return zero + one * s + two * square, zero
+        value = zero + one * s + two * square
+        if self.ranges:
+            value = value.intersection(_product(normal, self.ranges[point]))
+        return value, zero
 
     def _together(self, normal: Sequence[arb], point: int) -> arb:
         """``normal . p`` at the middle, by the columns."""
-        centre = sum((a * x for a, x in zip(normal, self.path[point], strict=True)), arb(0))
+        centre = _product(normal, self.path[point])
         moved = arb_mat([list(normal)]) * self.columns[point]
         return centre + SIGNS * sum((abs(item) for item in moved.entries()), arb(0)).upper()
 
@@ -99,14 +104,16 @@ class PointMap:
         return Slice(segment.start + middle, half, points), state, centre
 
     def closer(self, segment: TubeSegment, middle: arb, over: Slice) -> Slice:
-        """A slice with the columns of what positions at its middle may be.
+        """A slice with the columns of what positions at its middle may be, and their ranges.
 
         By the mean value theorem a point is off the path's by J e, J anywhere between.
         """
         if segment.spread is None:
             return over
         state, columns = segment.spread.at(middle)
-        return self._with_columns(over, state, columns, segment.at(middle))
+        ranges = self.positions(segment.at(middle + SIGNS * over.half))
+        known = replace(over, ranges=tuple(map(tuple, ranges)))
+        return self._with_columns(known, state, columns, segment.at(middle))
 
     def instant(self, states: Zonotope) -> Slice:
         """Positions at an instant at which the states are known."""
@@ -116,7 +123,7 @@ class PointMap:
         over = Slice(none, none, points)
         if not states.columns:
             return over
-        return self._with_columns(over, states.middle, columns_of(states), hull)
+        return self._with_columns(over, states.middle, states.matrix, hull)
 
     def _with_columns(
         self, over: Slice, state: Sequence[arb], columns: arb_mat, hull: Sequence[arb]
@@ -138,3 +145,7 @@ class PointMap:
         ctx.cap = length
         tail = [arb_series([item]) for item in self.field.tail]
         return self.tape.evaluate([*(arb_series(item) for item in q), *tail], SERIES)
+
+
+def _product(normal: Sequence[arb], place: Sequence[arb]) -> arb:
+    return sum((a * x for a, x in zip(normal, place, strict=True)), arb(0))

@@ -107,9 +107,9 @@ def added_by_forms(
     # First of the box that no deviation leaves, at all times; then of closer sets, part by part.
     pull = (found.linear.rates * column(found.radii) + column(found.push)).entries()
     most = [*found.radii, *(item.upper() for item in pull[field.dofs : 2 * field.dofs])]
-    parts = [_Columns.of(diagonal(most))]
+    parts = [_Columns.of(_Block.of(diagonal(most)))]
     over = [near.path.over]
-    moving: list[arb_mat] = []
+    moving: list[_Block] = []
     forms: _Forms | None = None
     added = None
     for _ in range(ROUNDS):
@@ -129,14 +129,14 @@ def added_by_forms(
         if not moving:
             times = [item.since for item in slices]
             over = [near.path.about(half + time.mid(), time.rad()) for time in times]
-            small = arb_mat(states.reduced(KEPT).columns).transpose()
+            small = states.reduced(KEPT).matrix
             for item in slices:
                 places = transition.at(half + item.since) * small
-                moving.append(stacked(places, _joints(field, item) * places))
-        parts = [
-            _Columns.of(beside(each, _own_columns(field, item, near, slopes, forms, added.reach)))
-            for item, each in zip(slices, moving, strict=True)
-        ]
+                moving.append(_Block.of(stacked(places, _joints(field, item) * places)))
+        parts = []
+        for item, moved in zip(slices, moving, strict=True):
+            own = _own_columns(field, item, near, slopes, forms, added.reach)
+            parts.append(_Columns.of(moved, _Block.of(own)))
     return None if added is None else (transition, added)
 
 
@@ -220,12 +220,14 @@ class _Hessian:
     @staticmethod
     def of(matrix: arb_mat) -> _Hessian:
         """A matrix of balls."""
-        middle = np.array([[float(item.mid()) for item in row] for row in matrix.tolist()])
+        shape = matrix.nrows(), matrix.ncols()
+        middle = np.array([float(item) for item in matrix.mid().entries()]).reshape(shape)
         return _Hessian(middle, absolute(matrix - _exact(middle)))
 
 
 def _exact(matrix: Array) -> arb_mat:
-    return arb_mat([[arb(x) for x in row] for row in matrix.tolist()])
+    height, width = matrix.shape
+    return arb_mat(height, width, matrix.ravel().tolist())
 
 
 def _hessians(
@@ -260,6 +262,23 @@ def _hessians(
 
 
 @dataclass(frozen=True, slots=True)
+class _Block:
+    """Columns of V: floats near them (N, c), and bounds of |V - near| 1, an entry per row."""
+
+    near: Array
+    slack: list[arb]
+
+    @staticmethod
+    def of(columns: arb_mat) -> _Block:
+        """The midpoints, rounded to floats."""
+        shape = columns.nrows(), columns.ncols()
+        near = np.array([float(item) for item in columns.mid().entries()]).reshape(shape)
+        # With factors in [-1, 1] each, a product's radius is the sum of what they multiply.
+        spread = (columns - _exact(near)) * column([SIGNS] * shape[1])
+        return _Block(near, [abs(item).upper() for item in spread.entries()])
+
+
+@dataclass(frozen=True, slots=True)
 class _Columns:
     """V = S W + d: S = diag(``scales``), W = ``whole`` / 2^BITS in integers, |d| 1 <= ``rest``.
 
@@ -272,11 +291,10 @@ class _Columns:
     widths: arb_mat
 
     @staticmethod
-    def of(columns: arb_mat) -> _Columns:
-        """V as integers and what is left of it."""
-        width, entries = columns.ncols(), columns.tolist()
-        middle = np.array([[float(item.mid()) for item in row] for row in entries])
-        slack = [_distances(row, near) for row, near in zip(entries, middle.tolist(), strict=True)]
+    def of(*blocks: _Block) -> _Columns:
+        """V, block beside block, as integers and what is left of it."""
+        middle = np.concatenate([block.near for block in blocks], axis=1)
+        slack = [sum(each, arb(0)) for each in zip(*(b.slack for b in blocks), strict=True)]
         sums = np.abs(middle).sum(axis=1) + np.array([float(item) for item in slack])
         if not np.isfinite(sums).all():
             raise ZeroDivisionError("the set has no bounds")
@@ -284,16 +302,11 @@ class _Columns:
         scales = 2.0 ** (np.ceil(np.log2(np.maximum(sums, LEAST))) + 1)
         whole = np.rint(middle / scales[:, None] * 2.0**BITS).astype(np.int64)
         units = [arb(scale) / 2**BITS for scale in scales.tolist()]
-        rest = [(s + unit * width / 2).upper() for s, unit in zip(slack, units, strict=True)]
+        half = arb(middle.shape[1]) / 2
+        rest = [(s + unit * half).upper() for s, unit in zip(slack, units, strict=True)]
         most = np.abs(whole).sum(axis=1).tolist()
         widths = [unit * m + r for unit, m, r in zip(units, most, rest, strict=True)]
         return _Columns(whole, scales, column(rest), column([w.upper() for w in widths]))
-
-
-def _distances(row: Sequence[arb], near: Sequence[float]) -> arb:
-    """The sum of bounds of |x - y| for x in balls, y in floats."""
-    pairs = zip(row, near, strict=True)
-    return sum((abs(item - arb(value)).upper() for item, value in pairs), arb(0)).upper()
 
 
 @dataclass(frozen=True, slots=True)
@@ -339,7 +352,7 @@ def range_of_forms(hessians: Sequence[arb_mat], columns: arb_mat) -> list[tuple[
         hessians: symmetric interval matrices H (N, N).
         columns: V (N, c), balls.
     """
-    found = _forms([_Hessian.of(hessian) for hessian in hessians], _Columns.of(columns))
+    found = _forms([_Hessian.of(hessian) for hessian in hessians], _Columns.of(_Block.of(columns)))
     return list(zip(found.centre, found.radii, strict=True))
 
 

@@ -86,16 +86,22 @@ class Zonotope:
     columns: list[Column]
 
     @cached_property
+    def matrix(self) -> arb_mat:
+        """G (size, c), of a set that is not a point."""
+        return _matrix(self.columns)
+
+    @cached_property
     def radii(self) -> list[arb]:
         """Bounds of |x - m|, entry by entry."""
-        return _sizes(self.columns, len(self.middle))
+        if not self.columns:
+            return [arb(0)] * len(self.middle)
+        return _sums(self.matrix)
 
     def radii_under(self, matrix: arb_mat) -> list[arb]:
         """Bounds of |P (x - m)|, entry by entry."""
         if not self.columns:
             return [arb(0)] * matrix.nrows()
-        moved = absolute(matrix * _matrix(self.columns))
-        return [item.upper() for item in (moved * column_of_ones(len(self.columns))).entries()]
+        return _sums(matrix * self.matrix)
 
     def hull(self) -> list[arb]:
         """The smallest balls about m that hold the set."""
@@ -128,7 +134,7 @@ class Zonotope:
         rest = [abs(t - m) + a for t, m, a in zip(to, middle, added, strict=True)]
         columns: list[Column] = []
         if self.columns:
-            image = matrix * _matrix(self.columns)
+            image = matrix * self.matrix
             for i, row in enumerate(image.tolist()):
                 rest[i] = sum((item.rad() for item in row), rest[i])
             columns = [list(column) for column in image.mid().transpose().tolist()]
@@ -155,16 +161,14 @@ def _matrix(columns: Sequence[Column]) -> arb_mat:
     return arb_mat(columns).transpose()
 
 
-def columns_of(states: Zonotope) -> arb_mat:
-    """G as a matrix (size, c), of a set that is not a point."""
-    return _matrix(states.columns)
-
-
 def _sizes(columns: Sequence[Column], size: int) -> list[arb]:
-    if not columns:
-        return [arb(0)] * size
-    sums = absolute(_matrix(columns)) * column_of_ones(len(columns))
-    return [item.upper() for item in sums.entries()]
+    return _sums(_matrix(columns)) if columns else [arb(0)] * size
+
+
+def _sums(matrix: arb_mat) -> list[arb]:
+    """Bounds of the sums of absolute values, row by row."""
+    found = absolute(matrix) * column_of_ones(matrix.ncols())
+    return [item.upper() for item in found.entries()]
 
 
 def _box(radii: Sequence[arb]) -> list[Column]:
