@@ -70,7 +70,10 @@ def refined(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem:
     Doubling them once more moves no point and no coordinate by more than a share of its margin.
     """
     substeps = path_problem.substeps
-    while substeps < MOST_SUBSTEPS and not _accurate(path_problem, trajectory, substeps):
+    share = INTEGRATION_SHARE * np.array([path_problem.margin, path_problem.limit_margin])
+    while (
+        substeps < MOST_SUBSTEPS and not (_gaps(path_problem, trajectory, substeps) <= share).all()
+    ):
         substeps *= 2
     return replace(path_problem, substeps=substeps)
 
@@ -78,15 +81,14 @@ def refined(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem:
 def unstable(path_problem: PathProblem, trajectory: Trajectory) -> bool:
     """Whether inputs alone do not keep the robot near the motion that was found for them.
 
-    Errors of the integration carry it away.
+    Errors of the integration carry it away, by more than the margin.
     """
-    return not _accurate(path_problem, trajectory, path_problem.substeps)
+    return not _gaps(path_problem, trajectory, path_problem.substeps)[0] <= path_problem.margin
 
 
-def _accurate(path_problem: PathProblem, trajectory: Trajectory, substeps: int) -> bool:
-    """Whether so many substeps, and twice as many, say nearly the same of a motion."""
+def _gaps(path_problem: PathProblem, trajectory: Trajectory, substeps: int) -> Array:
+    """How far points (m) and states (SI) get apart when so many substeps are doubled, (2,)."""
     numeric, n = path_problem.numeric, path_problem.numeric.n
-    share = INTEGRATION_SHARE * np.array([path_problem.margin, path_problem.limit_margin])
     dt, theta, u = float(path_problem.task.step), trajectory.theta, trajectory.u
     with np.errstate(all="ignore"):
         if path_problem.feedback:
@@ -96,8 +98,7 @@ def _accurate(path_problem: PathProblem, trajectory: Trajectory, substeps: int) 
             first = trajectory.x[0]
             pair = [numeric.simulate(first, u, theta, dt, c * substeps) for c in (1, 2)]
         points = [numeric.points(states[:, :n], theta).value for states in pair]
-    gaps = np.array([_largest_gap(*points), _largest_gap(*pair)])
-    return bool(np.all(gaps <= share))
+    return np.array([_largest_gap(*points), _largest_gap(*pair)])
 
 
 def _largest_gap(before: Array, after: Array) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -91,10 +92,12 @@ class Case:
     box: tuple[Array, Array] | None = None
     proximal: float = 0.0
     epsilon: float | None = None
+    rates: float = 0.0
 
     @property
     def question(self) -> SubproblemSpec:
-        return SubproblemSpec(self.limits, self.groups, self.box, Weights(), self.epsilon)
+        weights = Weights(rates=self.rates)
+        return SubproblemSpec(self.limits, self.groups, self.box, weights, self.epsilon)
 
     @property
     def region(self) -> TrustRegion:
@@ -126,6 +129,8 @@ CASES = {
     "tight trust region": Case(radius=0.05),
     "moves have a price": Case(proximal=0.3),
     "moves are dear": Case(proximal=40.0, box=BOX),
+    "rates have a price": Case(offset=0.2, rates=0.05),
+    "rates are dear": Case(offset=0.2, rates=5.0, box=BOX),
     "norm": Case(groups=TOGETHER, offset=0.2),
     "two groups": Case(
         groups=(InputGroup((0,), -3.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
@@ -143,7 +148,7 @@ CASES = {
 
 def value(case: Case, model: Model, found: StepResult) -> float:
     """The objective at a point, from its definition."""
-    weights, about = Weights(), model.about
+    weights, about = case.question.weights, model.about
     scale = max(group.widest_margin for group in case.groups)
     x, u, theta = found.trajectory.x, found.trajectory.u, found.trajectory.theta
     n = x.shape[1] // 2
@@ -155,6 +160,7 @@ def value(case: Case, model: Model, found: StepResult) -> float:
         for slack in slacks:  # the least g that C.6 allows
             total += max(float(slack), case.epsilon * total)
         worth = -weights.fictitious * total
+    worth -= scale * weights.rates * float(np.sum(x[:, n:] ** 2))
     moves = np.sum((x - about.x)[:, :n] ** 2)
     moves += len(x) * np.sum(((theta - about.theta) / np.maximum(np.abs(about.theta), 0.1)) ** 2)
     paid = weights.position * found.position_slack + weights.quadratic * np.sum((u / scale) ** 2)
@@ -291,6 +297,20 @@ def test_a_contradiction_is_not_an_optimum() -> None:
     found = agree(case, linearised(1), NONE, fictitious=True)
     assert found is not None
     assert found.largest_fictitious > 1
+
+
+def test_the_dearer_rates_are_the_slower_is_the_motion() -> None:
+    """By the theory of penalties: sums of squares fall, and so does the margin."""
+    model = linearised(1)
+    rows = end_in(model, 0.3)
+    squares, margins = [], []
+    for price in (0.0, 0.05, 0.5, 5.0):
+        found = agree(Case(rates=price), model, rows, fictitious=True)
+        assert found is not None
+        squares.append(float(np.sum(found.trajectory.x[:, 2:] ** 2)))
+        margins.append(found.margin)
+    assert all(after < before for before, after in pairwise(squares))
+    assert all(after <= before + 1e-6 for before, after in pairwise(margins))
 
 
 def test_without_constraints_standing_still_is_best() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -13,7 +15,7 @@ from compiler.robots.normal_form import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.trajectory.control_problem import ControlOutcome
-from solvers.trajectory.fine_motion import refined
+from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
 from solvers.trajectory.task_limits import motion_limits
 from solvers.trajectory.trajectory import Trajectory
@@ -84,6 +86,25 @@ def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):
     ]
     coarse_error, fine_error = (np.abs(end - state).max() for end in ends)
     assert fine_error < 1e-3 < coarse_error
+
+
+def test_a_motion_that_errors_carry_away_is_unstable_but_not_with_feedback(tmp_path):
+    """An upright rod in strong gravity: errors grow by e^12 a second, by linearisation.
+
+    Two seconds later the whole rod is off; feedback sees every step for itself.
+    """
+    upright = path_problem(
+        tmp_path,
+        ("  horizon 10 steps of 0.2 s", "  gravity (0, -120) m/s^2;\n  horizon 10 steps of 0.2 s"),
+    )
+    theta, k = np.array([1.2]), 10
+    x = np.tile([np.pi / 2, 0.0], (k + 1, 1))
+    x[:, 0] += 1e-3
+    tilted = Trajectory(x, np.zeros((k, 1)), theta)
+    assert unstable(upright, tilted)
+    assert not unstable(replace(upright, feedback=True, substeps=32), tilted)
+    hanging = Trajectory(np.tile([-np.pi / 2, 0.0], (k + 1, 1)), np.zeros((k, 1)), theta)
+    assert not unstable(upright, hanging)
 
 
 def test_a_gentle_motion_keeps_its_substeps(tmp_path):
