@@ -298,5 +298,5 @@ def _rates(field: VectorField, lower: arb_mat) -> arb_mat:
     """J: entry by entry upper bounds of |A|, whose first rows say q' = v."""
     n, size = field.dofs, field.size
     rows = [[arb(int(j == n + i)) for j in range(size)] for i in range(n)]
-    rows += [[abs(lower[i, j]).upper() for j in range(size)] for i in range(n + field.own)]
+    rows += [[lower[i, j].abs_upper() for j in range(size)] for i in range(n + field.own)]
     return arb_mat(rows)

@@ -275,7 +275,7 @@ class _Block:
         near = np.array([float(item) for item in columns.mid().entries()]).reshape(shape)
         # With factors in [-1, 1] each, a product's radius is the sum of what they multiply.
         spread = (columns - _exact(near)) * column([SIGNS] * shape[1])
-        return _Block(near, [abs(item).upper() for item in spread.entries()])
+        return _Block(near, [item.abs_upper() for item in spread.entries()])
 
 
 @dataclass(frozen=True, slots=True)

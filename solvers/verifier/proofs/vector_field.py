@@ -323,7 +323,7 @@ def over_interval(coefficients: Coefficients, half: arb) -> Coefficients:
     The j-th is off by at most the sum of C(k, j) |c_k| half^(k - j) over k > j, which are the
     coefficients about ``half`` of the polynomial of the |c_k|, less their own.
     """
-    sizes = [abs(c).upper() for c in coefficients]
+    sizes = [c.abs_upper() for c in coefficients]
     most = arb_poly(sizes)(arb_poly([half, 1])).coeffs()
     most += [arb(0)] * (len(sizes) - len(most))
     return [
