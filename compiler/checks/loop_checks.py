@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from compiler.robots.effector_counts import several_effectors
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.source import Span
 
 
 def loop_diagnostics(program: ir.Program, sink: Sink) -> None:
     """Report starts that contradict what formulas ask of all times, of tasks that repeat.
 
-    Maps are obstacles already.  Nothing is said of a start in a given pose, nor of an effector that
-    is not known to be the one that starts.
+    Maps are obstacles already.  Of a start in a region nothing is said of an effector that is not
+    known to be the one that starts; of one at given coordinates, where not all robots of the family
+    are known to begin on the wrong side.
     """
     for task in program.tasks.values():
-        if task.repeat and isinstance(task.start, ir.StartIn):
-            for clause in task.satisfy:
-                for atom, inside in _at_first(clause.formula, positive=True):
-                    _check(program, task, task.start, atom, sink, inside=inside)
+        if not task.repeat:
+            continue
+        asked = [each for clause in task.satisfy for each in _at_first(clause.formula)]
+        if isinstance(task.start, ir.StartIn):
+            for atom, inside in asked:
+                _check(program, task, task.start, atom, sink, inside=inside)
+        elif asked:
+            _check_given(program, task, task.start, asked, sink)
 
 
-def _at_first(formula: ir.Formula, *, positive: bool) -> Iterator[tuple[ir.Atom, bool]]:
+def _at_first(formula: ir.Formula, *, positive: bool = True) -> Iterator[tuple[ir.Atom, bool]]:
     """The atoms that are true (or false) at the first instant wherever a formula holds there."""
     match formula:
         case ir.Atom():
@@ -59,16 +65,43 @@ def _check(
     begins, asked = _region(workspace, start.region), _region(workspace, atom.region)
     if begins is None or asked is None:
         return
-    wrong = begins.intersection(asked).is_empty if inside else asked.contains(begins)
-    if wrong:
-        where = "outside" if inside else "inside"
-        sink.error(
-            Code.START_OUTSIDE_LOOP,
-            f"the motion starts {where} `{atom.region}`, against what this asks of all times",
-            atom.span,
-            "write `eventually always` for what holds once the motion has come to its loop",
-            [(start.span, f"it starts in `{start.region}`")],
-        )
+    if begins.intersection(asked).is_empty if inside else asked.contains(begins):
+        _report(sink, atom, (start.span, f"it starts in `{start.region}`"), inside=inside)
+
+
+def _check_given(
+    program: ir.Program,
+    task: ir.Task,
+    start: ir.StartAt,
+    asked: Sequence[tuple[ir.Atom, bool]],
+    sink: Sink,
+) -> None:
+    # It loads CasADi, which other checks do without.
+    from compiler.checks.given_positions import given_positions
+
+    positions = given_positions(program, task, start)
+    if positions is None:
+        return
+    workspace = program.workspaces[task.workspace]
+    for atom, inside in asked:
+        region = _region(workspace, atom.region)
+        if region is None:
+            continue
+        wrong = positions.outside if inside else positions.inside
+        if wrong(atom.effector, region):
+            note = start.span, "it starts at these coordinates"
+            _report(sink, atom, note, inside=inside)
+
+
+def _report(sink: Sink, atom: ir.Atom, note: tuple[Span, str], *, inside: bool) -> None:
+    where = "outside" if inside else "inside"
+    sink.error(
+        Code.START_OUTSIDE_LOOP,
+        f"the motion starts {where} `{atom.region}`, against what this asks of all times",
+        atom.span,
+        "write `eventually always` for what holds once the motion has come to its loop",
+        [note],
+    )
 
 
 def _starting(program: ir.Program, task: ir.Task, start: ir.StartIn) -> int | None:

@@ -51,6 +51,10 @@ class MassMoments:
             self.mass - other.mass, self.first - other.first, self.second - other.second
         )
 
+    def times(self, factor: arb) -> MassMoments:
+        """The moments of bodies that are so many times as dense."""
+        return MassMoments(self.mass * factor, self.first * factor, self.second * factor)
+
     @property
     def massless(self) -> bool:
         """Whether there is nothing at all, neither mass nor moments of it."""

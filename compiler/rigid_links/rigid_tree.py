@@ -93,8 +93,12 @@ class RigidTree:
         return found
 
 
-def rigid_tree(model: RobotModel, theta: Sequence[Fraction]) -> RigidTree:
+def rigid_tree(
+    model: RobotModel, theta: Sequence[Fraction], factors: Sequence[float] = ()
+) -> RigidTree:
     """The tree of a robot whose parameters have these values (SI).
+
+    Masses and moments of inertia of each body are times its factor, default 1.
 
     Raises:
         RigidTreeError: a degree of freedom moves several frames or none, or a length or angle has
@@ -107,9 +111,10 @@ def rigid_tree(model: RobotModel, theta: Sequence[Fraction]) -> RigidTree:
         joints, frames = _frames(model, scalars)
         moments = [none() for _ in range(len(joints) + 1)]
         shapes: list[list[Shape]] = [[] for _ in moments]
-        for body in model.bodies:
+        weights = [arb(factor) for factor in factors] or [arb(1)] * len(model.bodies)
+        for body, weight in zip(model.bodies, weights, strict=True):
             frame = frames[body.frame]
-            moments[frame.link] += body_moments(body, scalars, frame.pose)
+            moments[frame.link] += body_moments(body, scalars, frame.pose).times(weight)
             shapes[frame.link] += body_shape(body, scalars, frame.pose)
         links = tuple(
             RigidLink(joint, moment, tuple(shape))

@@ -7,12 +7,13 @@ for ever is asked of the round in a form that is sufficient (:mod:`compiler.task
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from compiler.tasks.round_formula import on_one_round
 from compiler.tasks.sampled_formula import SampledFormula, sampled
-from compiler.tasks.specification import PlanningProblem
+from compiler.tasks.specification import PlannedEffector, PlanningProblem
 from compiler.tasks.word_formula import Literal, eventually, every, some
 from grammar_lang import ir
 
@@ -83,22 +84,25 @@ def closing(problem: PlanningProblem, shape: RoundTask) -> tuple[PlanningProblem
     if shape.stays:
         return (replace(problem, settled=shape.loop, timed=True),)
     if shape.loop:
-        return (_returning(problem, shape.loop),)
+        return (_returning(problem, shape.loop, problem.effectors),)
     first, *others = problem.effectors
+    closed = _returning(problem, 0, others) if others else problem
     return tuple(
-        replace(problem, effectors=(replace(first, start=(cell,), end=(cell,)), *others))
+        replace(closed, effectors=(replace(first, start=(cell,), end=(cell,)), *others))
         for cell in first.start
     )
 
 
-def _returning(problem: PlanningProblem, loop: int) -> PlanningProblem:
-    """The problem of paths that end in the cells in which they are at the sample ``loop``.
+def _returning(
+    problem: PlanningProblem, loop: int, effectors: Sequence[PlannedEffector]
+) -> PlanningProblem:
+    """The problem of paths of which some end in the cells in which they are at the sample ``loop``.
 
     Each cell is a region of its own, whose name has a blank, as no other has.
     """
     names = [f"cell {number}" for number in range(len(problem.propositions))]
     asked = [] if problem.formula is None else [problem.formula]
-    for planned in problem.effectors:
+    for planned in effectors:
         there = (Literal(name, planned.effector + 1, positive=True) for name in names)
         asked.append(
             some(

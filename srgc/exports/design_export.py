@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -114,8 +114,10 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     return ExportFolder(found, tuple(notes))
 
 
-def mujoco_text(design: FoundDesign) -> str:
+def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
     """The MJCF of a robot that moves as planned if the torques of the plan are held.
+
+    Masses and moments of inertia of each body are times its factor, default 1.
 
     Raises:
         UsageFault: the format cannot hold the robot or its dynamics.
@@ -123,7 +125,7 @@ def mujoco_text(design: FoundDesign) -> str:
     others = left_out(design)
     if others is not None:
         raise UsageFault(f"MJCF does not hold {others}, so held torques do not move it as planned")
-    return _robot_text(design, "mjcf")
+    return _robot_text(design, "mjcf", factors)
 
 
 def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
@@ -137,9 +139,9 @@ def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
     }
 
 
-def _robot_text(design: FoundDesign, form: str) -> str:
+def _robot_text(design: FoundDesign, form: str, factors: Sequence[float] = ()) -> str:
     try:
-        return ROBOTS[form](exported_robot(design))
+        return ROBOTS[form](exported_robot(design, factors))
     except ValueError as error:
         raise UsageFault(f"the robot cannot be exported: {error}") from None
 

@@ -269,14 +269,14 @@ def left_out(design: FoundDesign) -> str | None:
 # --- The robot of a design as it is exported: its tree of links with names, motors and remarks ----
 
 
-def exported_robot(design: FoundDesign) -> ExportedRobot:
-    """What the export of a design is made of.
+def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> ExportedRobot:
+    """What the export of a design is made of; ``factors`` are those of its bodies' masses.
 
     Raises:
         RigidTreeError: the robot is no tree of rigid links with a joint per degree of freedom.
     """
     model, task = design.model, design.task
-    tree = rigid_tree(model, design.stated)
+    tree = rigid_tree(model, design.stated, factors)
     gravity = [float(value) for value in task.gravity] + [0.0] * 3
     coordinates = design.start[: 2 * len(model.dofs)]
     flat = "in the plane xy, where only moments of inertia about z act on the motion"

@@ -16,8 +16,15 @@ from typing import Any
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
+from compiler.tasks.specification import (
+    UncertainMass,
+    disturbance_radii,
+    input_errors,
+    measurement_radii,
+    uncertain_masses,
+)
 from grammar_lang import ir
+from srgc.exports.design_export import mujoco_text
 from srgc.exports.exported_motion import free_inputs, planned_inputs
 from srgc.faults import UsageFault
 from srgc.replays.mujoco_replay import joint_places, loaded_model, silent
@@ -38,35 +45,43 @@ class Disturbances:
         mass: (B,) of all masses.
         measured: (B, k, 2 n) of what is read at each sample.
         inputs: (B, k, m) of what is added to the inputs in each step.
+        masses: (B, p) of the masses of single modules.
     """
 
     start: Array
     mass: Array
     measured: Array
     inputs: Array
+    masses: Array
 
     def of(self, chosen: Sequence[int]) -> Disturbances:
         """Those of some of the motions."""
         rows = list(chosen)
         return Disturbances(
-            self.start[rows], self.mass[rows], self.measured[rows], self.inputs[rows]
+            self.start[rows],
+            self.mass[rows],
+            self.measured[rows],
+            self.inputs[rows],
+            self.masses[rows],
         )
 
 
-def disturbances(seed: int, numbers: Sequence[int], steps: int, n: int, m: int) -> Disturbances:
-    """Those of motions by their numbers.
+def disturbances(
+    seed: int, numbers: Sequence[int], steps: int, n: int, m: int, p: int = 0
+) -> Disturbances:
+    """Those of motions by their numbers; p is how many modules have masses of their own.
 
     Motions with an even number are random.  The others are at corners: number 4 i + 1 with errors
     of one sign all the time, which carry it farthest; number 4 i + 3 with another sign each step.
     """
-    drawn = [_drawn(np.random.default_rng([seed, each]), each, steps, n, m) for each in numbers]
+    drawn = [_drawn(np.random.default_rng([seed, each]), each, steps, n, m, p) for each in numbers]
     parts = [np.array(part) for part in zip(*drawn, strict=True)]
     return Disturbances(*parts)
 
 
 def _drawn(
-    rng: np.random.Generator, number: int, steps: int, n: int, m: int
-) -> tuple[Array, float, Array, Array]:
+    rng: np.random.Generator, number: int, steps: int, n: int, m: int, p: int
+) -> tuple[Array, float, Array, Array, Array]:
     corner = number % 2 == 1
 
     def parts(*shape: int) -> Array:
@@ -75,8 +90,11 @@ def _drawn(
 
     start, mass = parts(2 * n), float(parts(1)[0])
     if number % 4 == 1:
-        return start, mass, np.tile(parts(2 * n), (steps, 1)), np.tile(parts(m), (steps, 1))
-    return start, mass, parts(steps, 2 * n), parts(steps, m)
+        measured, inputs = np.tile(parts(2 * n), (steps, 1)), np.tile(parts(m), (steps, 1))
+    else:
+        measured, inputs = parts(steps, 2 * n), parts(steps, m)
+    # Last, so that the others do not depend on how many there are.
+    return start, mass, measured, inputs, parts(p)
 
 
 # --- The motions ----------------------------------------------------------------------------------
@@ -150,7 +168,10 @@ class Simulator:
         design, places = self.design, joint_places(model, self.design)
         bounds, planned = disturbance_bounds(design), planned_inputs(design)
         n, columns, feedback = len(design.model.dofs), free_inputs(design.model), design.feedback
-        models = [self._weighed(model, 1 + bounds.mass * part) for part in disturbed.mass]
+        models = [
+            self._weighed(self._model(model, bounds, own), 1 + bounds.mass * part)
+            for part, own in zip(disturbed.mass, disturbed.masses, strict=True)
+        ]
         full = np.zeros((len(models), 1 + model.nq + model.nv))
         control = np.zeros((len(models), 1, model.nu))
         at_q, at_v = 1 + places.q, 1 + model.nq + places.v
@@ -177,6 +198,18 @@ class Simulator:
                 told(k + 1)
         return SimulatedMotions(states, commanded)
 
+    def _model(self, model: Any, bounds: DisturbanceBounds, parts: Array) -> Any:
+        """The model with masses of single modules that are off by ``parts`` (p,) of the bounds."""
+        if not bounds.masses:
+            return model
+        factors = np.ones(len(self.design.model.bodies))
+        for item, part in zip(bounds.masses, parts, strict=True):
+            factors[list(item.bodies)] *= 1 + float(item.part) * part
+        text = mujoco_text(self.design, factors.tolist())
+        found = loaded_model(self.mujoco, text, self.design.task.step, self.integrator)
+        found.opt.timestep, found.opt.disableflags = model.opt.timestep, model.opt.disableflags
+        return found
+
     def _weighed(self, model: Any, factor: float) -> Any:
         """The model with all masses and inertias times a factor."""
         if factor == 1:
@@ -196,6 +229,7 @@ class DisturbanceBounds:
         start, measured: (2 n,) of coordinates and rates.
         part, most: inputs are off by up to this part of themselves and (m,) more.
         mass: of all masses.
+        masses: of those of single modules, besides, with the bodies of each.
     """
 
     start: Array
@@ -203,6 +237,7 @@ class DisturbanceBounds:
     part: float
     most: Array
     mass: float
+    masses: tuple[UncertainMass, ...] = ()
 
 
 def disturbance_bounds(design: FoundDesign) -> DisturbanceBounds:
@@ -215,4 +250,12 @@ def disturbance_bounds(design: FoundDesign) -> DisturbanceBounds:
         float(part),
         np.array(most, dtype=np.float64),
         float((task.robust or ir.Robust()).mass),
+        module_masses(design),
     )
+
+
+def module_masses(design: FoundDesign) -> tuple[UncertainMass, ...]:
+    """The uncertain masses of single modules: one per occurrence of each that the task names."""
+    task, model = design.task, design.model
+    found = uncertain_masses(task, model)
+    return found[1:] if task.robust is not None and task.robust.mass and model.bodies else found

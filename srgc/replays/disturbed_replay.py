@@ -24,7 +24,7 @@ from srgc.exports.design_export import mujoco_text
 from srgc.exports.exported_motion import EFFORT_UNITS, POSITION_UNITS
 from srgc.exports.exported_robot import design_names, design_tree
 from srgc.faults import UsageFault
-from srgc.replays.disturbed_motions import Simulator, disturbances, untold
+from srgc.replays.disturbed_motions import Simulator, disturbances, module_masses, untold
 from srgc.replays.mujoco_replay import mujoco_module
 from srgc.replays.replay_run import Farthest
 from srgc.results.found_design import FoundDesign, found_design, found_tube
@@ -105,11 +105,6 @@ def disturbed_replay(
     design = found_design(folder)
     if design.task.robust is None:
         raise UsageFault(f"{folder}: the task names no disturbances (`robust ...`)")
-    if design.task.robust.masses:
-        # Left out, they would be a claim that nobody has tried.
-        raise UsageFault(
-            f"{folder}: errors of single modules' masses (`robust mass p % of M`) are not simulated"
-        )
     mujoco, text = mujoco_module(), mujoco_text(design)
     count = max(1, ceil(design.task.step / (request.timestep or USUAL_STEP)))
     if count * design.task.steps * len(request.numbers) > MOST_STEPS:
@@ -118,7 +113,8 @@ def disturbed_replay(
         )
     tube = found_tube(folder)
     steps, n = design.task.steps, len(design.model.dofs)
-    drawn = disturbances(request.seed, request.numbers, steps, n, len(robot_inputs(design.model)))
+    m, p = len(robot_inputs(design.model)), len(module_masses(design))
+    drawn = disturbances(request.seed, request.numbers, steps, n, m, p)
     simulator = Simulator(mujoco, text, design, request.integrator, os.cpu_count() or 1)
     coarse = simulator.motions(drawn, count, part)
     names = _names(design)

@@ -79,7 +79,8 @@ def _shown(farthest: Farthest) -> str:
 def _tube_lines(replay: Replay) -> Iterator[str]:
     if replay.half_width is None:
         return
-    of = "all disturbed motions" if replay.disturbed else "the motion"
+    motions = "all rounds of all motions" if replay.repeats else "all disturbed motions"
+    of = motions if replay.disturbed else "the motion"
     yield f"the tube holds {of}; its half-width is at most {replay.half_width:.2e} (SI)"
 
 

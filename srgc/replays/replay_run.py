@@ -177,11 +177,13 @@ class Replay:
     """The runs, one per timestep, and what the tube is.
 
     ``half_width`` is the largest of coordinates and rates at the instants compared in the last run
-    (SI), None without any.  ``verified`` is what the verifier says of the certificate.
+    (SI), None without any.  ``verified`` is what the verifier says of the certificate.  A tube that
+    is ``disturbed`` holds more than the planned motion; where the task ``repeats``, all rounds.
     """
 
     runs: tuple[TubeComparison, ...]
     disturbed: bool
+    repeats: bool
     half_width: float | None
     verified: Report
 
@@ -204,7 +206,7 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
     joints = list(zip(names.joints, units, strict=True))
     runs = tuple(tube_comparison(tube, motion, joints, names.effectors) for motion in motions)
     width = _half_width(tube, motions[-1])
-    return Replay(runs, tube.disturbed, width, verify_directory(folder))
+    return Replay(runs, tube.disturbed, design.task.repeat, width, verify_directory(folder))
 
 
 def _motions(design: FoundDesign, request: ReplayRequest) -> Iterator[ReplayedMotion]:

@@ -42,11 +42,12 @@ def motion_section(evidence: Evidence) -> str:
     motion = scene.motion
     factor = _factor(motion.tube, scene.view)
     data = {**scene_data(scene), "factor": factor}
+    caption = _caption(scene, motion, factor, repeats=evidence.task.repeat)
     return (
         '<section id="motion"><h2>Motion</h2>'
         f"<figure>{_picture(scene, motion, factor)}{_controls(scene, motion)}"
         f"{_readings(evidence.found, motion)}"
-        f"<figcaption>{_caption(scene, motion, factor)}</figcaption></figure>"
+        f"<figcaption>{caption}</figcaption></figure>"
         f"{_poses(scene, motion)}{json_script('motion-data', data)}</section>"
     )
 
@@ -196,21 +197,22 @@ def _coordinate(value: float, *, turning: bool) -> str:
     return f"{degrees(value):.1f}°" if turning else f"{number(value)} m"
 
 
-def _caption(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
+def _caption(scene: MotionScene, motion: RobotMotion, factor: float, *, repeats: bool) -> str:
     words = (
         "The robot at its real lengths: rods as thick lines, joints as circles (turning) and "
         "squares (sliding), effectors as rings, other bodies by their centres of mass as dots."
     )
     if scene.dimension == 3:
         words += " A short line through a joint is its axis."
-    return f"{words}{_beyond(scene)} {_tube_words(motion.tube, factor)}"
+    return f"{words}{_beyond(scene)} {_tube_words(motion.tube, factor, repeats=repeats)}"
 
 
-def _tube_words(tube: TubeBoxes | None, factor: float) -> str:
+def _tube_words(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str:
     if tube is None:
         return "No tube is drawn: the motion was not enclosed for this page."
     sides = 2 * tube.half_widths
-    holds = "every disturbed motion" if tube.disturbed else "the motion"
+    every = "every round of every motion" if repeats else "every disturbed motion"
+    holds = every if tube.disturbed else "the motion"
     words = (
         f"Boxes: the certified tube; each box holds the effector throughout one of "
         f"{len(tube.boxes)} intervals of time, so it is as long as the way that is made in it"

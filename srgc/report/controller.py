@@ -28,7 +28,7 @@ LAW = (
 
 
 def width_section(evidence: Evidence) -> str:
-    """How wide the tube of all disturbed motions is; nothing where there is none."""
+    """How wide the tube of all motions is; nothing where there is one motion."""
     found, motion = evidence.found, evidence.trajectory
     if found is None or motion is None or evidence.tube is None or not evidence.tube.disturbed:
         return ""
@@ -36,8 +36,9 @@ def width_section(evidence: Evidence) -> str:
         _figure(title, curves, name)
         for name, title, curves in _widths(evidence.tube, found, motion)
     )
+    motions = "rounds of any motions" if evidence.task.repeat else "disturbed motions"
     return (
-        '<section id="width"><h2>Width of the tube</h2><p>How far any two disturbed motions can '
+        f'<section id="width"><h2>Width of the tube</h2><p>How far any two {motions} can '
         "be apart at a sample, by the proof: the width of the box that holds all of them; of an "
         "effector, its longest side.</p>"
         f'<div class="charts">{charts}</div></section>'

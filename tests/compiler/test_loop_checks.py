@@ -71,8 +71,60 @@ def test_a_start_inside_what_is_never_entered() -> None:
         ("start in A by effector 1; satisfy always C by effector 1;", ["C by effector 1"]),
         ("start in A by effector 2; satisfy always C by effector 1;", []),
         ("start in A; satisfy always C by effector 1;", []),
-        ("start at (0); satisfy always C by effector 1;", []),
     ],
 )
 def test_who_starts(clauses: str, marked: list[str]) -> None:
     assert found(f"{clauses} repeat;", arms=TWO_ARMS) == marked
+
+
+FEW = "eps J eps L eps E"
+"""One robot: a link of 0.5 to 2 m."""
+
+
+@pytest.mark.parametrize(
+    ("start", "formula", "marked"),
+    [
+        # By the cosine and the sine of 30 degrees it is within (0.43, 0.25) and (1.74, 1).
+        ("(30 deg)", "always C", ["C"]),
+        ("(30 deg)", "always not C", []),
+        ("(30 deg)", "always A", []),
+        ("(30 deg)", "always not A", []),
+        # Longer links than 1 m end outside of A.
+        ("(0 deg)", "always A", []),
+        ("(150 deg)", "always A", ["A"]),
+        ("(150 deg)", "not eventually A", []),
+        ("(150 deg)", "always (A or C)", []),
+        ("(150 deg)", "eventually always A", []),
+        # On the face of A for all lengths: neither side is certain.
+        ("(90 deg)", "always A", []),
+        ("(90 deg)", "always not A", []),
+        # As many values as no robot has.
+        ("(30 deg, 10 deg)", "always C", []),
+    ],
+)
+def test_given_starts(start: str, formula: str, marked: list[str]) -> None:
+    clauses = f"start at {start}; satisfy {formula};"
+    assert found(f"{clauses} repeat;", arms=FEW) == marked
+    assert found(clauses, arms=FEW) == []
+
+
+def test_a_given_start_inside_what_is_never_entered() -> None:
+    """The tip is at 45 degrees, 0.35 to 1.4 m off in x and y; a square of 3 m holds all of that."""
+    wide = "region A box [0, 3] x [0, 3] m; region C box [0.5, 1] x [0.5, 1] m;"
+    text = spec("start at (45 deg); satisfy always not A; repeat;", wide, arms=FEW)
+    sink = Sink([])
+    loop_diagnostics(program(text), sink)
+    (only,) = sink.found
+    assert (only.code, text[only.span.start : only.span.end]) == (Code.START_OUTSIDE_LOOP, "A")
+    assert only.message == "the motion starts inside `A`, against what this asks of all times"
+    undecided = text.replace("always not A", "always not C")
+    sink = Sink([])
+    loop_diagnostics(program(undecided), sink)
+    assert sink.found == []
+
+
+def test_families_without_end_are_passed_over() -> None:
+    """One of them may have a joint or a link more."""
+    assert found("start at (150 deg, 0 deg); satisfy always A; repeat;") == []
+    bounded = "start at (150 deg, 0 deg); satisfy always A; repeat; modules <= 6;"
+    assert found(bounded) == ["A"]

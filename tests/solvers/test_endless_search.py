@@ -84,6 +84,41 @@ def test_a_tour_that_the_start_is_not_on(text: str, tmp_path: Path) -> None:
     assert not any(name.startswith("S") for name in rounds)
 
 
+LEFT_FOR_GOOD = "satisfy eventually always not Tray by effector 1;"
+HANDS = (Path(__file__).parents[2] / "specs/two_arm.srg").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("clauses", "first"),
+    [
+        ("satisfy always (eventually Tray by effector 1 and eventually Bin by effector 2);", 0),
+        (
+            "satisfy always (eventually Side by effector 1 and eventually Bin by effector 2); "
+            + LEFT_FOR_GOOD,
+            7,
+        ),
+    ],
+    ids=["tour", "prefix"],
+)
+def test_both_hands_work_for_ever(clauses: str, first: int, tmp_path: Path) -> None:
+    """One goes to and fro between two bins; the other one is at its tray, or leaves it for good."""
+    text = replaced(
+        HANDS,
+        "  obstacle Post",
+        "  region Bin box [-1.1, -0.7] x [-0.25, 0.15] m;\n"
+        "  region High box [-0.9, -0.5] x [0.3, 0.6] m;\n"
+        "  region Side box [0.45, 0.65] x [0.3, 0.6] m;\n"
+        "  obstacle Post",
+    )
+    again = "satisfy always eventually High by effector 2;"
+    text = replaced(text, "  reach Press by effector 2;", f"  {clauses} {again} repeat;")
+    text = replaced(text, "horizon 8 steps of 0.25 s", "horizon 30 steps of 0.2 s")
+    assert found(text, tmp_path) == first
+    one, other = (names[first:] for names in read(tmp_path / "out")["path"])
+    assert (one[0], other[0]) == (one[-1], other[-1])
+    assert {"Bin", "High"} <= {name.split(".")[0] for name in other}
+
+
 def test_nothing_brings_a_mass_back_without_feedback(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

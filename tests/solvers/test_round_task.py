@@ -59,3 +59,28 @@ def test_paths_that_close(loop: int, stays: bool, formula: SampledFormula | None
     }
     assert words(RoundTask(task(), loop, stays), formula) == expected
     assert expected or loop == 1
+
+
+def test_all_effectors_of_a_tour_come_back() -> None:
+    """Two effectors on three cells in a row; the second one begins anywhere."""
+    line, steps = ((1,), (0, 2), (1,)), 3
+    effectors = PlannedEffector(0, (0,)), PlannedEffector(1, (0, 1, 2))
+    problem = PlanningProblem(line, (frozenset[str](),) * 3, effectors, None, True, steps, 6)
+    (closed,) = closing(problem, RoundTask(task(), 0))
+    planner, found = Planner(closed), set[tuple[tuple[int, ...], ...]]()
+    while isinstance(answer := planner.next_plan(), Holds):
+        found.add(
+            tuple(
+                tuple(
+                    path.cells[sum(entry <= sample for entry in path.entries or ()) - 1]
+                    for sample in range(steps + 1)
+                )
+                for path in answer.witness.paths
+            )
+        )
+    tours = [
+        word
+        for word in product(range(3), repeat=steps + 1)
+        if word[0] == word[-1] and all(a == b or b in line[a] for a, b in pairwise(word))
+    ]
+    assert found == {(one, other) for one in tours if one[0] == 0 for other in tours}

@@ -7,6 +7,7 @@ task is proved as for any motion: in balls, from the exact start, under the exac
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 from compiler.expressions.evaluators.balls import ball, working_precision
@@ -52,10 +53,13 @@ def with_violation(
     skipped = set(proved)
     if motion.law is None:
         skipped |= {each.name for each in effort_conditions(scene.model, scene.task, [])}
-    with working_precision(FLOAT_BITS):
-        motions = list(
-            harmful(scene, whole, sizes, none, lambda name: name not in skipped, watch.tick)
-        )
+    motions = list[DisturbedMotion]()
+    # What is not defined somewhere near a motion is no reason to judge it.
+    with working_precision(FLOAT_BITS), suppress(ArithmeticError, ValueError):
+        for each in harmful(
+            scene, whole, sizes, none, lambda name: name not in skipped, watch.tick
+        ):
+            motions.append(each)
     for each in motions:
         for accuracy in accuracies:
             watch.tick()

@@ -275,7 +275,7 @@ def estimates(
 
     def keep(name: str, value: float, slope: Array) -> None:
         least = value - float(np.abs(slope).sum()) - float(slope @ signs[: len(slope)])
-        if name not in best or least < best[name][0]:
+        if np.isfinite(least) and (name not in best or least < best[name][0]):
             best[name] = least, slope
 
     last = len(seen.samples) - 1
@@ -295,7 +295,6 @@ def estimates(
     found = [
         Estimate(name, least, _corner(-slope, seen, about, sizes))
         for name, (least, slope) in best.items()
-        if np.isfinite(least)
     ]
     return sorted(found, key=lambda each: each.least)
 

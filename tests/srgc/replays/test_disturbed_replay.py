@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from compiler.tasks.specification import UncertainMass
 from srgc.exports.design_export import mujoco_text
 from srgc.faults import UsageFault
 from srgc.replays import disturbed_motions, disturbed_replay
@@ -19,6 +21,7 @@ from srgc.replays.disturbed_motions import DisturbanceBounds, Simulator, disturb
 from srgc.replays.disturbed_replay import DisturbedRequest
 from srgc.results.found_design import FoundDesign, found_design
 from tests.oracles import result_files
+from tests.oracles.closed_chains import ClosedChain
 from tests.srgc.conftest import Ran
 
 Command = Callable[..., Ran]
@@ -112,6 +115,34 @@ def test_neither_ranges_nor_bounds_of_motors_help(made: Result) -> None:
     np.testing.assert_allclose(found.states[0], by_hand(design, bounds, 0, 1), rtol=1e-9)
 
 
+def test_masses_of_single_modules_are_those_of_a_chain_by_hand(made: Result) -> None:
+    """Two links, all masses off together and those of the first by themselves, and far off."""
+    design = found_design(made("pair") / "out")
+    (own,) = disturbed_motions.module_masses(design)
+    assert (own.part, own.bodies) == (Fraction(2, 1000), (0,))
+    still, none = np.zeros(4), np.zeros(2)
+    heavy = (UncertainMass(Fraction(3, 10), (0,)),)
+    bounds = DisturbanceBounds(still, still, 0.0, none, 0.2, heavy)
+    drawn = disturbances(4, range(4), design.task.steps, 2, 2, 1)
+    assert abs(drawn.masses[1, 0]) == 1 > abs(drawn.masses[2, 0])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(disturbed_motions, "disturbance_bounds", lambda _design: bounds)
+        simulator = Simulator(mujoco, mujoco_text(design), design, "rk4", 1)
+        found = simulator.motions(drawn, 400)
+    folder = made("pair") / "out"
+    text = (made("pair") / "pair.srg").read_text(encoding="utf-8")
+    for clause in ("effort 0.3", "measure 0.02", "start 0.2"):
+        text = text.replace(f"robust {clause}", f"robust {clause.split()[0]} 0")
+    text = text.replace("robust mass 0.1 %", "robust mass 20 %")
+    text = text.replace("robust mass 0.2 % of L", "robust mass 30 % of L")
+    chain = ClosedChain(result_files.read(folder), text, lambda _: [1.3, 0.9], (1.0, 1.5), "LK")
+    for number in range(4):
+        factors = np.array([drawn.masses[number, 0], 0.0, drawn.mass[number]])
+        corner = replace(chain.still(), factors=factors)
+        states, _ = chain.motion(corner)
+        np.testing.assert_allclose(found.states[number, -1], states[-1], rtol=0, atol=1e-8)
+
+
 # --- none leaves the tube ------------------------------------------------------------------------
 
 
@@ -134,6 +165,14 @@ def test_none_leaves_the_tube(srgc: Command, made: Result) -> None:
     assert lines[0] == "in MuJoCo, rk4, steps of 0.01 s; 12 disturbed motions, seed 3"
     assert lines[1] == "left the tube:  0 of 12"
     assert lines[5].startswith("compared at 11 samples; errors of the integration by half the step")
+
+
+def test_none_leaves_the_tube_with_masses_of_single_modules(srgc: Command, made: Result) -> None:
+    asked = ("--disturbed", 12, "--seed", 3, "--timestep", "0.005")
+    found = numbers(srgc, made("pair") / "out", *asked)
+    assert (found["motions"], found["left"], found["certificate"]) == (12, [], "valid")
+    for kind in KINDS:
+        assert 0.1 < found[kind]["share"] < 1
 
 
 def test_those_that_leave_it_are_counted(
@@ -197,7 +236,6 @@ def test_numbers_may_be_any(made: Result) -> None:
             ("--in", "mujoco", "--disturbed", 3, "--halvings", 1),
             "without --halvings",
         ),
-        ("pair", ("--in", "mujoco", "--disturbed", 2), "single modules' masses"),
         ("closed", ("--in", "mujoco", "--seed", 3), "--seed goes with --disturbed"),
         ("closed", ("--in", "mujoco", "--disturbed", 0), "0 is not in the range"),
         (
@@ -210,7 +248,6 @@ def test_numbers_may_be_any(made: Result) -> None:
         "no disturbances",
         "python",
         "halvings",
-        "masses of modules",
         "a seed alone",
         "no motion",
         "too many",

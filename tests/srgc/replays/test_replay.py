@@ -89,6 +89,13 @@ def test_disturbances_are_in_the_tube(made: Result) -> None:
     assert found["runs"][0]["coordinates"]["outside"]["value"] == 0
 
 
+def test_the_tube_of_a_loop_holds_all_rounds(made: Result) -> None:
+    replayed = replay_run.replay(
+        made("looped") / "out", replay_run.ReplayRequest("mujoco", None, "rk4", 0)
+    )
+    assert "the tube holds all rounds of all motions; its" in replay_text(replayed)
+
+
 # --- others do not, and it is seen by how much ---------------------------------------------------
 
 
