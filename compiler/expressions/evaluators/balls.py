@@ -162,7 +162,7 @@ def beside(left: arb_mat, right: arb_mat) -> arb_mat:
 
 def absolute(matrix: arb_mat) -> arb_mat:
     """Exact upper bounds of the absolute values of the entries."""
-    entries = [abs(item).upper() for item in matrix.entries()]
+    entries = [item.abs_upper() for item in matrix.entries()]
     return arb_mat(matrix.nrows(), matrix.ncols(), entries)
 
 
