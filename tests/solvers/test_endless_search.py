@@ -45,7 +45,7 @@ DISTURBED = "robust start 0.1 deg, 0.1 deg/s; robust effort 0.5 % of bound; robu
         (asked(SLIDER, "reach T;"), 0),
         (asked(SLIDER, "satisfy always eventually[0 s, 6 s] T;"), 0),
         pytest.param(asked(TURNER, f"{AGAIN} {DISTURBED}"), 0, marks=pytest.mark.slow),
-        (asked(TURNER, f"{STAY} {DISTURBED}"), 15),
+        pytest.param(asked(TURNER, f"{STAY} {DISTURBED}"), 15, marks=pytest.mark.slow),
         (asked(TURNER, f"{AGAIN} {DISTURBED} gravity (0, -2) m/s^2;"), 0),
         (asked(MOTOR, AGAIN), 0),
     ],

@@ -187,7 +187,7 @@ def trial(seed: int) -> bool:
 
 
 def test_some_random_closed_loops() -> None:
-    assert sum(trial(seed) for seed in range(6)) >= 4
+    assert sum(trial(seed) for seed in range(4)) >= 3
 
 
 @pytest.mark.slow
