@@ -11,8 +11,8 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.disturbances import check_ownership
 from grammar_lang.elaboration.modules import ModuleInfo, lower_module
-from grammar_lang.elaboration.ownership import check_ownership
 from grammar_lang.elaboration.productions import GrammarInfo, lower_grammar
 from grammar_lang.elaboration.recovery import sound_part, without_followers
 from grammar_lang.elaboration.semantics import SemanticsInfo, lower_semantics

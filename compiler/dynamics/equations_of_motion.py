@@ -38,6 +38,8 @@ from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
 
 MADE = "equations of motion were made"
+MOST_INSTRUCTIONS = 40_000
+"""Of first derivatives of which second ones are made: they have five to seven times as many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,11 +231,14 @@ class RobotGraph:
         return self._function("variation", [p.q, p.w, a, p.u], ca.vec(ca.densify(jacobian)))
 
     @cached_property
-    def curvature(self) -> tuple[ca.Function, tuple[tuple[int, int, int], ...]]:
+    def curvature(self) -> tuple[ca.Function, tuple[tuple[int, int, int], ...]] | None:
         """Second derivatives of what is balanced that are not zero, and where they belong.
 
-        The places (i, j, k), j >= k: output i, entries j and k of (q, w, a).
+        The places (i, j, k), j >= k: output i, entries j and k of (q, w, a).  None where
+        ``variation`` has so many instructions that its derivatives would take minutes.
         """
+        if self.variation.n_instructions() > MOST_INSTRUCTIONS:
+            return None
         p, a = self.parts, ca.SX.sym("a", len(self.model.dofs))
         residual = ca.vertcat(self._drive - p.mass @ a, p.derivatives)
         entries = ca.vertcat(p.q, p.w, a)

@@ -41,6 +41,8 @@ OPERATIONS = {
 """The method of an evaluator that carries out an instruction."""
 LEAVES = {"input", "constant"}
 SINE_AND_COSINE = "sin_cos"
+ONE_ARGUMENT, TWO_VALUES = -1, -2
+"""Instead of a second argument."""
 
 Node: TypeAlias = tuple[str, tuple[int, ...]]
 """An operation and the numbers of its arguments; an input or a constant and its index or value."""
@@ -82,17 +84,14 @@ class Tape:
         values: list[Any] = [inputs[i] for i in plan.used]
         values += [evaluator.constant(constant) for constant in plan.constants]
         append = values.append
-        operations: dict[str, Callable[..., Any]] = {
-            name: getattr(evaluator, name) for name in plan.names
-        }
-        for name, arguments in plan.steps:
-            if len(arguments) == 2:
-                a, b = arguments
-                append(operations[name](values[a], values[b]))
-            elif name == SINE_AND_COSINE:
-                values += operations[name](values[arguments[0]])
+        operations: list[Callable[..., Any]] = [getattr(evaluator, name) for name in plan.names]
+        for operation, a, b in plan.steps:
+            if b >= 0:
+                append(operations[operation](values[a], values[b]))
+            elif b == ONE_ARGUMENT:
+                append(operations[operation](values[a]))
             else:
-                append(operations[name](values[arguments[0]]))
+                values += operations[operation](values[a])
         return [values[i] for i in plan.outputs]
 
     @cached_property
@@ -157,16 +156,17 @@ def _exact(value: float) -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Plan:
-    """Operations by name with the numbers of their arguments, and those of the outputs.
+    """Operations with the numbers of their arguments, and the numbers of the outputs.
 
-    ``sin_cos`` makes two values; every other operation one.  ``used`` are the inputs that occur,
-    ``names`` the operations.
+    ``used`` are the inputs that occur, ``names`` the operations.  A step is the place of its name,
+    and the numbers of two arguments; instead of the second stands ``ONE_ARGUMENT``, or
+    ``TWO_VALUES`` where it makes two values of one argument, as ``sin_cos`` does.
     """
 
     used: tuple[int, ...]
     constants: tuple[int, ...]
     names: tuple[str, ...]
-    steps: tuple[Node, ...]
+    steps: tuple[tuple[int, int, int], ...]
     outputs: tuple[int, ...]
 
 
@@ -195,13 +195,21 @@ def _plan(nodes: Sequence[Node], outputs: Sequence[int]) -> _Plan:
         steps.append((name, known))
         number[i] = count
         count += 1
+    names = sorted({name for name, _ in steps})
+    places = {name: place for place, name in enumerate(names)}
     return _Plan(
         tuple(nodes[i][1][0] for i in first),
         tuple(nodes[i][1][0] for i in second),
-        tuple(sorted({name for name, _ in steps})),
-        tuple(steps),
+        tuple(names),
+        tuple((places[name], *_two(name, arguments)) for name, arguments in steps),
         tuple(number[i] for i in outputs),
     )
+
+
+def _two(name: str, arguments: Sequence[int]) -> tuple[int, int]:
+    if len(arguments) == 2:
+        return arguments[0], arguments[1]
+    return arguments[0], TWO_VALUES if name == SINE_AND_COSINE else ONE_ARGUMENT
 
 
 def _needed(nodes: Sequence[Node], outputs: Sequence[int]) -> list[int]:

@@ -112,19 +112,22 @@ class SecondOrder:
 
 
 def second_order(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> SecondOrder:
-    """The second derivatives along a trajectory, at its samples but the last."""
+    """The second derivatives along a trajectory, at its samples but the last.
+
+    They are zero where the robot's graph has none because it is too large.
+    """
     graph, n, size = numeric.graph, numeric.n, numeric.size
     x, u, theta = trajectory.x[:-1], trajectory.u, trajectory.theta
     rates, jacobian = numeric.acceleration(x, u, theta)
-    function, places = graph.curvature
-    constants = numeric.constants
-    arguments = [x[:, :n].T, x[:, n:].T, rates[:, :n].T, u.T]
-    shared = [np.repeat(value[:, None], len(x), axis=1) for value in (theta, constants)]
-    values = np.array(function.map(len(x))(*arguments, *shared)).reshape(len(places), len(x))
     hessians = np.zeros((len(x), n, size + n, size + n))
-    for (i, j, k), row in zip(places, values, strict=True):
-        if i < n:
-            hessians[:, i, j, k] = hessians[:, i, k, j] = row
+    if graph.curvature is not None:
+        function, places = graph.curvature
+        arguments = [x[:, :n].T, x[:, n:].T, rates[:, :n].T, u.T]
+        shared = [np.repeat(v[:, None], len(x), axis=1) for v in (theta, numeric.constants)]
+        found = np.array(function.map(len(x))(*arguments, *shared))
+        for (i, j, k), row in zip(places, found.reshape(len(places), len(x)), strict=True):
+            if i < n:
+                hessians[:, i, j, k] = hessians[:, i, k, j] = row
     mass = numeric.mass_matrix(x[:, :n], theta)
     inverse = np.linalg.inv(mass)
     by_force = np.zeros((len(x), size, n))

@@ -12,7 +12,7 @@ from compiler.tasks.lasso import Lasso
 from compiler.tasks.monitor import Verdicts, monitor
 from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
-from tests.oracles.formulas import windows
+from tests.oracles.formulas import windows, without_window
 from tests.oracles.lasso_semantics import Endless
 from tests.oracles.some_cases import examples
 from tests.oracles.time_grid import marks, time_set
@@ -39,12 +39,7 @@ def endless_formulas() -> st.SearchStrategy[ir.Formula]:
     def grown(f: st.SearchStrategy[ir.Formula]) -> st.SearchStrategy[ir.Formula]:
         wide = windows(3 * SECONDS)
         return st.one_of(
-            st.builds(ir.Not, f),
-            st.builds(lambda a, b: ir.And((a, b)), f, f),
-            st.builds(lambda a, b: ir.Or((a, b)), f, f),
-            st.builds(ir.Implies, f, f),
-            st.builds(ir.Until, f, f),
-            st.builds(ir.Next, f),
+            *without_window(f),
             st.builds(ir.Always, f, wide),
             st.builds(ir.Eventually, f, wide),
             st.builds(ir.Always, f, st.just(EVER)),

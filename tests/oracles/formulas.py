@@ -70,6 +70,18 @@ def windows(draw: st.DrawFn, seconds: int) -> ir.Window:
     return ir.Window(Fraction(lower), None if upper is None else Fraction(upper))
 
 
+def without_window(f: st.SearchStrategy[ir.Formula]) -> list[st.SearchStrategy[ir.Formula]]:
+    """What operators make of formulas, but for those that take a time."""
+    return [
+        st.builds(ir.Not, f),
+        st.builds(lambda a, b: ir.And((a, b)), f, f),
+        st.builds(lambda a, b: ir.Or((a, b)), f, f),
+        st.builds(ir.Implies, f, f),
+        st.builds(ir.Until, f, f),
+        st.builds(ir.Next, f),
+    ]
+
+
 def formulas(seconds: int, effectors: int, *, deep: int) -> st.SearchStrategy[ir.Formula]:
     """Formulas over A and C with times in whole seconds."""
     atoms: st.SearchStrategy[ir.Formula] = st.builds(
@@ -78,12 +90,7 @@ def formulas(seconds: int, effectors: int, *, deep: int) -> st.SearchStrategy[ir
 
     def grown(f: st.SearchStrategy[ir.Formula]) -> st.SearchStrategy[ir.Formula]:
         return st.one_of(
-            st.builds(ir.Not, f),
-            st.builds(lambda a, b: ir.And((a, b)), f, f),
-            st.builds(lambda a, b: ir.Or((a, b)), f, f),
-            st.builds(ir.Implies, f, f),
-            st.builds(ir.Until, f, f),
-            st.builds(ir.Next, f),
+            *without_window(f),
             st.builds(ir.Always, f, windows(seconds)),
             st.builds(ir.Eventually, f, windows(seconds)),
             st.builds(ir.Last, st.integers(0, seconds + 1).map(Fraction), f),

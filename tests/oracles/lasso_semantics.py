@@ -10,13 +10,14 @@ from __future__ import annotations
 from fractions import Fraction
 
 from grammar_lang import ir
-from tests.oracles.formula_semantics import Signal, instant, part_of
+from tests.oracles.formula_semantics import Meaning, Signal, instant, part_of
 
 
-class Endless:
+class Endless(Meaning):
     def __init__(self, signal: Signal, loop: int, h: Fraction, step: Fraction) -> None:
         assert len(signal) % 2 == loop % 2 == 0
-        self.signal, self.loop, self.h, self.step = signal, loop, h, step
+        super().__init__(signal, h, step)
+        self.loop = loop
         self.known: dict[tuple[ir.Formula, int], bool] = {}
 
     def folded(self, part: int) -> int:
@@ -31,25 +32,15 @@ class Endless:
     def holds(self, formula: ir.Formula, part: int = 0) -> bool:
         at = formula, self.folded(part)
         if at not in self.known:
-            self.known[at] = self.value(*at)
+            self.known[at] = super().holds(*at)
         return self.known[at]
 
-    def value(self, formula: ir.Formula, part: int) -> bool:
+    def in_time(self, formula: ir.Formula, part: int) -> bool:
         match formula:
-            case ir.Atom(region=region, effector=effector):
-                return region in self.signal[part][effector]
-            case ir.Not(operand=f):
-                return not self.holds(f, part)
-            case ir.And(operands=fs):
-                return all(self.holds(f, part) for f in fs)
-            case ir.Or(operands=fs):
-                return any(self.holds(f, part) for f in fs)
-            case ir.Implies(left=a, right=b):
-                return not self.holds(a, part) or self.holds(b, part)
             case ir.Always(operand=f, window=w):
-                return all(self.holds(f, p) for p in self.window(part, w))
+                return all(self.holds(f, p) for p in self.parts(part, w))
             case ir.Eventually(operand=f, window=w):
-                return any(self.holds(f, p) for p in self.window(part, w))
+                return any(self.holds(f, p) for p in self.parts(part, w))
             case ir.Next(operand=f):
                 return self.holds(f, part_of(instant(part) + self.step / self.h))
             case ir.Until(left=a, right=b):
@@ -57,7 +48,7 @@ class Endless:
             case _:
                 raise TypeError(formula)
 
-    def window(self, part: int, window: ir.Window) -> range:
+    def parts(self, part: int, window: ir.Window) -> range:
         first = part_of(instant(part) + window.lower / self.h)
         if window.upper is None:
             return range(first, self.enough(first))

@@ -39,6 +39,7 @@ DT = Fraction(1, 10)
 
 def field_of(graph: RobotGraph, theta: list[Fraction]) -> VectorField:
     tail = (*map(ball, theta), *map(constant_ball, graph.constants))
+    assert graph.curvature is not None
     second, places = graph.curvature
     return VectorField(
         tape(graph.balance),

@@ -6,21 +6,16 @@ from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from solvers.verifier.verification import Outcome, verify_directory
-from tests.oracles.result_files import alter, alter_spec, read, write
-
-Content = dict[str, Any]
-Change = Callable[[Content], None]
+from tests.oracles.altered_claims import Change, Content, claimed, judged
+from tests.oracles.result_files import alter_spec, read, write
 
 
-def claimed(content: Content, kind: str = "loop") -> Content:
-    (found,) = [item for item in content["claims"] if item["kind"] == kind]
-    assert isinstance(found, dict)
-    return found
+def loop(content: Content) -> Content:
+    return claimed(content, "loop")
 
 
 @pytest.fixture
@@ -28,12 +23,6 @@ def folder(result: Callable[[str], Path]) -> Path:
     found = result("looped")
     (found / "design.json").unlink()
     return found
-
-
-def judged(folder: Path, change: Change) -> tuple[Outcome, str]:
-    alter(folder, change, sign=True)
-    report = verify_directory(folder)
-    return report.outcome, report.reason or ""
 
 
 def test_all_rounds_are_proved(made: Callable[[str], Path]) -> None:
@@ -51,55 +40,55 @@ def test_all_rounds_are_proved(made: Callable[[str], Path]) -> None:
 
 
 def flat(content: Content) -> None:
-    claimed(content)["generators"] = [["1", "2"], ["2", "4"]]
+    loop(content)["generators"] = [["1", "2"], ["2", "4"]]
 
 
 def narrow(content: Content) -> None:
-    claimed(content)["generators"].pop()
+    loop(content)["generators"].pop()
 
 
 def long_row(content: Content) -> None:
-    claimed(content)["generators"][0].append("0")
+    loop(content)["generators"][0].append("0")
 
 
 def long_centre(content: Content) -> None:
-    claimed(content)["centre"].append("0")
+    loop(content)["centre"].append("0")
 
 
 def no_number(content: Content) -> None:
-    claimed(content)["centre"][0] = "NaN"
+    loop(content)["centre"][0] = "NaN"
 
 
 def infinite(content: Content) -> None:
-    claimed(content)["generators"][0][0] = "Infinity"
+    loop(content)["generators"][0][0] = "Infinity"
 
 
 def beyond(content: Content) -> None:
-    claimed(content)["first"] = content["steps"]
+    loop(content)["first"] = content["steps"]
 
 
 def before(content: Content) -> None:
-    claimed(content)["first"] = -1
+    loop(content)["first"] = -1
 
 
 def no_whole_number(content: Content) -> None:
-    claimed(content)["first"] = 0.5
+    loop(content)["first"] = 0.5
 
 
 def truth(content: Content) -> None:
-    claimed(content)["first"] = False
+    loop(content)["first"] = False
 
 
 def twice(content: Content) -> None:
-    content["claims"].append(claimed(content))
+    content["claims"].append(loop(content))
 
 
 def unknown_field(content: Content) -> None:
-    claimed(content)["rounds"] = 7
+    loop(content)["rounds"] = 7
 
 
 def none_at_all(content: Content) -> None:
-    content["claims"].remove(claimed(content))
+    content["claims"].remove(loop(content))
 
 
 @pytest.mark.parametrize(
@@ -135,9 +124,9 @@ def test_a_loop_of_a_motion_that_ends_is_refuted(folder: Path) -> None:
 
 def times(factor: str) -> Change:
     def change(content: Content) -> None:
-        loop = claimed(content)
-        loop["generators"] = [
-            [str(Decimal(x) * Decimal(factor)) for x in row] for row in loop["generators"]
+        found = loop(content)
+        found["generators"] = [
+            [str(Decimal(x) * Decimal(factor)) for x in row] for row in found["generators"]
         ]
 
     return change
@@ -147,10 +136,10 @@ def moved_by(part: str) -> Change:
     """The centre by so much of a generator."""
 
     def change(content: Content) -> None:
-        loop = claimed(content)
-        loop["centre"] = [
+        found = loop(content)
+        found["centre"] = [
             str(Decimal(x) + Decimal(part) * Decimal(row[0]))
-            for x, row in zip(loop["centre"], loop["generators"], strict=True)
+            for x, row in zip(found["centre"], found["generators"], strict=True)
         ]
 
     return change
@@ -158,7 +147,7 @@ def moved_by(part: str) -> Change:
 
 def later(content: Content) -> None:
     """Half of the loop does not come back."""
-    claimed(content)["first"] = 15
+    loop(content)["first"] = 15
 
 
 def without_gains(content: Content) -> None:

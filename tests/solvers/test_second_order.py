@@ -14,12 +14,13 @@ from flint import arb, arb_mat
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.kinematics import absolute_angles
 from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.robots.robot import WORLD, RobotModel
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, tube
 from solvers.verifier.proofs.second_order import range_of_forms
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
-from tests.oracles.robots import rod_chain
+from tests.oracles.robots import Builder, rod_chain
 from tests.solvers.test_enclosure_sets import field_of
 
 ROUGH = Accuracy(order=10, bits=64, remainder=1e-8)
@@ -75,6 +76,7 @@ def test_the_second_derivatives_are_those_of_what_is_balanced(motors: bool) -> N
     rng = np.random.default_rng(4)
     model = driven(rod_chain(2)) if motors else rod_chain(3)
     graph = robot_graph(model, (Fraction(1, 3), Fraction(-3)), absolute_angles(model))
+    assert graph.curvature is not None
     function, places = graph.curvature
     n, m = len(model.dofs), graph.input_slopes.size1_in(2)
     size = graph.variation.size1_in(1) + n
@@ -99,6 +101,26 @@ def test_the_second_derivatives_are_those_of_what_is_balanced(motors: bool) -> N
         expected = (slopes(z + step) - slopes(z - step)) / 2e-6
         np.testing.assert_allclose(found[:, :, j], expected, atol=1e-7)
     assert np.abs(found).max() > 0.5
+
+
+def arm_in_space(joints: int) -> RobotModel:
+    """A chain of joints about z, y and x, with solid links; nothing in it is aligned."""
+    builder, frame = Builder(dimension=3), WORLD
+    inertia = [Fraction(x, 1000) for x in (20, 25, 33, 2, 0, 1)]
+    com = Fraction(1, 10), Fraction(1, 50), Fraction(1, 30)
+    for i in range(joints):
+        frame = builder.joint(frame, ("z", "y", "z", "x", "y", "z")[i])
+        builder.solid(frame, Fraction(3, 2), com, inertia)
+        frame = builder.move(frame, "zx"[i % 2], builder.number(Fraction(3, 10)))
+    builder.effector(frame)
+    return builder.build()
+
+
+@pytest.mark.parametrize(("joints", "made"), [(3, True), (6, False)])
+def test_second_derivatives_of_large_robots_are_not_made(joints: int, made: bool) -> None:
+    """Those of six joints in space take 15 s and a gigabyte, and one evaluation 0.3 s."""
+    down = (Fraction(0), Fraction(0), Fraction("-9.81"))
+    assert (robot_graph(arm_in_space(joints), down).curvature is not None) is made
 
 
 def test_wide_sets_of_an_arm_hold_its_motions_and_are_narrower_than_by_boxes() -> None:

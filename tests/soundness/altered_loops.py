@@ -125,8 +125,15 @@ class Loops:
     """Alters the certificate of one result again and again, in a folder of its own."""
 
     def __init__(
-        self, name: str, made: Path, scratch: Path, densities: tuple[float, ...], links: str
+        self,
+        name: str,
+        made: Path,
+        scratch: Path,
+        densities: tuple[float, ...],
+        links: str,
+        corners: int = CORNERS,
     ) -> None:
+        self.corners = corners
         self.name, self.folder = name, scratch / f"altered-{name}"
         self.densities, self.links = densities, links
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -151,7 +158,7 @@ class Loops:
             peak = float(np.abs(commanded).max())
             room = loop.room(states, commanded) | loop.planned_room(states)
             rng = np.random.default_rng(seed)
-            for corner in loop.corners(rng, CORNERS):
+            for corner in loop.corners(rng, self.corners):
                 seen = loop.room(*loop.motion(corner))
                 room |= {name: min(room[name], margin) for name, margin in seen.items()}
                 if min(room.values()) < -CLOSE:

@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import pytest
 
 from solvers.verifier.verification import Outcome
-from tests.soundness.altered_loops import KINDS, PLANNED, Loops, Trial, tally, unjust, unsound
+from tests.soundness.altered_loops import (
+    CORNERS,
+    KINDS,
+    PLANNED,
+    Loops,
+    Trial,
+    tally,
+    unjust,
+    unsound,
+)
 
 LOOPS = {"closed": ((1.0,), "L"), "pair": ((1.0, 1.5), "LK")}
 PARTS, PART = 10, 30
+FEW = 2
+"""Corners of the disturbances in the usual suite."""
 
 
-def trials(made: Callable[[str], Path], scratch: Path, name: str, seeds: range) -> list[Trial]:
-    loops = Loops(name, made(name) / "out", scratch, *LOOPS[name])
+def trials(
+    made: Callable[[str], Path], scratch: Path, name: str, seeds: Iterable[int], corners: int
+) -> list[Trial]:
+    loops = Loops(name, made(name) / "out", scratch, *LOOPS[name], corners)
     found = [loops.judge(seed) for seed in seeds]
     assert [str(trial) for trial in found if unsound(trial)] == []
     assert [str(trial) for trial in found if unjust(trial)] == []
@@ -34,14 +47,15 @@ def test_the_oracle_follows_the_certified_loop(
     assert min((loop.room(states, commanded) | loop.planned_room(states)).values()) >= 0
 
 
-@pytest.mark.parametrize(("name", "count"), [("closed", 14), ("pair", 7)])
+@pytest.mark.parametrize(("name", "seeds"), [("closed", range(14)), ("pair", (0, 4, 5, 6))])
 def test_some_altered_loops(
-    made: Callable[[str], Path], tmp_path: Path, name: str, count: int
+    made: Callable[[str], Path], tmp_path: Path, name: str, seeds: Sequence[int]
 ) -> None:
-    found = trials(made, tmp_path, name, range(count))
+    """All kinds of changes of one link, the costly ones of two, with few corners each."""
+    found = trials(made, tmp_path, name, seeds, FEW)
     seen = tally(found)
     assert seen["broken", "valid"] == 0
-    assert {trial.altered.kind for trial in found} == set(KINDS)
+    assert {trial.altered.kind for trial in found} == {KINDS[seed % len(KINDS)] for seed in seeds}
     assert seen["kept", "valid"] >= 1
     assert sum(seen["broken", each.value] for each in Outcome) >= 1
 
@@ -54,6 +68,6 @@ def test_hundreds_of_altered_loops(
 ) -> None:
     """Three hundred, two of three about one link, in parts."""
     count = PART * (2 if name == "closed" else 1) // 3
-    found = trials(made, tmp_path, name, range(1000 * part, 1000 * part + count))
+    found = trials(made, tmp_path, name, range(1000 * part, 1000 * part + count), CORNERS)
     # Not every part has one that breaks the task.
     assert tally(found)["kept", "valid"] >= 1

@@ -85,6 +85,7 @@ def segments_of(loop: Loop, *, absolute: bool) -> tuple[RobotGraph, list[TubeSeg
     found: list[TubeSegment] = []
     with working_precision(ACCURACY.bits):
         tail = (*map(ball, loop.lengths), *map(constant_ball, graph.constants))
+        assert graph.curvature is not None
         second, places = graph.curvature
         field = VectorField(
             tape(graph.balance), tape(graph.variation), n, tail, n + 1,
@@ -186,7 +187,7 @@ def trial(seed: int) -> bool:
 
 
 def test_some_random_closed_loops() -> None:
-    assert sum(trial(seed) for seed in range(6)) >= 4
+    assert sum(trial(seed) for seed in range(4)) >= 3
 
 
 @pytest.mark.slow

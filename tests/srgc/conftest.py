@@ -38,6 +38,30 @@ def srgc(capsys: pytest.CaptureFixture[str]) -> Callable[..., Ran]:
 
 
 @pytest.fixture(scope="session")
+def known_tubes() -> dict[bytes, object]:
+    """Tubes by the bytes that they are computed from."""
+    return {}
+
+
+@pytest.fixture
+def tubes_once(known_tubes: dict[bytes, object], monkeypatch: pytest.MonkeyPatch) -> None:
+    """For tests of what is done with a tube: that of the same files is computed once."""
+    from srgc.results import found_design
+
+    computed = found_design.certified_tube
+
+    def certified_tube(folder: Path) -> object:
+        files = [folder / "certificate.json", *sorted((folder / "spec").rglob("*"))]
+        key = b"".join(b"%b\0%b\0" % (file.name.encode(), file.read_bytes())
+                       for file in files if file.is_file())  # fmt: skip
+        if key not in known_tubes:
+            known_tubes[key] = computed(folder)
+        return known_tubes[key]
+
+    monkeypatch.setattr(found_design, "certified_tube", certified_tube)
+
+
+@pytest.fixture(scope="session")
 def arm_file() -> Path:
     return ROOT / "specs" / "planar_arm.srg"
 

@@ -206,7 +206,7 @@ def _added(
 #     F(p + z) = F(p) + DF(p)\,z + \int_0^1 (1 - h)\, z^T H(p + h z)\,z\,dh,
 #
 # so that H is the mean with weights 2 (1 - h): most of it is near the path.  It is enclosed part by
-# part of 0 <= h <= 1.  What is not thin in it is of third order, and is bounded by a box; for the
+# part of 0 <= h <= 1.  Its radii are of third order, and are bounded by a box; for the
 # midpoints the sum of all |Q_jk| is made in integers, to which V and H are rounded.
 
 

@@ -98,14 +98,14 @@ def driven_robot(
     own, n = robot_states(graph.model), len(graph.model.dofs)
     still = 0 if law is None else len(robot_inputs(model)) + len(masses)
     slopes = tape(graph.input_slopes) if task.robust is not None else None
-    curvature = None
-    if task.robust is not None or task.repeat:
-        second, places = graph.curvature
-        curvature = Curvature(tape(second), places)
+    disturbances = task.robust is not None or task.repeat
+    # Without second derivatives, sets are enclosed by boxes.
+    second = graph.curvature if disturbances else None
+    curvature = None if second is None else Curvature(tape(second[0]), second[1])
     field = VectorField(
         tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes, curvature
     )
-    moves = None if curvature is None else tape(graph.point_slopes)
+    moves = tape(graph.point_slopes) if disturbances else None
     point_map = PointMap(tape(graph.points), field, graph.model.dimension, moves)
     exact = [graph.coordinates.solved_for(part) for part in (motion.state[:n], motion.state[n:])]
     state = [ball(value) for part in exact for value in part]

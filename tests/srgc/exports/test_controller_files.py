@@ -40,6 +40,8 @@ from tests.srgc.conftest import Ran
 
 Export = Callable[..., Ran]
 Result = Callable[[str], Path]
+pytestmark = pytest.mark.usefixtures("tubes_once")
+
 FILES = {"controller.c", "controller.py", "controller.npz"}
 CLOSED = ("merged joints", "space, turning and sliding", "friction")
 ALLOWANCE = "0.01"

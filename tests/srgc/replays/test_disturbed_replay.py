@@ -26,6 +26,8 @@ from tests.srgc.conftest import Ran
 
 Command = Callable[..., Ran]
 Result = Callable[[str], Path]
+pytestmark = pytest.mark.usefixtures("tubes_once")
+
 KINDS = ("coordinates", "rates", "inputs")
 
 

@@ -31,6 +31,8 @@ from tests.srgc.conftest import Ran
 
 Command = Callable[..., Ran]
 Result = Callable[[str], Path]
+pytestmark = pytest.mark.usefixtures("tubes_once")
+
 PARTS = ("coordinates", "rates", "effectors")
 SIMULATORS = ("mujoco", "python")
 
