@@ -47,6 +47,8 @@ def with_violation(
         accuracies: tried in turn where a violation is not shown.
         watch: told that work goes on; what it raises ends it.
     """
+    if not scene.model.dofs:
+        return conditions
     whole, sizes = unrolled(motion), error_sizes(scene)
     none = undisturbed(sizes, len(whole.inputs))
     # What an open loop commands is exact, and was checked.
