@@ -152,19 +152,6 @@ AGREEMENT = 1e-10
 MOST_PARTS = 256
 
 
-def gains_along(
-    numeric: NumericRobot,
-    task: ir.Task,
-    trajectory: Trajectory,
-    groups: tuple[InputGroup, ...],
-    substeps: int,
-    loop: int | None = None,
-    slack: float = LEAST_SLACK,
-) -> Array:
-    """Gains (k, m, N) of few digits along a trajectory, as ``closed_spread`` chooses them."""
-    return closed_spread(numeric, task, trajectory, groups, substeps, loop, slack)[0]
-
-
 def closed_spread(
     numeric: NumericRobot,
     task: ir.Task,

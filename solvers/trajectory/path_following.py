@@ -29,7 +29,7 @@ from solvers.trajectory.corridor import (
     word_of,
 )
 from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
-from solvers.trajectory.feedback import closed_spread, gains_along, input_scales, spread_cost
+from solvers.trajectory.feedback import closed_spread, input_scales, spread_cost
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets
 from solvers.trajectory.seed_motions import body_seeds
@@ -288,10 +288,7 @@ class PathProblem:
     def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
         """The same task, tightened by so many spreads of the disturbed motions."""
         if self.feedback:
-            found = closed_spread(
-                self.numeric, self.task, trajectory, input_groups(self.model, self.task),
-                self.substeps, self.loop, self.slack,
-            )[1]  # fmt: skip
+            found = self.controlled(trajectory)[1]
         else:
             start = None if self.loop is None else self.round_set(trajectory, None)
             found = self._spread(trajectory, None, start)
@@ -334,7 +331,11 @@ class PathProblem:
 
     def gains(self, trajectory: Trajectory) -> Array:
         """The gains (k, m, N) of feedback about a trajectory."""
+        return self.controlled(trajectory)[0]
+
+    def controlled(self, trajectory: Trajectory) -> tuple[Array, DisturbanceSpread | None]:
+        """The gains (k, m, N) about a trajectory, and the spread of disturbed motions with them."""
         groups = input_groups(self.model, self.task)
-        return gains_along(
+        return closed_spread(
             self.numeric, self.task, trajectory, groups, self.substeps, self.loop, self.slack
         )

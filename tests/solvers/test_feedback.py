@@ -20,7 +20,7 @@ from solvers.trajectory.feedback import (
     SIZES,
     Sizes,
     closed_motion,
-    gains_along,
+    closed_spread,
     reference_motion,
     regulator,
 )
@@ -80,7 +80,7 @@ def inverted() -> tuple[NumericRobot, Trajectory, tuple[InputGroup, ...]]:
 
 def test_feedback_keeps_an_unstable_motion(inverted) -> None:
     numeric, about, groups = inverted
-    gains = gains_along(numeric, TASK, about, groups, 2)
+    gains = closed_spread(numeric, TASK, about, groups, 2)[0]
     free = numeric.simulate(about.x[0], about.u, about.theta, 0.05, 4)
     kept = closed_motion(numeric, about.x[0], about, gains, groups, 0.05, 4)
     assert np.abs(free[:, :2] - about.x[:, :2]).max() > 1
@@ -93,7 +93,7 @@ def test_feedback_keeps_an_unstable_motion(inverted) -> None:
 
 def test_the_reference_is_what_the_controller_then_does(inverted) -> None:
     numeric, about, groups = inverted
-    gains = gains_along(numeric, TASK, about, groups, 2)
+    gains = closed_spread(numeric, TASK, about, groups, 2)[0]
     found = reference_motion(numeric, about, gains, groups, 0.05, 2)
     again = closed_motion(numeric, found.x[0], found, gains, groups, 0.05, 128)
     np.testing.assert_allclose(again.x, found.x, atol=1e-8)
@@ -103,7 +103,7 @@ def test_the_reference_is_what_the_controller_then_does(inverted) -> None:
 def test_bounds_are_kept_by_what_feedback_commands(inverted) -> None:
     numeric, about, _ = inverted
     weak = (InputGroup((0,), -1, 2, False), InputGroup((1,), 0, 1.5, True))
-    gains = gains_along(numeric, TASK, about, weak, 2)
+    gains = closed_spread(numeric, TASK, about, weak, 2)[0]
     u = closed_motion(numeric, about.x[0] + 0.1, about, 50 * gains, weak, 0.05, 2).u
     assert u[:, 0].min() == -1
     assert u[:, 0].max() <= 2
