@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 
@@ -183,3 +184,14 @@ def test_the_place_of_a_rod_is_its_nearest_point() -> None:
     share = (2 * 4 + 2 * 1.6) / (4**2 + 1.6**2)
     foot = (-1 + share * 4, 3 - share * 1.6)
     assert item.where(still(("-1", "3"), ("3", "1.4"))) == pytest.approx(foot)
+
+
+def test_where_rates_are_hardly_known_the_range_of_positions_is_closer() -> None:
+    """At 0 +- 1/2 at the middle, rates up to 100, within 1 all along."""
+    middle, fast = arb(0, 0.5), arb(0, 100)
+    over = Slice(arb(0), arb(1), (((middle, fast, arb(0)),),))
+    assert float(over.form([arb(2)], 0)[0].rad()) == pytest.approx(201)
+    known = replace(over, ranges=((arb(0, 1),),))
+    value, centre = known.form([arb(2)], 0)
+    assert 2 <= float(value.rad()) < 2.001
+    assert 1 <= float(centre.rad()) < 1.001
