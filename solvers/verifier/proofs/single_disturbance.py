@@ -27,6 +27,9 @@ from solvers.verifier.proofs.scene import Motion, Scene
 MOST_ROUNDS = 3
 """Of a motion that goes on for ever, so many rounds are followed."""
 
+WITHIN = 1 - Fraction(1, 10**9)
+"""Radii in degrees are irrational in radians, and were rounded upwards for proofs."""
+
 Signs = tuple[int, ...]
 
 
@@ -50,13 +53,13 @@ class ErrorSizes:
 
 
 def error_sizes(scene: Scene) -> ErrorSizes:
-    """What the task of a scene names."""
+    """What the task of a scene names, or hardly less."""
     task, model = scene.task, scene.model
     part, most = input_errors(task, model)
     return ErrorSizes(
-        tuple(disturbance_radii(task, model)),
+        tuple(WITHIN * radius for radius in disturbance_radii(task, model)),
         tuple(item.part for item in uncertain_masses(task, model)),
-        tuple(measurement_radii(task, model)),
+        tuple(WITHIN * radius for radius in measurement_radii(task, model)),
         # Less than all of it: what is commanded follows from what is delivered.
         min(part, Fraction(99, 100)),
         most,
