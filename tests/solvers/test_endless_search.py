@@ -50,7 +50,9 @@ DISTURBED = "robust start 0.1 deg, 0.1 deg/s; robust effort 0.5 % of bound; robu
         (asked(SLIDER, "satisfy always eventually[0 s, 6 s] T;"), 0),
         pytest.param(asked(TURNER, f"{AGAIN} {DISTURBED}"), 0, marks=pytest.mark.slow),
         pytest.param(asked(TURNER, f"{STAY} {DISTURBED}"), 15, marks=pytest.mark.slow),
-        (asked(TURNER, f"{AGAIN} {DISTURBED} gravity (0, -2) m/s^2;"), 0),
+        pytest.param(
+            asked(TURNER, f"{AGAIN} {DISTURBED} gravity (0, -2) m/s^2;"), 0, marks=pytest.mark.slow
+        ),
         (asked(MOTOR, AGAIN), 0),
     ],
     ids=["tour", "stay", "reach", "window", "turner", "turner stays", "gravity", "motor"],
@@ -67,9 +69,12 @@ def with_a_second_region(spec: str, region: str) -> str:
     "text",
     [
         asked(with_a_second_region(SLIDER, "box [1.2, 1.5] x [-0.2, 0.2]"), BEYOND_START),
-        asked(
-            with_a_second_region(TURNER, "box [0.85, 1.2] x [0.85, 1.2]"),
-            f"{BEYOND_START.replace(';', ' by effector 1;')} {DISTURBED}",
+        pytest.param(
+            asked(
+                with_a_second_region(TURNER, "box [0.85, 1.2] x [0.85, 1.2]"),
+                f"{BEYOND_START.replace(';', ' by effector 1;')} {DISTURBED}",
+            ),
+            marks=pytest.mark.slow,
         ),
     ],
     ids=["slider", "turner"],
@@ -92,10 +97,11 @@ HANDS = (Path(__file__).parents[2] / "specs/two_arm.srg").read_text(encoding="ut
     ("clauses", "first"),
     [
         ("satisfy always (eventually Tray by effector 1 and eventually Bin by effector 2);", 0),
-        (
+        pytest.param(
             "satisfy always (eventually Side by effector 1 and eventually Bin by effector 2); "
             + LEFT_FOR_GOOD,
             7,
+            marks=pytest.mark.slow,
         ),
     ],
     ids=["tour", "prefix"],
