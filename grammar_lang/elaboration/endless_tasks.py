@@ -22,7 +22,8 @@ def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
     for item in task.items:
         if isinstance(item, t.Reach) and item.rates is not None:
             message = "a motion that goes on for ever has no end at which to rest"
-            hint = "remove `at rest`, or remove `repeat;`"
+            rest = "at rest" if item.rates.bound is None else "rates <= v"
+            hint = f"remove `{rest}`, or remove `repeat;`"
             sink.error(Code.REST_WITHOUT_END, message, item.span, hint, notes)
         elif isinstance(item, t.Satisfy):
             for last in _lasts(item.formula):

@@ -129,10 +129,11 @@ def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
 
 
 def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
+    robot = mujoco_text(design).encode()
     gains = gain_table(motion)
     fed_back = {} if gains is None else {GAINS: gains.encode()}
     return fed_back | {
-        FILE_NAMES["mjcf"]: mujoco_text(design).encode(),
+        FILE_NAMES["mjcf"]: robot,
         FILE_NAMES["csv"]: trajectory_table(motion).encode(),
         TORQUES: torque_table(motion).encode(),
         SCRIPT: files("srgc.exports").joinpath("stand_alone_replay.py").read_bytes(),

@@ -153,7 +153,9 @@ def _state_lines(evidence: Evidence, motion: Trajectory) -> _StateLines:
     bands = np.array([tube.at(min(float(time), end)) for time in fine])
     values = bands.mean(axis=-1)
     if tube.disturbed:
-        values = np.column_stack([np.interp(fine, times, column) for column in samples.T])
+        # A robot without joints has no columns.
+        rows = [np.interp(fine, times, column) for column in samples.T]
+        values = np.reshape(rows, (len(rows), len(fine))).T
     return _StateLines(fine, values, bands)
 
 
