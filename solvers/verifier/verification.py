@@ -91,7 +91,8 @@ def check_found(
     claimed = claimed_robot(claim, program, task)
     model, motion = claimed.model, claimed.motion
     conditions = unknown_claims(claim.claims)
-    if motion.law is None:
+    # What is unknown may be a law, with which other inputs are commanded than those stated.
+    if motion.law is None and not conditions:
         conditions += check_efforts(claim, model, motion, task)
     _claimed_path(claim, model, task)
     _path_avoids(claim, task, cells)

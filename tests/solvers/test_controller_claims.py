@@ -196,6 +196,18 @@ def test_the_true_peak_is_within_the_bounds_of_the_proof(pair: Path) -> None:
     assert condition.margin - 1e-11 <= 10 - true <= condition.most + 1e-11
 
 
+def test_a_law_of_a_kind_that_is_not_known_is_undecided(folder: Path) -> None:
+    """Its inputs are not all that is commanded: a stated peak that they have not says nothing."""
+
+    def renamed(content: Content) -> None:
+        law(content)["kind"] = "controller 2"
+        content["effort_peak"] = "0.125"
+
+    outcome, said = judged(folder, renamed)
+    assert outcome is Outcome.UNDECIDED
+    assert "`controller 2`" in said
+
+
 def test_a_kind_that_is_not_known_is_undecided(folder: Path) -> None:
     outcome, said = judged(folder, lambda content: content["claims"].append({"kind": "oracle"}))
     assert outcome is Outcome.UNDECIDED
