@@ -156,9 +156,10 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
 def _law(claim: FoundClaim, n: int, m: int, task: ir.Task) -> ControlLaw | None:
     """The claimed law, of the right shapes."""
     controller = claim.controller
-    # Where nothing is driven, there is nothing to control.
-    if m and task.control is not None and task.control != control_of(claim):
-        raise Refused(f"the task asks for {task.control}, the claim is {control_of(claim)}")
+    # Where nothing is driven, there is nothing to control; what is unknown may be a law.
+    asked = task.control if m and not unknown_claims(claim.claims) else None
+    if asked is not None and asked != control_of(claim):
+        raise Refused(f"the task asks for {asked}, the claim is {control_of(claim)}")
     if controller is None:
         return None
     reference, gains = controller.reference, controller.gains
@@ -181,7 +182,7 @@ def _law(claim: FoundClaim, n: int, m: int, task: ir.Task) -> ControlLaw | None:
 
 def _loop(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Loop | None:
     """The claimed loop, of the right shape, of a task whose motion goes on for ever."""
-    if (claim.loop is not None) is not task.repeat:
+    if (claim.loop is not None) is not task.repeat and not unknown_claims(claim.claims):
         said = "goes on for ever" if task.repeat else "ends"
         raise Refused(f"the motion of the task {said}, the claim is about another one")
     if claim.loop is None:
