@@ -2,7 +2,7 @@
 
 A parameter search finds basins: it evaluates parameters by motions whose timing along the path is
 free.  The convex programs with the parameters as unknowns find the bottoms of the best ones.  Then
-the cells that such a motion visits, and when, become the path that binds.
+the cells that such a motion visits are made to bind (``cell_timing.py``).
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from solvers.parameters.parameter_search import (
     parameter_space,
 )
 from solvers.run_context import RunContext
-from solvers.search.evaluation import Evaluator, SolveRequest, best_of
+from solvers.search.calm_motion import calmer, chosen_by_spread
+from solvers.search.cell_timing import Timed, bound_to_cells
+from solvers.search.evaluation import Evaluator, SolveRequest, best_of, free_parameters
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
 from solvers.trajectory.corridor import Entries
 from solvers.trajectory.fine_motion import narrowed
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_limits import effort_scale
-from solvers.trajectory.trajectory import Trajectory
-from solvers.trajectory.visited_cells import visited_cells
 
 SEARCHES = ("gp-acb", "nelder-mead")
 """The searches of parameters by name, the usual one first."""
@@ -43,21 +43,8 @@ BENT = 0.35
 """Or their motions, half way, in some coordinate: sin of half an angle, or metres."""
 POLISH = IterationBudget(30, 1e-4, 1e-8, 2)
 NARROWINGS = 3
-BOUND_RADIUS = 0.1
-"""The trust region of a motion that is nearly there."""
-RELEASES = 3
-RELEASE_RADIUS = 0.3
-SHIFTS = (4, 1, -1)
-LONGEST_RUN = 6
-GAIN = 1e-4
-"""A gain of robustness that is worth moving an entry for, relative to the effort bound."""
-RETIMING = IterationBudget(8, 1e-4, 1e-7, 1)
-TURN = 12.0
-"""rad: the largest rate of a minimum-jerk turn from rest to rest by 2 pi, times its duration."""
 FARTHEST = 10.0
 """rad or m; how much farther disturbed motions get makes no difference."""
-CALM = 0.1
-"""The price of motions at that rate all the time, in units of the effort bound."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,16 +76,18 @@ class PathSamples:
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """The best outcome for a path: its entry steps, the evaluations made, and its cells.
+    """The best outcome for a path: its entry steps and its cells.
 
-    ``samples`` are all parameters that were evaluated, in order.
+    ``samples`` are all parameters that were evaluated, in order.  ``calm`` says that rates had a
+    price; ``calmed``, that such a motion was looked for, whether or not there is one.
     """
 
     outcome: ControlOutcome
     entries: Entries
-    evaluations: int
     cells: tuple[int, ...]
     samples: tuple[Sample, ...] = ()
+    calm: bool = False
+    calmed: bool = False
 
 
 def search_configuration(
@@ -106,7 +95,8 @@ def search_configuration(
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal.
+    ``label`` names the structure and path in the journal.  Where the best motion is one that its
+    inputs alone do not cause, and the task does not ask for an open loop, a calm one is preferred.
     """
     space = parameter_space(path_problem.model)
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
@@ -117,35 +107,23 @@ def search_configuration(
         search.run()
     entries = path_problem.waypoints()[1]
     ranked = sorted(search.polished(entries), key=lambda outcome: -search.worth(outcome))
+    samples, calm = tuple(search.samples), path_problem.rates > 0
+    first = ranked[0]
+    closed = first.feasible and first.regulated and path_problem.task.control != "open loop"
+    if closed and not calm:
+        slower = calmed(path_problem, label, context)
+        if slower.outcome.feasible:
+            return replace(slower, samples=samples + slower.samples)
+        samples += slower.samples
     top = _best(ranked, path_problem, entries, context)
     return Configuration(
-        top.outcome, top.entries, len(search.samples), top.path_problem.cells, tuple(search.samples)
+        top.outcome, top.entries, top.path_problem.cells, samples, calm, closed or calm
     )
 
 
-def calmer(path_problem: PathProblem) -> PathProblem:
-    """The same task with a price on rates.
-
-    The least effort under gravity is often that of an arm which falls and whirls.  Samples say
-    little of such a motion, feedback can do little within a step, and a tube about it grows fast.
-    """
-    duration = float(path_problem.task.steps * path_problem.task.step)
-    return replace(path_problem, rates=CALM * (duration / TURN) ** 2)
-
-
-def calmed(
-    path_problem: PathProblem, found: Configuration, label: str, context: RunContext
-) -> tuple[PathProblem, Configuration]:
-    """A configuration for the same path that suits feedback better, if there is one."""
-    calm = calmer(path_problem)
-    slower = search_configuration(calm, f"{label}|calm", context)
-    return (calm, slower) if slower.outcome.feasible else (path_problem, found)
-
-
-def chosen_by_spread(path_problem: PathProblem) -> bool:
-    """Whether parameters are compared by how far disturbed motions get, besides."""
-    robust = path_problem.task.robust is not None
-    return path_problem.rates > 0 and robust and path_problem.loop is None
+def calmed(path_problem: PathProblem, label: str, context: RunContext) -> Configuration:
+    """A configuration for the same path that suits feedback better; it may be infeasible."""
+    return search_configuration(calmer(path_problem), f"{label}|calm", context)
 
 
 def _best(
@@ -286,113 +264,3 @@ def resolved(path_problem: PathProblem, found: Configuration) -> Configuration:
     trajectory = found.outcome.trajectory
     box = free_parameters(path_problem, trajectory)
     return replace(found, outcome=path_problem.solve(trajectory, found.entries, box))
-
-
-# --- the cells made to bind ----------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Timed:
-    """A motion along the cells of a path problem, entered at some steps."""
-
-    path_problem: PathProblem
-    outcome: ControlOutcome
-    entries: Entries
-
-    @property
-    def scale(self) -> float:
-        """The unit of effort."""
-        return self.path_problem.problem(self.entries).scale
-
-    def gains(self, before: Timed) -> bool:
-        """Whether it is more robust than another one, by more than is worth its time."""
-        return self.outcome.robustness > before.outcome.robustness + GAIN * self.scale
-
-
-def bound_to_cells(
-    path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
-) -> Timed | None:
-    """The motion that keeps to its cells next to one whose timing was free; None if none is found.
-
-    From the motion that they bind, timing is freed again as long as that gains; what the cells cost
-    in the end is won back by moving their entries.
-    """
-    best = _bound(path_problem, free, entries, context)
-    for _ in range(RELEASES):
-        if best is None:
-            break
-        freed = _freed(best, context)
-        again = _bound(best.path_problem, freed, best.entries, context) if freed.feasible else None
-        if again is None or not again.gains(best):
-            break
-        best, free = again, freed
-    if best is None or best.outcome.robustness >= free.robustness - GAIN * best.scale:
-        return best
-    return _moved_on(best, context)
-
-
-def _bound(
-    path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
-) -> Timed | None:
-    """The cells that a free motion visits made to bind.
-
-    The half-planes have kept it on its side of every obstacle, so it visits the path's cells or
-    others next to them.  Where that is no path of the task, the planned one binds.
-    """
-    visited = visited_cells(path_problem, free.trajectory)
-    paths = [(path_problem, entries)]
-    if visited is not None:
-        paths.insert(0, (path_problem.along(*visited), visited[1]))
-    for along, steps in paths:
-        context.check_time()
-        outcome = _solved(along, free, steps, FULL)
-        if outcome is not None:
-            context.reporter.robustness(outcome.robustness)
-            return Timed(along, outcome, steps)
-    return None
-
-
-def _freed(timed: Timed, context: RunContext) -> ControlOutcome:
-    """The motion with its timing free again."""
-    context.check_time()
-    start = timed.outcome.trajectory
-    return timed.path_problem.released(
-        start, timed.entries, free_parameters(timed.path_problem, start), FULL, RELEASE_RADIUS
-    )
-
-
-def _moved_on(timed: Timed, context: RunContext) -> Timed:
-    """Move entry steps, one at a time and on in the same direction, while the robustness grows."""
-    shifts = [(cell, shift) for shift in SHIFTS for cell in range(1, len(timed.entries))]
-    for cell, shift in shifts:
-        for _ in range(LONGEST_RUN):
-            context.check_time()
-            entries, path_problem = timed.entries, timed.path_problem
-            moved = (*entries[:cell], entries[cell] + shift, *entries[cell + 1 :])
-            if not path_problem.allows(moved):
-                break
-            outcome = _solved(path_problem, timed.outcome, moved, RETIMING)
-            if outcome is None or not Timed(path_problem, outcome, moved).gains(timed):
-                break
-            timed = Timed(path_problem, outcome, moved)
-            context.reporter.robustness(outcome.robustness)
-    return timed
-
-
-def _solved(
-    path_problem: PathProblem, start: ControlOutcome, entries: Entries, budget: IterationBudget
-) -> ControlOutcome | None:
-    """The outcome with these entries, where that is feasible."""
-    box = free_parameters(path_problem, start.trajectory)
-    trial = path_problem.solve(start.trajectory, entries, box, budget, BOUND_RADIUS)
-    return trial if trial.feasible else None
-
-
-def free_parameters(path_problem: PathProblem, about: Trajectory) -> tuple[Array, Array] | None:
-    """Bounds (p,) of the parameters as unknowns next to a motion; None where none may vary.
-
-    Convex programs know nothing of disturbed motions: parameters chosen for these stay.
-    """
-    if chosen_by_spread(path_problem):
-        return None
-    return parameter_space(path_problem.model).free_box(about.theta)

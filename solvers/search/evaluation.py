@@ -22,7 +22,9 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
 from solvers.execution.workers import InProcess, SharedPayload, Workers, keep, made_of, packed
+from solvers.parameters.parameter_search import parameter_space
 from solvers.run_context import Journal, Memory, Recorded
+from solvers.search.calm_motion import chosen_by_spread
 from solvers.trajectory.control_problem import (
     FULL,
     SURVEY,
@@ -349,3 +351,13 @@ def _array(value: Recorded) -> Array:
             return numbers.reshape([int(str(size)) for size in shape]).astype(np.float64)
         case _:
             raise TypeError("an array has numbers and a shape")
+
+
+def free_parameters(path_problem: PathProblem, about: Trajectory) -> tuple[Array, Array] | None:
+    """Bounds (p,) of the parameters as unknowns next to a motion; None where none may vary.
+
+    Convex programs know nothing of disturbed motions: parameters chosen for these stay.
+    """
+    if chosen_by_spread(path_problem):
+        return None
+    return parameter_space(path_problem.model).free_box(about.theta)

@@ -189,4 +189,4 @@ def _motionless(numeric: NumericRobot, task: ir.Task, theta: Array) -> Configura
         iterations=0,
         status="motionless",
     )
-    return Configuration(outcome, (0,), 1, ())
+    return Configuration(outcome, (0,), ())

@@ -20,13 +20,14 @@ from compiler.workspaces.bisection import halving
 from grammar_lang import ir
 from solvers.planner import CounterExample, Exhausted, Plan, Planner
 from solvers.run_context import RunContext
+from solvers.search.calm_motion import calmer
+from solvers.search.cell_timing import timed
 from solvers.search.certified_design import certified_design
 from solvers.search.closed_loop import feedback_choices, needs_feedback, unbearable_noise
 from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
     calmed,
-    calmer,
     resolved,
     search_configuration,
     within_limits,
@@ -40,7 +41,7 @@ from solvers.search.path_task import (
 from solvers.search.round_task import RoundTask, closing, round_tasks
 from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
-from solvers.trajectory.corridor import gentle_entries, polyline, smooth_timing
+from solvers.trajectory.corridor import polyline
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
 from solvers.trajectory.fine_motion import refined, seems_to_satisfy, unstable
 from solvers.trajectory.path_following import PathProblem
@@ -276,7 +277,6 @@ class StructureSearch:
             path_problem = calmer(path_problem)
         label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
         found = search_configuration(path_problem, label, self.context)
-        self.counts["evaluations"] += found.evaluations
         self.keep(found)
         if found.outcome.status == NOT_FINITE:
             self.obstacle = "; the equations of motion have no finite value where the search begins"
@@ -306,9 +306,16 @@ class StructureSearch:
 
     def keep(self, found: Configuration) -> None:
         """Keep what was evaluated for a path, for tables."""
+        self.counts["evaluations"] += len(found.samples)
         names = tuple(p.label for p in self.numeric.graph.model.parameters)
         self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
         self.top = max(self.top, found.outcome.robustness)
+
+    def also_evaluated(self, found: Configuration) -> None:
+        """Keep what was evaluated for the last path again."""
+        self.counts["evaluations"] += len(found.samples)
+        last = self.samples[-1]
+        self.samples[-1] = replace(last, samples=last.samples + found.samples)
 
     def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
         """A proved design from a feasible configuration; open loop first, where that may do."""
@@ -317,10 +324,12 @@ class StructureSearch:
         for feedback in (False, True):
             if feedback not in choices and not (feedback and attempt.unstable):
                 continue
-            if feedback and not path_problem.rates:
-                path_problem, found = calmed(path_problem, found, label, self.context)
-                self.counts["evaluations"] += found.evaluations
-            along = path_problem.along(found.cells, found.entries)
+            if feedback and not found.calmed:
+                slower = calmed(path_problem, label, self.context)
+                self.also_evaluated(slower)
+                found = slower if slower.outcome.feasible else found
+            given = calmer(path_problem) if found.calm else path_problem
+            along = given.along(found.cells, found.entries)
             attempt = self.with_margins(replace(along, feedback=feedback), found)
             if attempt.design is not None:
                 break
@@ -385,13 +394,3 @@ def stuck_text(sample: int, task: ir.Task) -> str:
     """Where a motion cannot go on, in words: ``sample`` is the first that it does not get to."""
     what = "cannot go on at" if sample < task.steps else "does not get there by"
     return f"the motion {what} {float(sample * task.step):.4g} s"
-
-
-def timed(path_problem: PathProblem, planned: tuple[int, ...] | None) -> PathProblem:
-    """The path problem with entries that its formula allows, as gentle as can be."""
-    if path_problem.formula is None:
-        return path_problem
-    line, steps = polyline(path_problem.abstraction, path_problem.cells), path_problem.task.steps
-    if planned is None:
-        return replace(path_problem, timing=smooth_timing(line, steps)[1])
-    return replace(path_problem, timing=gentle_entries(line, planned, steps, path_problem.allows))

@@ -1,0 +1,28 @@
+"""Motions that feedback can keep: the price of their rates, and what parameters are chosen by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from solvers.trajectory.path_following import PathProblem
+
+TURN = 12.0
+"""rad: the largest rate of a minimum-jerk turn from rest to rest by 2 pi, times its duration."""
+CALM = 0.1
+"""The price of motions at that rate all the time, in units of the effort bound."""
+
+
+def calmer(path_problem: PathProblem) -> PathProblem:
+    """The same task with a price on rates.
+
+    The least effort under gravity is often that of an arm which falls and whirls.  Samples say
+    little of such a motion, feedback can do little within a step, and a tube about it grows fast.
+    """
+    duration = float(path_problem.task.steps * path_problem.task.step)
+    return replace(path_problem, rates=CALM * (duration / TURN) ** 2)
+
+
+def chosen_by_spread(path_problem: PathProblem) -> bool:
+    """Whether parameters are compared by how far disturbed motions get, besides."""
+    robust = path_problem.task.robust is not None
+    return path_problem.rates > 0 and robust and path_problem.loop is None
