@@ -102,6 +102,14 @@ def with_feedback(posed: PosedTask, line: TaskLine) -> Change:
     return Change(line, "with `control feedback`", posed.with_task(control="feedback"))
 
 
+def with_shorter_steps(posed: PosedTask, line: TaskLine, parts: int) -> Change:
+    """With each step divided into so many: feedback acts more often, and all lasts as long."""
+    steps, step = parts * posed.task.steps, posed.task.step / parts
+    says = f"with `horizon {steps} steps of {number_text(step)} s`"
+    shorter = posed.with_task(steps=steps, step=step)
+    return Change(line, says, shorter, Fraction(steps), "shorter")
+
+
 def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:
     """With another bound on modules."""
     changed = posed.with_task(modules=modules)

@@ -23,6 +23,7 @@ from compiler.words.derivation import Derivation
 from compiler.words.structures import structures
 from solvers.conclusion import DEFAULT_MODULES, module_bound
 from solvers.explanation.change import (
+    MOST_STEPS,
     Change,
     Scale,
     rounded_up,
@@ -30,6 +31,7 @@ from solvers.explanation.change import (
     single_changes,
     with_feedback,
     with_modules,
+    with_shorter_steps,
 )
 from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
@@ -48,6 +50,8 @@ FURTHER = (1, Fraction(6, 5), Fraction(2))
 """The least value with poses, and so many times that, until a run succeeds."""
 NEARER = 3
 """So many runs look for a smaller change once one has succeeded."""
+SHORTER = (5, 2)
+"""Into so many parts steps are divided, the fewer once the more have helped."""
 MOST_STRUCTURES = 300
 """Structures whose poses are looked for."""
 
@@ -80,6 +84,7 @@ class SuggestionSearch:
     def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
         """Changes that may help where there are poses and no motion was found or proved."""
         self.feedback("open loop")
+        self.shorter(next(line for line in lines if line.kind == "horizon"))
         for line in sorted(lines, key=lambda line: line.kind != "effort"):
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
@@ -104,6 +109,17 @@ class SuggestionSearch:
         line = control_line(self.posed)
         if line is not None and self.posed.task.control == control:
             self.tried(with_feedback(self.posed, line))
+
+    def shorter(self, line: TaskLine) -> None:
+        """Steps so short that feedback answers disturbances before they have grown."""
+        task = self.posed.task
+        if task.robust is None or task.control == "open loop":
+            return
+        for parts in SHORTER:
+            if parts * task.steps > MOST_STEPS:
+                continue
+            if self.tried(with_shorter_steps(self.posed, line, parts)) is None:
+                return
 
     def tried(self, change: Change) -> Suggestion | None:
         """A run of a change, if there may be one."""

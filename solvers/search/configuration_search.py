@@ -95,7 +95,7 @@ def search_configuration(
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal.  Where the best motion is one that its
+    ``label`` names the structure and path in the journal.  Where there are only motions that their
     inputs alone do not cause, and the task does not ask for an open loop, a calm one is preferred.
     """
     space = parameter_space(path_problem.model)
@@ -108,8 +108,8 @@ def search_configuration(
     entries = path_problem.waypoints()[1]
     ranked = sorted(search.polished(entries), key=lambda outcome: -search.worth(outcome))
     samples, calm = tuple(search.samples), path_problem.rates > 0
-    first = ranked[0]
-    closed = first.feasible and first.regulated and path_problem.task.control != "open loop"
+    regulated = [each.regulated for each in ranked if each.feasible]
+    closed = path_problem.task.control != "open loop" and bool(regulated) and all(regulated)
     if closed and not calm:
         slower = calmed(path_problem, label, context)
         if slower.outcome.feasible:

@@ -15,10 +15,14 @@ from solvers.explanation.change import (
     single_changes,
     with_feedback,
     with_modules,
+    with_shorter_steps,
 )
 from solvers.explanation.explanation import Asked, Tried, explain
 from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.run import Runs
+from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, control_line, modules_line, task_lines
+from solvers.run_context import RunContext
 from tests.oracles.small_specs import TURNER, replaced
 
 
@@ -152,3 +156,37 @@ def test_feedback_is_suggested_where_a_run_proves_it() -> None:
     assert suggestion.change.line.kind == "control"
     assert 0 < suggestion.effort_peak < 10
     assert told == ["run 1 of at most 1: with `control feedback`"]
+
+
+SLOW = replaced(
+    replaced(TURNER, "10 steps of 0.2 s", "4 steps of 0.5 s"),
+    "  effort <= 10 N*m;\n",
+    "  effort <= 10 N*m;\n  control feedback;\n  robust effort 30 % of bound;\n",
+)
+"""3 N*m on at most 8/3 kg*m^2 turn the link by 0.14 rad within a step, and on 1/3 by 1.1 rad."""
+
+
+def test_shorter_steps_take_as_long() -> None:
+    asked = posed(SLOW)
+    change = with_shorter_steps(asked, line(asked, "horizon"), 5)
+    assert change.says == "with `horizon 20 steps of 0.1 s`"
+    before, after = asked.task, change.posed.task
+    assert (after.steps, after.step) == (20, Fraction(1, 10))
+    assert after.steps * after.step == before.steps * before.step
+    assert after.robust == before.robust
+
+
+def test_a_controller_that_samples_too_seldom_samples_more_often() -> None:
+    told: list[str] = []
+    found = explain(posed(SLOW), Tried("unknown", "", ()), Asked(runs=1, tell=told.append))
+    assert [each.change.says for each in found.suggestions] == ["with `horizon 20 steps of 0.1 s`"]
+    assert told == ["run 1 of at most 1: with `horizon 20 steps of 0.1 s`"]
+
+
+@pytest.mark.parametrize("clause", ["control open loop;\n  robust effort 30 % of bound;", ""])
+def test_shorter_steps_are_not_tried_where_nothing_is_fed_back(clause: str) -> None:
+    text = replaced(SLOW, "control feedback;\n  robust effort 30 % of bound;", clause)
+    asked = posed(text)
+    runs = Runs(RunContext(), 1)
+    SuggestionSearch(asked, runs).shorter(line(asked, "horizon"))
+    assert runs.made == 0
