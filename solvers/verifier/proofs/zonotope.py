@@ -10,7 +10,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from compiler.arrays import Array
-from compiler.expressions.evaluators.balls import SIGNS, absolute, column_of_ones
+from compiler.expressions.evaluators.balls import SIGNS, column
 
 # --- A set of initial states: a point, a box, or an affine image of a box -------------------------
 #
@@ -167,8 +167,9 @@ def _sizes(columns: Sequence[Column], size: int) -> list[arb]:
 
 def _sums(matrix: arb_mat) -> list[arb]:
     """Bounds of the sums of absolute values, row by row."""
-    found = absolute(matrix) * column_of_ones(matrix.ncols())
-    return [item.upper() for item in found.entries()]
+    # With factors in [-1, 1] each, a product's radius is the sum of what they multiply.
+    spread = (matrix * column([SIGNS] * matrix.ncols())).entries()
+    return [item.abs_upper() if item.is_finite() else arb("inf") for item in spread]
 
 
 def _box(radii: Sequence[arb]) -> list[Column]:
@@ -210,10 +211,10 @@ def _aligned_box(columns: Sequence[Column], shares: Array, scales: Array) -> lis
         turn = arb_mat(size, size, [arb(x) for x in axes.ravel().tolist()])
         stretch = [arb(x) for x in scales.tolist()]
         back = [[x / s for x, s in zip(row, stretch, strict=True)] for row in turn.inv().tolist()]
-        lengths = absolute(arb_mat(back) * matrix) * column_of_ones(len(columns))
+        lengths = _sums(arb_mat(back) * matrix)
         pairs = zip(turn.tolist(), stretch, strict=True)
         found = arb_mat(
-            [[x * s * w for x, w in zip(row, lengths.entries(), strict=True)] for row, s in pairs]
+            [[x * s * w for x, w in zip(row, lengths, strict=True)] for row, s in pairs]
         )
     except (ArithmeticError, ValueError):
         return _box(_sizes(columns, size))
