@@ -81,8 +81,8 @@ def check_loaded(loaded: Loaded) -> Checked:
         from solvers.conflicts.vacuity import formula_diagnostics
 
         for program in task_by_task(loaded.sound):
-            formula_diagnostics(program, sink)
             loop_diagnostics(program, sink)
+            formula_diagnostics(program, sink)
     checked = None if sink.has_errors else loaded.program
     return Checked(checked, sink.sorted(), loaded.sources)
 
