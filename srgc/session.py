@@ -69,7 +69,7 @@ def check_loaded(loaded: Loaded) -> Checked:
     if any(task.robust or task.control for task in tasks):
         from compiler.checks.disturbance_checks import disturbance_diagnostics
 
-        disturbance_diagnostics(loaded.sound, sink)
+        disturbance_diagnostics(loaded.sound, sink, complete=complete)
     if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
         from compiler.checks.task_checks import start_diagnostics
 
