@@ -71,12 +71,10 @@ def check_loaded(loaded: Loaded) -> Checked:
 
         disturbance_diagnostics(loaded.sound, sink, complete=complete)
     if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
+        from compiler.checks.given_start_checks import given_start_diagnostics
         from compiler.checks.task_checks import start_diagnostics
 
         start_diagnostics(loaded.sound, sink)
-    if complete and any(isinstance(task.start, ir.StartAt) and task.robust for task in tasks):
-        from compiler.checks.given_start_checks import given_start_diagnostics
-
         given_start_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.

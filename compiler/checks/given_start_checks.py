@@ -28,28 +28,38 @@ class _Beyond:
 
 
 def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report radii with which the coordinates of ``start at`` leave the ranges of their joints.
+    """Report coordinates of ``start at`` outside the ranges of joints, and radii that lead there.
 
-    An error where that is so of all robots of a small family, a warning where it is of some.
-    Radii that are too wide for a whole range are reported without a start.
+    Coordinates where that is so of all robots of a small family.  A radius is an error then, and a
+    warning where it is so of some; one that is too wide for a whole range is reported without a
+    start.
     """
     for task in program.tasks.values():
-        if not isinstance(task.start, ir.StartAt) or task.robust is None:
-            continue
-        if task.robust.start == ir.Radii():
+        if not isinstance(task.start, ir.StartAt):
             continue
         robots = starting_robots(program, task, task.start)
-        if robots is None:
+        if not robots:
             continue
-        found = [
-            list(_beyond(model, start.values, task.robust.start))
+        inside = [
+            (model, start.values)
             for model, start in robots
-            if not start.fault
+            if not start.fault and not any(map(_outside, start.values, _ranges(model)))
         ]
-        for beyond in dict.fromkeys(each for robot in found for each in robot):
-            at = task.robust.clauses.get(f"start {beyond.radius}", task.span)
-            if (Code.WIDE_RADIUS, at) not in {(each.code, each.span) for each in sink.found}:
-                _report(task.start, beyond, at, sink, certain=all(found))
+        if not inside:
+            message = f"every robot of `{task.grammar}` that fits has a joint out of its range here"
+            hint = "write values in the ranges of the joints; as it is, `synth` finds none"
+            sink.warning(Code.START_OF_NO_ROBOT, message, task.start.span, hint)
+        elif task.robust is not None:
+            radii = task.robust.start
+            found = [list(_beyond(model, values, radii)) for model, values in inside]
+            for beyond in dict.fromkeys(each for robot in found for each in robot):
+                at = task.robust.clauses.get(f"start {beyond.radius}", task.span)
+                if (Code.WIDE_RADIUS, at) not in {(each.code, each.span) for each in sink.found}:
+                    _report(task.start, beyond, at, sink, certain=all(found))
+
+
+def _ranges(model: RobotModel) -> Iterator[ir.Interval | None]:
+    return (dof.range for dof in model.dofs)
 
 
 def _beyond(model: RobotModel, values: Sequence[ir.Expr], radii: ir.Radii) -> Iterator[_Beyond]:
@@ -65,8 +75,13 @@ def _beyond(model: RobotModel, values: Sequence[ir.Expr], radii: ir.Radii) -> It
 
 
 def _leaves(value: ir.Expr, radius: Fraction, interval: ir.Interval | None) -> bool:
-    """Whether a value that may be off by a radius, not zero, is outside an interval for certain."""
-    if interval is None or not radius:
+    """Whether a value leaves an interval for certain where it is off by a radius, not zero."""
+    return radius > 0 and _outside(value, interval, radius)
+
+
+def _outside(value: ir.Expr, interval: ir.Interval | None, radius: Fraction = Fraction(0)) -> bool:
+    """Whether some value within a radius of one is outside an interval for certain."""
+    if interval is None:
         return False
     with working_precision(PRECISION):
         middle, off = closed_ball(value), closed_ball(ir.Num(radius))

@@ -27,7 +27,9 @@ def found(word: str, start: str, radii: str) -> list[tuple[str, str, list[str], 
     assert "robust" in text
     sink = Sink([])
     given_start_diagnostics(program(text), sink)
-    assert all(each.code is Code.WIDE_RADIUS and each.hint for each in sink.found)
+    assert all(each.hint for each in sink.found)
+    codes = {each.code for each in sink.found}
+    assert codes <= {Code.WIDE_RADIUS} or codes == {Code.START_OF_NO_ROBOT}
     return [
         (
             each.severity.value,
@@ -84,3 +86,30 @@ def test_rates_and_merged_joints_are_named() -> None:
     assert "the rate of its joint may leave its range (value 1 of the start)" in message
     [(*_, message)] = found(MERGED, "80 deg, 80 deg", "25 deg")
     assert "values 1 and 2 of the start may leave the range of their joints" in message
+
+
+@pytest.mark.parametrize(
+    ("word", "start", "told"),
+    [
+        (ONE, "91 deg", True),
+        (ONE, "-30.1 deg", True),
+        (ONE, "90 deg", False),
+        (TWO, "0, 2.1 m", True),
+        ("B eps (J | F) eps L eps E", "91 deg", False),
+        # Merged joints have their ranges one by one, too.
+        (MERGED, "91 deg, 0 deg", True),
+        (MERGED, "90 deg, 90 deg", False),
+        (MANY, "0 deg, 91 deg", True),
+    ],
+)
+def test_coordinates_out_of_range(word: str, start: str, told: bool) -> None:
+    for radii in ("", "; robust start 0.001 deg"):
+        text = chain_spec(JOINTS, word, start, modules=40)
+        sink = Sink([])
+        given_start_diagnostics(program(text.replace(f"({start})", f"({start}){radii}")), sink)
+        wide = [each for each in sink.found if each.code is Code.START_OF_NO_ROBOT]
+        assert bool(wide) is told
+        if told:
+            assert sink.found == wide
+            assert text[wide[0].span.start : wide[0].span.end] == f"start at ({start});"
+            assert wide[0].severity.value == "warning"
