@@ -69,11 +69,13 @@ def check_loaded(loaded: Loaded) -> Checked:
     if any(task.robust or task.control for task in tasks):
         from compiler.checks.disturbance_checks import disturbance_diagnostics
 
-        disturbance_diagnostics(loaded.sound, sink)
+        disturbance_diagnostics(loaded.sound, sink, complete=complete)
     if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
+        from compiler.checks.given_start_checks import given_start_diagnostics
         from compiler.checks.task_checks import start_diagnostics
 
         start_diagnostics(loaded.sound, sink)
+        given_start_diagnostics(loaded.sound, sink)
     if any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
         from compiler.checks.loop_checks import loop_diagnostics
@@ -81,8 +83,8 @@ def check_loaded(loaded: Loaded) -> Checked:
         from solvers.conflicts.vacuity import formula_diagnostics
 
         for program in task_by_task(loaded.sound):
-            formula_diagnostics(program, sink)
             loop_diagnostics(program, sink)
+            formula_diagnostics(program, sink)
     checked = None if sink.has_errors else loaded.program
     return Checked(checked, sink.sorted(), loaded.sources)
 

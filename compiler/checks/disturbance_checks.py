@@ -12,13 +12,18 @@ from grammar_lang.ir import constants
 from grammar_lang.source import Span
 
 
-def disturbance_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report radii that are too wide for joints, and joints that feedback does not drive."""
+def disturbance_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:
+    """Report radii that are too wide for joints, and joints that feedback does not drive.
+
+    Of a ``complete`` program also radii of joints that no robot has; else they may be missing.
+    """
     for task in program.tasks.values():
         grammar = program.grammars[task.grammar]
         names = dict.fromkeys(x.name for rule in grammar.productions for x in rule.right)
         modules = [program.modules[name] for name in names if name in program.modules]
         _radii(task, modules, sink)
+        if complete:
+            _idle(task, modules, sink)
         _undriven(task, modules, sink)
 
 
@@ -85,6 +90,27 @@ def _too_wide(radius: _Radius, dof: ir.Dof) -> bool:
         return False
 
 
+_FITTING = {
+    "angle": "a length, such as `1 mm`",
+    "length": "an angle, such as `0.1 deg`",
+    "angular_rate": "a speed, such as `1 mm/s`",
+    "speed": "an angular rate, such as `1 deg/s`",
+}
+"""What is due instead of a radius where joints are of the other kind."""
+
+
+def _idle(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
+    """Report radii of a kind of joint that no robot of the family has."""
+    clauses: Mapping[str, Span] = {} if task.robust is None else task.robust.clauses
+    kinds = {dof.kind for module in modules for dof in module.dofs}
+    for radius in _given(task):
+        if radius.value and radius.kind not in kinds:
+            message = f"no robot of `{task.grammar}` has a {radius.kind} joint: this has no effect"
+            hint = f"write {_FITTING[radius.name]}, or remove it" if kinds else "remove it"
+            at = clauses.get(f"{radius.of} {radius.name}", task.span)
+            sink.warning(Code.BAD_VALUE, message, at, hint)
+
+
 # --- Joints without an input ----------------------------------------------------------------------
 
 
@@ -95,13 +121,20 @@ def _undriven(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
         return
     clauses = {} if task.robust is None else task.robust.clauses
     asked = task.clauses.get("control") or clauses.get("measure", task.span)
-    for module in modules:
-        for torque in module.torques:
-            if not _driven(module, torque):
-                message = f"no input acts on `{module.name}.{torque.dof}`"
-                hint = "other joints alone can correct it: give its torque an input, such as `u`"
-                notes = [(asked, "feedback is asked for here")]
-                sink.warning(Code.UNDRIVEN_JOINT, message, torque.span, hint, notes)
+    joints = {(module.name, dof.name) for module in modules for dof in module.dofs}
+    idle = [
+        (module.name, torque)
+        for module in modules
+        for torque in module.torques
+        if not _driven(module, torque)
+    ]
+    others = joints - {(name, torque.dof) for name, torque in idle}
+    what = "other joints alone can" if others else "nothing can"
+    for name, torque in idle:
+        message = f"no input acts on `{name}.{torque.dof}`"
+        hint = f"{what} correct it: give its torque an input, such as `u`"
+        notes = [(asked, "feedback is asked for here")]
+        sink.warning(Code.UNDRIVEN_JOINT, message, torque.span, hint, notes)
 
 
 def _driven(module: ir.Module, torque: ir.Torque) -> bool:

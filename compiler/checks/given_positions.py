@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import islice
 
 from flint import arb
 
+from compiler.checks.starting_robots import starting_robots
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import (
     BALLS,
@@ -17,20 +17,10 @@ from compiler.expressions.evaluators.balls import (
     working_precision,
 )
 from compiler.expressions.tape import UndefinedValueError, tape
-from compiler.robots.candidate import robot_in_task
-from compiler.robots.frame_table import SemanticsError
-from compiler.robots.given_start import given_start
-from compiler.robots.normal_form import family_of
 from compiler.robots.robot import RobotModel
-from compiler.words.budget import BudgetExceededError
-from compiler.words.finite_automaton import AutomatonTooLargeError
-from compiler.words.intersection import IntersectionTooLargeError
-from compiler.words.structures import InfiniteAmbiguityError, structures_of
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 
-MOST_ROBOTS = 8
-"""Families with more are passed over: a check is to be quick."""
 PRECISION = 128
 """Bits of what is computed."""
 
@@ -60,29 +50,11 @@ class GivenPositions:
 
 def given_positions(program: ir.Program, task: ir.Task, start: ir.StartAt) -> GivenPositions | None:
     """The positions at a given start; None where the robots are too many, or one is unclear."""
-    try:
-        family = family_of(program, task)
-        if not family.language.is_finite(max_modules=task.modules):
-            return None
-        words = family.language.words(max_modules=task.modules)
-        known = list(islice(structures_of(family.language, words), MOST_ROBOTS + 1))
-    except (
-        AutomatonTooLargeError,
-        BudgetExceededError,
-        InfiniteAmbiguityError,
-        IntersectionTooLargeError,
-        SemanticsError,
-    ):
-        return None
-    if len(known) > MOST_ROBOTS:
+    robots = starting_robots(program, task, start)
+    if robots is None:
         return None
     found = []
-    for derivation in known:
-        try:
-            model = robot_in_task(family, task.origin, derivation)
-        except SemanticsError:
-            continue
-        given = given_start(model, start)
+    for model, given in robots:
         if given.fault:
             continue
         try:

@@ -128,14 +128,8 @@ class _Starting:
 
     def words(self, kinds: Sequence[ir.DofKind | None]) -> BinaryGrammar:
         """The accepted words with degrees of freedom of these kinds; None is any kind."""
-        alphabet = self.rules.terminals
-        dofs = [
-            [dof.kind for dof in self.program.modules[name].dofs]
-            if name in self.program.modules
-            else []
-            for name in alphabet
-        ]
-        fits = intersection(self.accept, _counting(alphabet, dofs, kinds))
+        counter = _counting(self.program, self.rules.terminals, kinds)
+        fits = intersection(self.accept, counter)
         return restrict(self.rules, fits, CHECKED_RULES).product
 
     def kinds(self, kinds: Sequence[ir.DofKind | None], sink: Sink) -> None:
@@ -205,15 +199,20 @@ class _Starting:
         return "1 degree of freedom" if self.count == 1 else f"{self.count} degrees of freedom"
 
 
+def dof_counter(program: ir.Program, alphabet: tuple[str, ...], start: ir.StartAt) -> Dfa:
+    """The words over an alphabet whose degrees of freedom are of the kinds that a start gives."""
+    return _counting(program, alphabet, [start.kind(i) for i in range(len(start.values))])
+
+
 def _counting(
-    alphabet: tuple[str, ...],
-    dofs: Sequence[Sequence[ir.DofKind]],
-    kinds: Sequence[ir.DofKind | None],
+    program: ir.Program, alphabet: tuple[str, ...], kinds: Sequence[ir.DofKind | None]
 ) -> Dfa:
-    """The words with these degrees of freedom in order, ``dofs`` for each symbol.
+    """The words with degrees of freedom of these kinds, in order; None is any kind.
 
     State k: so many were read, and they fit; the last state is dead.
     """
+    modules = [program.modules.get(name) for name in alphabet]
+    dofs = [() if module is None else tuple(dof.kind for dof in module.dofs) for module in modules]
     count = len(kinds)
     dead = count + 1
 

@@ -65,11 +65,14 @@ class Slots:
         count: the number N of intervals.
         signatures: as bit sets over the regions.
         effectors: the effectors that move, by any numbers.
+        beyond: how many slots there are after the instant N g; each is like an interval.
     """
 
-    def __init__(self, count: int, signatures: Sequence[int], effectors: Sequence[int]) -> None:
+    def __init__(
+        self, count: int, signatures: Sequence[int], effectors: Sequence[int], *, beyond: int = 0
+    ) -> None:
         self.count = count
-        self.last = 2 * count
+        self.last = 2 * count + beyond
         self.clauses: list[Clause] = [(TRUE,)]
         self._variables = TRUE
         self._signatures = tuple(signatures)
@@ -96,6 +99,9 @@ class Slots:
         """The literals of a subformula."""
         return self._rows[node]
 
+    def _is_interval(self, slot: int) -> bool:
+        return slot % 2 == 1 or slot > 2 * self.count
+
     def _node(self, key: object, row: Row) -> Node:
         if len(self.clauses) > CLAUSE_LIMIT:
             raise TooManySlotsError
@@ -112,7 +118,7 @@ class Slots:
         """Per slot and signature the variable that says that it occurs there."""
         occurs = [[self.variable() for _ in self._signatures] for _ in range(self.last + 1)]
         self.clauses += [tuple(there) for there in occurs]
-        for slot in range(0, self.last + 1, 2):
+        for slot in range(0, 2 * self.count + 1, 2):
             self._at_most_one(occurs[slot])
         return occurs
 
@@ -156,7 +162,7 @@ class Slots:
             somewhere = self.variable()
             self._iff_any(somewhere, within)
             throughout = somewhere
-            if slot % 2:
+            if self._is_interval(slot):
                 throughout = self.variable()
                 without = [x for k, x in enumerate(occurs) if not mask >> k & 1]
                 self._iff_any(-throughout, without)
@@ -172,7 +178,7 @@ class Slots:
 
     def _close(self, row: Row) -> None:
         """What is closed and holds throughout an interval holds at its ends."""
-        for slot in range(1, self.last, 2):
+        for slot in range(1, 2 * self.count, 2):
             for end in (slot - 1, slot + 1):
                 self.clauses.append((-row.every[slot], row.some[end]))
 
@@ -215,7 +221,7 @@ class Slots:
             somewhere = self.variable()
             self._iff_any(somewhere, [row.some[slot] for row in rows])
             throughout = somewhere
-            if slot % 2:
+            if self._is_interval(slot):
                 throughout = self.variable()
                 self._somewhere_each(throughout, rows, slot)
                 self.clauses.append((-throughout, somewhere))
@@ -335,8 +341,8 @@ class Slots:
     def _until_row(self, left: Row, right: Row) -> Row:
         some = [0] * (self.last + 1)
         every = [0] * (self.last + 1)
-        some[self.last] = every[self.last] = right.some[self.last]
-        for slot in range(self.last - 1, 0, -2):
+        self._until_end(left, right, some, every)
+        for slot in range(2 * self.count - 1, 0, -2):
             after = some[slot + 1]
             here, there = (left.some[slot], left.every[slot]), (right.some[slot], right.every[slot])
             goes_on = self._goes_on(here, there, after)
@@ -344,6 +350,10 @@ class Slots:
             now = self._both(left.some[slot - 1], goes_on)
             some[slot - 1] = every[slot - 1] = self._either(right.some[slot - 1], now)
         return Row(tuple(some), tuple(every))
+
+    def _until_end(self, left: Row, right: Row, some: list[int], every: list[int]) -> None:
+        """Fill in the instant N g, and what is after it."""
+        some[self.last] = every[self.last] = right.some[self.last]
 
     def _both(self, a: int, b: int) -> int:
         return -self._either(-a, -b)

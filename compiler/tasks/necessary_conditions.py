@@ -12,7 +12,8 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from compiler.robots.effector_counts import several_effectors
-from compiler.tasks.formula_parts import subformulas
+from compiler.tasks.endless_slots import EndlessSlots
+from compiler.tasks.formula_parts import operands, subformulas
 from compiler.tasks.formula_slots import Clause, Node, Slots, TooManySlotsError, common_step
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import Polytope, polytope_of
@@ -70,22 +71,62 @@ def conjuncts(formula: ir.Formula) -> Iterator[ir.Formula]:
             yield node
 
 
-def _times(task: ir.Task) -> Iterator[Fraction]:
-    """The horizon, and every time before it at which a formula looks."""
-    total = task.steps * task.step
-    yield total
+@dataclass(frozen=True, slots=True)
+class _Grid:
+    """Where time is cut: ``count`` steps, in seconds; a motion may go on after them for ever."""
+
+    step: Fraction
+    count: int
+    endless: bool
+
+    def slots(self, signatures: Sequence[int], effectors: Sequence[int]) -> Slots:
+        kind = EndlessSlots if self.endless else Slots
+        return kind(self.count, signatures, effectors)
+
+
+def _grid(task: ir.Task) -> _Grid | None:
+    """The horizon, cut at all times of formulas, or of a motion for ever what formulas look at.
+
+    None where there are too many steps.
+    """
+    if task.repeat:
+        step = common_step(list(_named_times(task)) or [task.step])
+        ahead = max((_look_ahead(each.formula, task.step) for each in task.satisfy), default=step)
+        count = int(ahead / step) + 1
+    else:
+        total = task.steps * task.step
+        step = common_step([total, *(time for time in _named_times(task) if time < total)])
+        count = int(total / step)
+    return None if count > SLOT_LIMIT else _Grid(step, count, task.repeat)
+
+
+def _named_times(task: ir.Task) -> Iterator[Fraction]:
+    """The times after which formulas look."""
     for clause in task.satisfy:
         for node in subformulas(clause.formula):
             match node:
                 case ir.Always(window=window) | ir.Eventually(window=window):
-                    found = (window.lower, window.upper or total)
+                    found = [window.lower, window.upper or Fraction(0)]
                 case ir.Last(duration=duration):
-                    found = (duration, total)
+                    found = [duration]
                 case ir.Next():
-                    found = (task.step, total)
+                    found = [task.step]
                 case _:
                     continue
-            yield from (time for time in found if 0 < time < total)
+            yield from (time for time in found if time > 0)
+
+
+def _look_ahead(formula: ir.Formula, step: Fraction) -> Fraction:
+    """How far ahead a formula looks at most, windows without an end aside, in seconds."""
+    own = Fraction(0)
+    match formula:
+        case ir.Always(window=window) | ir.Eventually(window=window):
+            own = window.lower if window.upper is None else window.upper
+        case ir.Next():
+            own = step
+        case _:
+            pass
+    return own + max((_look_ahead(part, step) for part in operands(formula)), default=Fraction(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,8 +270,11 @@ class _Writer:
             literal = slots.row(self.atom(start.region, ends.start)).some[0]
             self.demand([literal], start.span, f"the effector starts in `{start.region}`")
         if reach is not None and ends.reach is not None:
-            literal = slots.row(self.atom(reach.region, ends.reach)).some[-1]
-            self.demand([literal], reach.span, f"the effector ends in `{reach.region}`")
+            node, text = self.atom(reach.region, ends.reach), "ends in"
+            if self.task.repeat:
+                node, text = slots.eventually(node, 0, slots.count + 1), "comes to"
+            literal = slots.row(node).some[0 if self.task.repeat else -1]
+            self.demand([literal], reach.span, f"the effector {text} `{reach.region}`")
         for avoid in _avoids(self.task):
             for region in avoid.regions:
                 if region in self.regions.numbers:
@@ -242,25 +286,26 @@ class _Writer:
 def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditions | None:
     """The demands of a task; None where they are too large to be looked at.
 
-    None also of motions that go on for ever, which no finite number of instants describes.
+    None also of a motion for ever with a last part, which is reported where it is read.
     Where the demands are too large with the regions that are only avoided, they are given without
     these.
     """
-    step = common_step(_times(task))
-    if task.repeat or task.steps * task.step / step > SLOT_LIMIT:
+    grid = _grid(task)
+    parts = (node for clause in task.satisfy for node in subformulas(clause.formula))
+    if grid is None or (task.repeat and any(isinstance(node, ir.Last) for node in parts)):
         return None
     ends = _ends(program, task)
     for avoided in (True, False):
         names = _mentioned(task, avoided=avoided)
         regions = _regions(program.workspaces[task.workspace], names)
-        found = None if regions is None else _demands(task, step, ends, regions)
+        found = None if regions is None else _demands(task, grid, ends, regions)
         if found is not None:
             return found
     return None
 
 
 def _demands(
-    task: ir.Task, step: Fraction, ends: _Ends, regions: _Regions
+    task: ir.Task, grid: _Grid, ends: _Ends, regions: _Regions
 ) -> NecessaryConditions | None:
     effectors = {
         node.effector
@@ -271,8 +316,8 @@ def _demands(
     ending = {number for number in (ends.start, ends.reach) if number is not None}
     numbers = sorted(effectors | ending)
     try:
-        slots = Slots(int(task.steps * task.step / step), regions.signatures, numbers)
-        writer = _Writer(slots, regions, task, step, [])
+        slots = grid.slots(regions.signatures, numbers)
+        writer = _Writer(slots, regions, task, grid.step, [])
         writer.clauses(ends, numbers)
     except TooManySlotsError:
         return None

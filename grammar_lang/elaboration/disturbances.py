@@ -12,7 +12,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import Constants, not_rational
 from grammar_lang.elaboration.sorts import Sort, Typed
-from grammar_lang.ir import constants
+from grammar_lang.ir.enclosures import rational_bounds
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
@@ -88,14 +88,13 @@ class _RadiiReader:
             self.sink.error(Code.REPEATED_CLAUSE, message, expr.span, "remove one", notes)
             return
         # A larger disturbance is bounded than the one written, where that one is irrational.
-        exact = constants.evident(value.expr)
-        if exact is None:
+        bounds = rational_bounds(value.expr)
+        if bounds is None:
             not_rational(expr.span, self.sink)
-        elif exact[0] <= 0:
+        elif bounds[1] <= 0:
             message = f"the {self.subject} is not positive"
             self.sink.error(Code.BAD_VALUE, message, expr.span, "write more than zero")
-        radius = Fraction(0) if exact is None else constants.rational_bounds(exact)[1]
-        self.radii[kind] = radius, expr.span
+        self.radii[kind] = Fraction(0) if bounds is None else bounds[1], expr.span
 
 
 def _fraction(item: t.RobustPercent, sink: Sink) -> Fraction:

@@ -10,7 +10,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import Constants, list_unit, not_rational
 from grammar_lang.elaboration.sorts import Sort, Typed, mismatch, warn_turn, wrong_sort
-from grammar_lang.ir import constants
+from grammar_lang.ir.enclosures import rational_bounds
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, TIME, Dimension
@@ -84,15 +84,15 @@ def _final_bounds(
     value = Constants(sink).typed(expr)
     if not _of_kinds(value, RATES, kinds, expr.span, sink):
         return none
-    exact = constants.evident(value.expr)
-    if exact is None:
+    bounds = rational_bounds(value.expr)
+    if bounds is None:
         not_rational(expr.span, sink)
         return none
-    if exact[0] <= 0:
+    if bounds[1] <= 0:
         hint = "write `at rest`, or more than zero"
         sink.error(Code.BAD_VALUE, "the rates are not positive", expr.span, hint)
         return none
-    return constants.rational_bounds(exact)
+    return bounds
 
 
 def check_duration(task: t.Task, reach: ir.Reach | None, horizon: Fraction, sink: Sink) -> None:

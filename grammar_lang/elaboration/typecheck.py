@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from grammar_lang import ir
@@ -296,7 +296,8 @@ class Checker:
             return unknown(ir.Binary(operator, left.expr, right.expr))
         if left.dimension is not None:
             self._same(left.dimension, right, at.right.span)
-        return self._fold(operator, left.expr, right.expr, dimension, at.span)
+        found = self._fold(operator, left.expr, right.expr, dimension, at.span)
+        return replace(found, angular=left.angular and right.angular)
 
     def _product(
         self, operator: Literal["*", "/"], left: Typed, right: Typed, at: s.Binary
@@ -312,7 +313,11 @@ class Checker:
         if left.dimension is not None or right.dimension is not None:
             a, b = left.dimension or ONE, right.dimension or ONE
             dimension = a * b if operator == "*" else a / b
-        return self._fold(operator, left.expr, right.expr, dimension, at.span)
+        found = self._fold(operator, left.expr, right.expr, dimension, at.span)
+        # A multiple of an angle, or of an angular rate, is one.
+        multiple = left.angular and right.dimension is None
+        multiple |= operator == "*" and right.angular and left.dimension is None
+        return replace(found, angular=multiple)
 
     def _raise(self, left: Typed, right: Typed, at: s.Binary) -> Typed:
         exponent = constants.rational(require_scalar(right, ONE, at.right.span, self.sink))

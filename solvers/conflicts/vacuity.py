@@ -130,7 +130,7 @@ def _alone(task: ir.Task, span: Span, core: Sequence[NecessaryCondition]) -> Dia
         Severity.ERROR,
         "no motion satisfies this formula, whatever the robot",
         span if len(core) > 1 else core[0].span,
-        f"check its regions, its windows and the horizon, which ends at {_seconds(task)}",
+        f"check {_what_to_check(task)}",
         notes if len(core) > 1 else (),
     )
 
@@ -152,9 +152,11 @@ def _together(task: ir.Task, core: Sequence[NecessaryCondition]) -> Diagnostic:
     )
 
 
-def _seconds(task: ir.Task) -> str:
-    total = task.steps * task.step
-    return f"{float(total):g} s"
+def _what_to_check(task: ir.Task) -> str:
+    if task.repeat:
+        return "its regions and its windows; the motion goes on for ever"
+    end = float(task.steps * task.step)
+    return f"its regions, its windows and the horizon, which ends at {end:g} s"
 
 
 # --------------------------------------------------------------------------------------------------
@@ -283,13 +285,12 @@ def _always(
     task: ir.Task, formula: ir.Formula, because: Sequence[NecessaryCondition]
 ) -> Diagnostic:
     whose = "that does the rest of the task" if because else "whatever the robot"
-    end = f"{float(task.steps * task.step):g} s"
     return Diagnostic(
         Code.VACUOUS_FORMULA,
         Severity.WARNING,
         f"this formula asks for nothing: it holds of every motion {whose}",
         formula.span,
-        f"remove it, or check its regions, its windows and the horizon, which ends at {end}",
+        f"remove it, or check {_what_to_check(task)}",
         _notes(because),
     )
 
@@ -325,11 +326,16 @@ def formula_diagnostics(program: ir.Program, sink: Sink) -> None:
     """Report formulas that contradict themselves or their task; if there are no errors, idle ones.
 
     A program with errors may lack the very clauses that give a formula its sense.  Maps are
-    obstacles already.
+    obstacles already.  Of a formula against which a motion for ever starts no more is said.
     """
     warn = not sink.has_errors
+    starts = [each.span for each in sink.found if each.code is Code.START_OUTSIDE_LOOP]
     for task in program.tasks.values():
-        if task.satisfy:
+        spans = [clause.formula.span for clause in task.satisfy]
+        told = any(
+            span.to(start) == span and span.file == start.file for start in starts for span in spans
+        )
+        if task.satisfy and not told:
             sink.found.extend(formula_findings(program, task, warn=warn))
 
 

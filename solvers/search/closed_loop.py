@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from compiler.arrays import Array
@@ -12,6 +14,7 @@ from compiler.tasks.specification import measurement_radii
 from grammar_lang import ir
 from solvers.search.path_task import WIDEST
 from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.disturbance_spread import disturbance_spread
 from solvers.trajectory.feedback import reference_motion
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_limits import input_groups
@@ -49,18 +52,18 @@ def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tupl
 
 
 def unbearable_noise(path_problem: PathProblem, trajectory: Trajectory) -> str | None:
-    """Where errors of measurements alone command more than a bound allows, in words; else None.
+    """Where errors of measurements alone are more than a motion bears, in words; else None.
 
-    They do so by the gains about this motion, whatever is planned.  It is no proof: other gains may
-    bear more.
+    They command more than a bound allows, or most of the clearance that was not found is theirs.
+    Both is by the gains about this motion.  It is no proof: other gains may bear more.
     """
     model, task = path_problem.model, path_problem.task
     noise = np.array([float(radius) for radius in measurement_radii(task, model)])
     if not path_problem.feedback or not noise.any():
         return None
     with np.errstate(all="ignore"):
-        gains = path_problem.gains(trajectory)[:, :, : len(noise)]
-    commanded = np.abs(gains) @ noise
+        gains = path_problem.gains(trajectory)
+    commanded = np.abs(gains[:, :, : len(noise)]) @ noise
     for sample, row in enumerate(commanded):
         for group in input_groups(model, task):
             place = max(group.inputs, key=lambda i: float(row[i]))
@@ -71,7 +74,30 @@ def unbearable_noise(path_problem: PathProblem, trajectory: Trajectory) -> str |
                     f"at sample {sample} ({time:.4g} s), and the bound leaves "
                     f"{group.widest_margin:.3g}{unit}"
                 )
-    return None
+    return (
+        None if path_problem.spread is None else _noisy_clearance(path_problem, trajectory, gains)
+    )
+
+
+def _noisy_clearance(path_problem: PathProblem, trajectory: Trajectory, gains: Array) -> str | None:
+    """Where errors of measurements alone carry a point farthest, if that is most of all spread."""
+    task, numeric = path_problem.task, path_problem.numeric
+    if task.robust is None:
+        return None
+    only = replace(task, robust=ir.Robust(measured=task.robust.measured))
+    with np.errstate(all="ignore"):
+        dt, x = float(task.step), trajectory.x[:-1]
+        steps = numeric.step(x, trajectory.u, trajectory.theta, dt, path_problem.substeps)
+        whole, noise = (
+            disturbance_spread(numeric, each, trajectory, steps, gains) for each in (task, only)
+        )
+    if not (np.isfinite(whole.widest) and 2 * noise.widest > whole.widest):
+        return None
+    sample = int(np.argmax(noise.points.max(axis=1)))
+    return (
+        f"errors of measurements alone carry motions up to {noise.widest:.2g} m off at sample "
+        f"{sample} ({float(sample * task.step):.4g} s), and none was found with that clearance"
+    )
 
 
 def effort_unit(model: RobotModel, place: int) -> str:

@@ -195,7 +195,7 @@ def written_export(
 def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExport:
     if output is None:
         raise UsageFault(f"--to {form} writes several files; name a folder with -o")
-    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES["all"]}
+    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES[form]}
     made = export_folder(folder, form)
     if any(files[name].name is None for name in made.files):
         try:

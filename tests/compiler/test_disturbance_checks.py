@@ -74,6 +74,33 @@ def test_radii(clauses: str, others: tuple[str, str], expected: list[tuple[str, 
     assert all(item[1] == "SRG0716" for item in found(clauses, others))
 
 
+@pytest.mark.parametrize(
+    ("clauses", "marked", "hint"),
+    [
+        ("robust start 1 mm, 1 deg, 1 mm/s;", ["1 mm", "1 mm/s"], "write an angle"),
+        ("robust measure 1 mm/s;", ["1 mm/s"], "write an angular rate"),
+        ("robust start 1 deg, 1 deg/s; robust measure 1 deg;", [], ""),
+    ],
+)
+def test_radii_of_joints_that_no_robot_has(clauses: str, marked: list[str], hint: str) -> None:
+    text = SPEC.replace("CLAUSES", clauses).replace("TORQUE", "")
+    text = text.replace("OTHERS", "").replace("BLOCKS", "").replace("EFFORT", "effort <= 1 N*m;")
+    text = text.replace("s: N -> N S;", "s: N -> N E;").replace(" * move(x, S.s)", "")
+    loaded = load_text("module E { role effector; }" + text, "spec.srg")
+    assert loaded.program is not None, loaded.diagnostics
+    sink = Sink()
+    disturbance_diagnostics(loaded.program, sink)
+    found = [("module E { role effector; }" + text)[d.span.start : d.span.end] for d in sink.found]
+    assert found == marked
+    assert {(d.severity.value, d.code.value) for d in sink.found} <= {("warning", "SRG0703")}
+    if marked:
+        assert sink.found[0].message == "no robot of `G` has a prismatic joint: this has no effect"
+        assert (sink.found[0].hint or "").startswith(hint)
+    sink = Sink()
+    disturbance_diagnostics(loaded.program, sink, complete=False)
+    assert sink.found == []
+
+
 MOTOR = (
     "state i A; input v in [-1, 1] V; der(i) = (v - 1 V/A * i) / (1 V*s/A); torque(s) = 1 N/A * i;"
 )
@@ -97,3 +124,22 @@ MOTOR = (
 def test_joints_without_an_input(torque: str, driven: bool, clauses: str, asked: bool) -> None:
     expected = [] if driven or not asked else ["SRG0717"]
     assert [item[1] for item in found(clauses, torque=torque)] == expected
+
+
+def test_what_may_correct_a_joint_without_an_input() -> None:
+    torque = "torque(s) = -1 N*s/m * rate(s);"
+    hints = []
+    for spec in (SPEC, SPEC.replace("j: N -> N J;", "").replace("j { this.f = N.f * rot(z, J.q); "
+                 "point(frame: this.f, mass: 1 kg); }", "")):  # fmt: skip
+        text = spec.replace("CLAUSES", "control feedback;").replace("TORQUE", torque)
+        text = text.replace("OTHERS", "").replace("BLOCKS", "").replace("EFFORT", "")
+        text = text.replace("horizon", "effort <= 1 N*m; horizon" if "rot(" in text else "horizon")
+        loaded = load_text(text, "spec.srg")
+        assert loaded.program is not None, loaded.diagnostics
+        sink = Sink()
+        disturbance_diagnostics(loaded.program, sink)
+        hints += [each.hint for each in sink.found]
+    assert hints == [
+        "other joints alone can correct it: give its torque an input, such as `u`",
+        "nothing can correct it: give its torque an input, such as `u`",
+    ]

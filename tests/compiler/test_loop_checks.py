@@ -123,8 +123,11 @@ def test_a_given_start_inside_what_is_never_entered() -> None:
     assert sink.found == []
 
 
-def test_families_without_end_are_passed_over() -> None:
-    """One of them may have a joint or a link more."""
-    assert found("start at (150 deg, 0 deg); satisfy always A; repeat;") == []
+def test_families_without_end() -> None:
+    """Those robots count that have as many joints as values are given."""
+    assert found("start at (150 deg, 0 deg); satisfy always A; repeat;") == ["A"]
     bounded = "start at (150 deg, 0 deg); satisfy always A; repeat; modules <= 6;"
     assert found(bounded) == ["A"]
+    # Any number of links may follow a joint.
+    clauses = "start at (150 deg); satisfy always A; repeat;"
+    assert found(clauses, arms="eps J (eps L)+ eps E") == []

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 
+import mpmath
 import pytest
 
 from grammar_lang import ir
@@ -166,6 +167,32 @@ def test_angles_are_rounded_up(text: str, robust: Callable[[str], ir.Robust | No
 
 
 @pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("(sqrt(2) / 10) deg", "sqrt(2) * pi / 1800"),
+        ("(1 + sqrt(2)) deg", "(1 + sqrt(2)) * pi / 180"),
+        ("(sin(1)) rad", "sin(1)"),
+        ("(cos(1) ^ 2 - tan(0.1)) rad", "cos(1) ** 2 - tan(1 / mpf(10))"),
+        ("(abs(1 - pi)) deg", "(pi - 1) * pi / 180"),
+        ("(0.1 deg + 0.05 deg)", "pi * 3 / 3600"),
+        ("(2 * 0.1 deg - 30 deg / 300)", "pi / 1800"),
+        ("(1e-60 * sqrt(2)) rad", "sqrt(2) / mpf(10) ** 60"),
+    ],
+)
+def test_constant_expressions_are_rounded_up(
+    text: str, value: str, robust: Callable[[str], ir.Robust | None]
+) -> None:
+    """Against 60 digits of another library."""
+    found = robust(f"robust start {text};")
+    assert found is not None
+    radius = found.start.angle
+    with mpmath.workdps(60):
+        exact = eval(value, vars(mpmath).copy())
+        near = mpmath.mpf(radius.numerator) / radius.denominator
+        assert exact <= near <= exact * (1 + mpmath.mpf("1e-29"))
+
+
+@pytest.mark.parametrize(
     ("text", "found"),
     [
         ("robust start 1;", [("UNIT_MISMATCH", "1")]),
@@ -175,7 +202,13 @@ def test_angles_are_rounded_up(text: str, robust: Callable[[str], ir.Robust | No
         ("robust start 1 mm; robust start 2 deg, 2 cm;", [("REPEATED_CLAUSE", "2 cm")]),
         ("robust start 0 mm;", [("BAD_VALUE", "0 mm")]),
         ("robust start (-1) mm;", [("BAD_VALUE", "(-1) mm")]),
-        ("robust start (sqrt(2)) mm;", [("NOT_RATIONAL", "(sqrt(2)) mm")]),
+        # Above zero, or not: nobody sees that of surds that cancel.
+        ("robust start (sqrt(2) - sqrt(2)) mm;",
+         [("NOT_RATIONAL", "(sqrt(2) - sqrt(2)) mm")]),
+        ("robust start (1 - sqrt(2)) mm;", [("BAD_VALUE", "(1 - sqrt(2)) mm")]),
+        ("robust start -1 mm;", [("BAD_VALUE", "-1 mm")]),
+        ("robust start 1 mm -(2) deg;", [("BAD_VALUE", "-(2) deg")]),
+        ("robust measure 1 mm, -1 deg/s;", [("BAD_VALUE", "-1 deg/s")]),
         ("robust effort 0 %;", [("BAD_VALUE", "0")]),
         ("robust effort 100 %;", [("BAD_VALUE", "100")]),
         ("robust effort 1 N %;", [("UNIT_MISMATCH", "1 N")]),

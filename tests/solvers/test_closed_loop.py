@@ -31,6 +31,7 @@ class Gains:
     task: ir.Task
     given: Array
     feedback: bool = True
+    spread: None = None
 
     def gains(self, trajectory: Trajectory) -> Array:
         del trajectory
@@ -95,3 +96,17 @@ def test_a_search_says_that_noise_is_too_much(
     assert "unknown" in printed
     assert "errors of measurements alone make feedback command" in printed
     assert "at sample 0 (0 s), and the bound leaves 10 N*m" in printed
+
+
+@pytest.mark.usefixtures("without_pictures")
+def test_a_search_says_where_noise_takes_the_clearance(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Bounds of the inputs bear this noise, and the target does not: it is 0.6 m wide."""
+    text = replaced(CLOSED, "measure 0.05 deg, 0.1 deg/s", "measure 20 deg")
+    text = replaced(text, "horizon 10", "modules <= 4;\n  horizon 10")
+    (tmp_path / "spec.srg").write_text(text, encoding="utf-8")
+    run(["synth", str(tmp_path / "spec.srg"), "-q", "-o", str(tmp_path / "out")])
+    printed = capsys.readouterr().out
+    assert "unknown" in printed
+    assert "errors of measurements alone carry motions up to 0.44 m off at sample 10" in printed

@@ -393,10 +393,15 @@ def test_folders_do_not_overwrite_results(srgc: Export, tmp_path: Path, form: st
     (folder / "trajectory.csv").write_bytes(b"kept")
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     (tmp_path / "link").symlink_to(folder)
-    for output in (folder, tmp_path / "link", folder / "spec", folder / "designs" / "new"):
+    # No result has the name of a controller's file, so that it may be beside them.
+    beside = [] if form == "controller" else [folder, tmp_path / "link"]
+    for output in (*beside, folder / "spec", folder / "designs" / "new"):
         refused(srgc("export", folder, "--to", form, "-o", output), "is one of the results")
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert srgc("export", folder, "--to", form, "-o", folder / "away").status == 0
+    if form == "controller":
+        assert srgc("export", folder, "--to", form, "-o", folder).status == 0
+        assert {path: path.read_bytes() for path in before} == before
     assert (
         folder / "away" / ("controller.c" if form == "controller" else "trajectory.csv")
     ).is_file()

@@ -1,0 +1,106 @@
+"""Whether joints can be where a task lets a motion start, and as far off as it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from compiler.checks.starting_robots import starting_robots
+from compiler.expressions.evaluators.balls import closed_ball, working_precision
+from compiler.robots.given_start import PRECISION
+from compiler.robots.robot import RobotModel
+from grammar_lang import ir
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.source import Span
+
+
+@dataclass(frozen=True, slots=True)
+class _Beyond:
+    """A radius with which a coordinate leaves its range for certain, or its rate does.
+
+    ``values`` are the numbers of the values of the start, from 0, whose sum the coordinate is.
+    """
+
+    radius: str
+    values: tuple[int, ...]
+    is_rate: bool
+
+
+def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
+    """Report coordinates of ``start at`` outside the ranges of joints, and radii that lead there.
+
+    Coordinates where that is so of all robots of a small family.  A radius is an error then, and a
+    warning where it is so of some; one that is too wide for a whole range is reported without a
+    start.
+    """
+    for task in program.tasks.values():
+        if not isinstance(task.start, ir.StartAt):
+            continue
+        robots = starting_robots(program, task, task.start)
+        if not robots:
+            continue
+        inside = [
+            (model, start.values)
+            for model, start in robots
+            if not start.fault and not any(map(_outside, start.values, _ranges(model)))
+        ]
+        if not inside:
+            message = f"every robot of `{task.grammar}` that fits has a joint out of its range here"
+            hint = "write values in the ranges of the joints; as it is, `synth` finds none"
+            sink.warning(Code.START_OF_NO_ROBOT, message, task.start.span, hint)
+        elif task.robust is not None:
+            radii = task.robust.start
+            found = [list(_beyond(model, values, radii)) for model, values in inside]
+            for beyond in dict.fromkeys(each for robot in found for each in robot):
+                at = task.robust.clauses.get(f"start {beyond.radius}", task.span)
+                if (Code.WIDE_RADIUS, at) not in {(each.code, each.span) for each in sink.found}:
+                    _report(task.start, beyond, at, sink, certain=all(found))
+
+
+def _ranges(model: RobotModel) -> Iterator[ir.Interval | None]:
+    return (dof.range for dof in model.dofs)
+
+
+def _beyond(model: RobotModel, values: Sequence[ir.Expr], radii: ir.Radii) -> Iterator[_Beyond]:
+    for k, (dof, value) in enumerate(zip(model.dofs, values, strict=True)):
+        revolute = dof.kind == "revolute"
+        words = tuple(i for i, joint in enumerate(model.word_dofs) if joint.dof == k)
+        radius = radii.angle if revolute else radii.length
+        if _leaves(value, radius, dof.range):
+            yield _Beyond("angle" if revolute else "length", words, is_rate=False)
+        radius = radii.angular_rate if revolute else radii.speed
+        if _leaves(ir.Num(Fraction(0)), radius, dof.rate):
+            yield _Beyond("angular_rate" if revolute else "speed", words, is_rate=True)
+
+
+def _leaves(value: ir.Expr, radius: Fraction, interval: ir.Interval | None) -> bool:
+    """Whether a value leaves an interval for certain where it is off by a radius, not zero."""
+    return radius > 0 and _outside(value, interval, radius)
+
+
+def _outside(value: ir.Expr, interval: ir.Interval | None, radius: Fraction = Fraction(0)) -> bool:
+    """Whether some value within a radius of one is outside an interval for certain."""
+    if interval is None:
+        return False
+    with working_precision(PRECISION):
+        middle, off = closed_ball(value), closed_ball(ir.Num(radius))
+        lower, upper = closed_ball(interval.lower), closed_ball(interval.upper)
+        return bool(middle - off < lower) or bool(middle + off > upper)
+
+
+def _report(start: ir.StartAt, beyond: _Beyond, at: Span, sink: Sink, *, certain: bool) -> None:
+    """Say which value leaves a range."""
+    listed = " and ".join(str(number + 1) for number in beyond.values)
+    several = len(beyond.values) > 1
+    values = f"values {listed}" if several else f"value {listed}"
+    of = "their joints" if several else "its joint"
+    message = f"with these errors {values} of the start may leave the range of {of}"
+    hint = "write less, or start further from the ends of the range"
+    if beyond.is_rate:
+        message = f"with these errors the rate of {of} may leave its range ({values} of the start)"
+        hint = "write less: the motion starts at rest"
+    places = [start.places[number] for number in beyond.values if start.places] or [start.span]
+    notes = [(place, "it starts here") for place in places]
+    report = sink.error if certain else sink.warning
+    report(Code.WIDE_RADIUS, message, at, hint, notes)
