@@ -190,7 +190,7 @@ def trial(seed: int) -> bool:
 @pytest.mark.parametrize("seeds", some([((8, 3, 0),), ((1, 2, 4),)], 1))
 def test_some_random_closed_loops(seeds: tuple[int, ...]) -> None:
     """Of one, two, and three links; the first and the last in coordinates of their own."""
-    assert all([trial(seed) for seed in seeds])
+    assert all(trial(seed) for seed in seeds)
 
 
 @pytest.mark.slow
