@@ -99,6 +99,20 @@ LEFT_FOR_GOOD = "satisfy eventually always not Tray by effector 1;"
 HANDS = (Path(__file__).parents[2] / "specs/two_arm.srg").read_text(encoding="utf-8")
 
 
+def test_each_of_two_effectors_has_its_own_work_for_ever(tmp_path: Path) -> None:
+    """The first load stays about the start, the one that slides on it goes to and fro."""
+    two = replaced(SLIDER, "eps P eps M eps EN;", "eps P eps M eps EN eps P eps M eps EN;")
+    clauses = (
+        "satisfy always (eventually S by effector 1 and eventually T by effector 2);"
+        "satisfy always eventually S by effector 2;"
+    )
+    assert found(asked(two, clauses, 12), tmp_path) == 0
+    one, other = read(tmp_path / "out")["path"]
+    assert (one[0], other[0]) == (one[-1], other[-1])
+    assert "T" in {name.split(".")[0] for name in other}
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("clauses", "first"),
     [
@@ -107,7 +121,6 @@ HANDS = (Path(__file__).parents[2] / "specs/two_arm.srg").read_text(encoding="ut
             "satisfy always (eventually Side by effector 1 and eventually Bin by effector 2); "
             + LEFT_FOR_GOOD,
             7,
-            marks=pytest.mark.slow,
         ),
     ],
     ids=["tour", "prefix"],

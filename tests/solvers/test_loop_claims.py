@@ -12,6 +12,7 @@ import pytest
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.altered_claims import Change, Content, claimed, judged
 from tests.oracles.result_files import alter_spec, read, write
+from tests.oracles.some_cases import some
 
 
 def loop(content: Content) -> Content:
@@ -157,8 +158,8 @@ def without_gains(content: Content) -> None:
 
 @pytest.mark.parametrize(
     "change",
-    [times("0.5"), times("0.1"), moved_by("1")],
-    ids=["half", "tenth", "moved"],
+    some([times("0.5"), moved_by("1"), times("0.1")], 2),
+    ids=["half", "moved", "tenth"],
 )
 def test_a_set_that_rounds_leave_proves_nothing(folder: Path, change: Change) -> None:
     outcome, said = judged(folder, change)
