@@ -35,7 +35,13 @@ RUN = [
     if page != RUN_ELSEWHERE[0]
     and {"console", "python"} & {block.kind for block in pages.blocks(text)}
 ]
-LONG = ("why out/short",)
+LONG = {
+    "docs/tutorial.md": ("why out/short",),
+    "docs/how-to/export.md": (
+        "synth specs/robust_arm.srg -o out/robust -q",
+        "replay out/robust --in mujoco --disturbed 20 --seed 1 --timestep 0.001",
+    ),
+}
 """What a page shows and only the slow suite runs."""
 WITHOUT_THE_FIRST_PAGE = ("README.md", "docs/reference/language.md")
 
@@ -77,7 +83,7 @@ def test_pages_run_as_shown(
     if page not in WITHOUT_THE_FIRST_PAGE:
         for name, body in pages.files(TEXTS["README.md"]).items():
             (checkout / name).write_text(body, encoding="utf-8")
-    follow(page, checkout, made, capsys, LONG)
+    follow(page, checkout, made, capsys, [each for some in LONG.values() for each in some])
     if page == "README.md":
         drawn = checkout / "out" / "fetch" / "figures" / "workspace.svg"
         assert_alike(drawn, ROOT / "docs" / "pictures" / "fetch.svg")
@@ -97,11 +103,13 @@ def follow(
 
 
 @pytest.mark.slow
-def test_the_tutorial_runs_with_its_longest_command(
-    checkout: Path, made: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("page", LONG)
+def test_pages_run_with_their_longest_commands(
+    page: str, checkout: Path, made: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page = "docs/tutorial.md"
-    assert all(f"$ srgc {command}\n" in TEXTS[page] for command in LONG)
+    assert all(f"$ srgc {command}\n" in TEXTS[page] for command in LONG[page])
+    for name, body in pages.files(TEXTS["README.md"]).items():
+        (checkout / name).write_text(body, encoding="utf-8")
     follow(page, checkout, made, capsys)
 
 

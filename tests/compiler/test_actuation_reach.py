@@ -20,6 +20,7 @@ from tests.oracles.driven_chains import (
     robot_of,
     spot,
 )
+from tests.oracles.some_cases import some
 
 ROD = [Segment(1)]
 """One metre and one kilogram: an inertia of 1/3 kg m^2 about the joint."""
@@ -52,13 +53,13 @@ def test_a_rod_turns_by_u_over_2_inertia_times_the_time_squared(angle, rest, ref
         assert found.unit == "rad"
 
 
+@pytest.mark.parametrize("side", some([1, -1], 1))
 @pytest.mark.parametrize(
     ("rates", "most"),
     # Speeding up to V = (a T + v) / 2, then slowing down to v, a = 3 rad/s^2: V^2 / a - v^2 / 2 a.
     [("rates <= 0.6 rad/s", 0.69), ("rates <= 0.6 rad/s for 0.4 s", 0.69), ("rates <= 2.4", 0.96),
      ("rates <= 9", 0.96), ("rates <= 0.001", 0.4804), ("rates <= 0.0001", 0.48004)],
 )  # fmt: skip
-@pytest.mark.parametrize("side", [1, -1])
 def test_the_faster_a_rod_may_end_the_farther_it_turns(rates, most, side):
     clauses = f"start at (0); reach T {rates}; {PUSH} horizon 8 steps of 0.1 s;"
     assert turned(side * (most - 0.02), clauses) is None

@@ -141,7 +141,7 @@ class Session:
 
     def _ready(self, arguments: tuple[str, ...]) -> str | None:
         """The result of a text that the suite synthesises once for all tests."""
-        wanted = [one for one in arguments if one != "--quiet"]
+        wanted = [one for one in arguments if one not in ("-q", "--quiet")]
         if wanted[0] != "synth" or len(wanted) not in (2, 4) or wanted[2:3] not in ([], ["-o"]):
             return None
         spec = Path(wanted[1])

@@ -205,6 +205,6 @@ LOOPED = replaced(
         "  robust start 1 mm, 1 mm/s;\n  robust effort 1 % of bound;\n",
     ),
     "horizon 10 steps",
-    "horizon 30 steps",
+    "horizon 16 steps",
 )
 """The mass goes to and fro for ever."""

@@ -90,6 +90,7 @@ def test_a_search_says_that_noise_is_too_much(
 ) -> None:
     text = replaced(CLOSED, "measure 0.05 deg, 0.1 deg/s", "measure 80 deg, 200 deg/s")
     text = replaced(text, "horizon 10", "modules <= 4;\n  horizon 10")
+    text = replaced(text, "param length in [1, 2] m", "const length = 1.5 m")
     (tmp_path / "spec.srg").write_text(text, encoding="utf-8")
     run(["synth", str(tmp_path / "spec.srg"), "-q", "-o", str(tmp_path / "out")])
     printed = capsys.readouterr().out

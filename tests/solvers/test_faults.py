@@ -43,6 +43,7 @@ BESIDE = replaced(
     SLIDER, "target T box [2, 2.5] x [-0.2, 0.2] m;", "target T box [2, 2.5] x [0.5, 0.8] m;"
 )
 """A target beside the rail."""
+FALSE_CLAIMS = ("INFEASIBLE", "UNBOUNDED")
 
 
 @pytest.fixture(autouse=True)
@@ -113,7 +114,9 @@ def test_garbage_is_believed_by_nobody(
     assert calls[0] > 2
 
 
-@pytest.mark.parametrize("fault", sorted(CLAIMS))
+@pytest.mark.parametrize(
+    "fault", some(sorted(CLAIMS, key=lambda name: (name not in FALSE_CLAIMS, name)), 4)
+)
 def test_a_program_that_is_not_solved_is_unknown_by_name(
     fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -208,7 +211,7 @@ def test_workers_that_die_are_no_answer(tmp_path: Path, monkeypatch: pytest.Monk
     program = load(tmp_path / "spec.srg").program
     assert program is not None
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(ROOT)]))
-    pool = EagerPool(2)
+    pool = EagerPool(1)
     try:
         with pytest.raises(WorkersLostError):
             synthesise(program, program.tasks["Turn"], RunContext(workers=pool))
@@ -245,7 +248,9 @@ def z3_fault(name: str):
     return check
 
 
-@pytest.mark.parametrize("name", ["raises", "has no memory", "unknown", "garbage", "nothing"])
+@pytest.mark.parametrize(
+    "name", some(["raises", "unknown", "garbage", "has no memory", "nothing"], 3)
+)
 @pytest.mark.parametrize("text", [BESIDE, SLIDER], ids=["impossible", "possible"])
 def test_z3_that_fails_refutes_nothing(
     name: str, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -314,7 +319,7 @@ SAT_FAULTS = {
 }
 
 
-@pytest.mark.parametrize("name", sorted(SAT_FAULTS))
+@pytest.mark.parametrize("name", some(SAT_FAULTS, 6))
 def test_a_sat_solver_that_fails_plans_nothing(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

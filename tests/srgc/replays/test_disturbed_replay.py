@@ -170,7 +170,7 @@ def test_none_leaves_the_tube(srgc: Command, made: Result) -> None:
 
 
 def test_none_leaves_the_tube_with_masses_of_single_modules(srgc: Command, made: Result) -> None:
-    asked = ("--disturbed", 12, "--seed", 3, "--timestep", "0.005")
+    asked = ("--disturbed", 12, "--seed", 3, "--timestep", "0.02")
     found = numbers(srgc, made("pair") / "out", *asked)
     assert (found["motions"], found["left"], found["certificate"]) == (12, [], "valid")
     for kind in KINDS:

@@ -82,7 +82,7 @@ def test_a_found_robot(srgc: Command, made: Result, simulator: str) -> None:
 
 def test_disturbances_are_in_the_tube(made: Result) -> None:
     replayed = replay_run.replay(
-        made("robust_arm") / "out", replay_run.ReplayRequest("mujoco", None, "rk4", 0)
+        made("closed") / "out", replay_run.ReplayRequest("mujoco", None, "rk4", 0)
     )
     assert "the tube holds all disturbed motions" in replay_text(replayed)
     found = json.loads(replay_json(replayed))
