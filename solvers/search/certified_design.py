@@ -128,7 +128,7 @@ def seen_broken(
     seen = simulated_motion(path_problem.numeric, motion, float(task.step), path_problem.substeps)
     if seen is None:
         return None
-    conditions = clear_violations(scene, motion, seen)
+    conditions = clear_violations(scene, motion, path_problem.numeric, seen)
     worst = decisive(conditions)
     if worst is not None:
         spread = path_problem.spread

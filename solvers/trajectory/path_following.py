@@ -124,7 +124,7 @@ class PathProblem:
     def limits(self) -> MotionLimits:
         """The limits of the motion, narrowed so that the proof passes."""
         insets = 0.0 if self.insets is None else self.insets
-        tightening = 0.0 if self.spread is None else self.spread.states[:, :, None]
+        tightening = 0.0 if self.spread is None else self.spread.states[..., None]
         final = 0.0 if self.spread is None else self.spread.final
         slack = self.limit_margin + insets + tightening
         found = motion_limits(self.model, self.task, slack, final)
@@ -202,7 +202,7 @@ class PathProblem:
         """
         place, _ = self.waypoints()
         limits = self.limits
-        box = (limits.lower, limits.upper)
+        box = limits.box
         if limits.start_values is not None:
             first = limits.start_values[None, :]
         else:
@@ -235,7 +235,7 @@ class PathProblem:
         cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
         return Corridor(
             self.numeric, theta, self.effector, cells, body_clearance(avoidances),
-            (limits.lower, limits.upper), self.margin, limits.start_values is not None,
+            limits.box, self.margin, limits.start_values is not None,
         )  # fmt: skip
 
     def solve(

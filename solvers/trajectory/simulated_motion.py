@@ -19,10 +19,11 @@ from flint import arb
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.expressions.evaluators.balls import BALLS, constant_ball, working_precision
-from compiler.expressions.tape import tape
+from compiler.expressions.tape import Tape, tape
 from compiler.robots.state_and_input import robot_states
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.proofs.apart import Apart
 from solvers.verifier.proofs.checked_condition import CheckedCondition, inside, least
 from solvers.verifier.proofs.effort_bounds import PLANNED, effort_conditions
 from solvers.verifier.proofs.end_conditions import final_rates, target_name
@@ -31,7 +32,7 @@ from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.start_check import start_conditions
 from solvers.verifier.proofs.trajectory_proof import cell_path
-from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.proofs.tube_checks import Constraint, Inside, Status
 
 INSTANTS = 4
 """So many times per step a motion is looked at; formulas twice as often."""
@@ -40,6 +41,8 @@ AGREEMENT = 1e-9
 MOST_PARTS = 64
 FLOOR = 1e-9
 """No error of the integration is thought to be smaller, in SI."""
+DOUBT = 1e-6
+"""Conditions that hold by more in floats, in metres, are not looked at in balls."""
 PRECISION = 64
 """In bits: that of the balls, so that they are hardly wider than the errors."""
 
@@ -135,7 +138,7 @@ def _fine_states(
 
 
 def clear_violations(
-    scene: Scene, motion: Motion, seen: SimulatedMotion
+    scene: Scene, motion: Motion, numeric: NumericRobot, seen: SimulatedMotion
 ) -> tuple[CheckedCondition, ...]:
     """The conditions on the planned motion that it violates for certain, if errors are no larger.
 
@@ -143,7 +146,7 @@ def clear_violations(
     of all motions of a loop, are not looked at.
     """
     with working_precision(PRECISION):
-        review, worst = _Review(scene, motion, seen), dict[str, CheckedCondition]()
+        review, worst = _Review(scene, motion, numeric, seen), dict[str, CheckedCondition]()
         for each in (*review.at_start(), *review.always(), *review.at_end(), *review.at_samples()):
             known = worst.get(each.name)
             if each.status is Status.FAILS and (known is None or each.margin < known.margin):
@@ -157,6 +160,7 @@ class _Review:
 
     scene: Scene
     motion: Motion
+    numeric: NumericRobot
     seen: SimulatedMotion
 
     @property
@@ -190,36 +194,62 @@ class _Review:
         return found
 
     @cached_property
-    def places(self) -> list[list[list[arb]]]:
-        """Positions of all points at the instants, (points, d) each."""
-        points, d = tape(self.scene.graph.points), self.scene.model.dimension
-        n, found = len(self.scene.model.dofs), []
-        for state in self.states:
-            flat = points.evaluate([*state[:n], *self.tail], BALLS)
-            found.append([flat[i : i + d] for i in range(0, len(flat), d)])
-        return found
+    def points(self) -> Tape:
+        """From coordinates, theta and k to the positions of all points."""
+        return tape(self.scene.graph.points)
+
+    def places(self, number: int) -> list[list[arb]]:
+        """Positions of all points at an instant, (points, d)."""
+        n, d = len(self.scene.model.dofs), self.scene.model.dimension
+        flat = self.points.evaluate([*self.states[number][:n], *self.tail], BALLS)
+        return [flat[i : i + d] for i in range(0, len(flat), d)]
 
     def instant(self, number: int) -> Slice:
         """An instant as the conditions of a tube look at it."""
         none = arb(0)
-        points = tuple(tuple((x, none, none) for x in place) for place in self.places[number])
+        points = tuple(tuple((x, none, none) for x in place) for place in self.places(number))
         return Slice(arb(number * self.step / INSTANTS), none, points)
+
+    @cached_property
+    def about(self) -> Array:
+        """Positions of all points at the instants in floats, (instants, points, d)."""
+        states = self.seen.states[:: self.seen.fine // INSTANTS, : self.numeric.n]
+        return self.numeric.points(states, self.seen.theta).value
+
+    def doubtful(self, condition: Constraint) -> list[int]:
+        """The instants at which a condition is not seen to hold by the facets of its set."""
+        if not isinstance(condition, (Inside, Apart)):
+            return list(range(len(self.states)))
+        normals = np.array([[float(x) for x in row.normal] for row in condition.rows])
+        offsets, lengths = (
+            np.array([float(x) for x in column])
+            for column in zip(*((row.offset, row.length) for row in condition.rows), strict=True)
+        )
+        beyond = (self.about[:, list(condition.points)] @ normals.T - offsets) / lengths
+        room = float(condition.distance) + DOUBT
+        if isinstance(condition, Inside):
+            unsure = np.max(beyond, axis=(1, 2), initial=-np.inf) > -room
+        else:
+            unsure = np.max(np.min(beyond, axis=1), axis=1, initial=-np.inf) < room
+        return np.flatnonzero(unsure).tolist()
 
     def at_start(self) -> list[CheckedCondition]:
         """Where and how the motion begins."""
-        return start_conditions(self.scene, self.motion, self.states[0], self.places[0])
+        return start_conditions(self.scene, self.motion, self.states[0], self.places(0))
 
     def always(self) -> Iterator[CheckedCondition]:
         """The bounds, clearances, ranges and rates that are violated."""
         constraints = position_conditions(self.scene, self.tail)
         limits = state_limits(self.scene, 2 * len(self.scene.model.dofs))
-        for number, state in enumerate(self.states):
-            at, time = self.instant(number), number * self.step / INSTANTS
-            for item in constraints:
+        for item in constraints:
+            for number in self.doubtful(item):
+                at, time = self.instant(number), number * self.step / INSTANTS
                 if item.violated(at):
                     margin = min(0.0, float(item.bound(at)[1].mid()))
                     place = item.where(at)
                     yield CheckedCondition(item.name, Status.FAILS, margin, "m", time, place)
+        for number, state in enumerate(self.states):
+            time = number * self.step / INSTANTS
             for limit in limits:
                 gap = limit.gap(state)
                 if bool(gap < 0):
@@ -236,7 +266,7 @@ class _Review:
         slow = None if rates is None else final_rates(self.scene.graph, rates)
         first = max(0, ceil(last - INSTANTS * task.stay / task.step))
         for number in range(first, last + 1):
-            place, time = self.places[number][self.motion.effector], number * self.step / INSTANTS
+            place, time = self.places(number)[self.motion.effector], number * self.step / INSTANTS
             yield inside(target_name(task.reach), target, place, time)
             if slow is not None:
                 yield least(slow.name, slow.gaps(self.states[number]), slow.unit, time)
@@ -245,7 +275,7 @@ class _Review:
         """The path of cells, and the inputs that a law commands."""
         scene, task, motion = self.scene, self.scene.task, self.motion
         following = None if task.satisfy else motion.effector
-        sampled = self.places[::INSTANTS]
+        sampled = [self.places(number) for number in range(0, len(self.states), INSTANTS)]
         found = [cell_path(scene.abstraction, self.step, motion.path, following, sampled)]
         if motion.law is not None:
             several = task.robust is not None or task.repeat

@@ -49,7 +49,7 @@ def test_a_slide_against_its_closed_form() -> None:
             0.03 + 0.02 * h * sample + np.sum(pushed[:sample] * (ages**2 - (ages - h) ** 2) / 2)
         )
     np.testing.assert_allclose(found.points[:, 0], places, rtol=1e-9)
-    np.testing.assert_allclose(found.states, [[places[-1], rates[-1]]], rtol=1e-9)
+    np.testing.assert_allclose(found.states[:, 0], np.transpose([places, rates]), rtol=1e-9)
     assert found.widest == pytest.approx(places[-1])
     np.testing.assert_allclose(found.scaled(2.5).points, 2.5 * found.points)
 
@@ -82,8 +82,8 @@ def test_two_links_against_differences() -> None:
         places += np.abs(one[1] - other[1]) / (2 * small)
     found = spread_of(numeric, where.task, motion)
     np.testing.assert_allclose(found.points, np.linalg.norm(places, axis=2), rtol=1e-5)
-    expected = states.max(axis=0).reshape(2, 2).T
-    np.testing.assert_allclose(found.states, expected, rtol=1e-5)
+    np.testing.assert_allclose(found.states[:, :, 0], states[:, :2], rtol=1e-5)
+    np.testing.assert_allclose(found.states[:, :, 1], states[:, 2:], rtol=1e-5)
 
 
 def test_without_disturbances_there_is_none() -> None:

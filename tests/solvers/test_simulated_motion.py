@@ -34,9 +34,12 @@ def where(clauses: str = CLAUSES, disturbances: str = "") -> Scene:
     return scene(TWO, spec(STEPS, disturbances, "box [-1, 1.9] x [-1, 1.6]", clauses))
 
 
+def robot(here: Scene) -> NumericRobot:
+    return NumericRobot(robot_graph(here.model, here.task.gravity))
+
+
 def simulated(here: Scene, motion: Motion) -> SimulatedMotion:
-    numeric = NumericRobot(robot_graph(here.model, here.task.gravity))
-    found = simulated_motion(numeric, motion, STEP, 2)
+    found = simulated_motion(robot(here), motion, STEP, 2)
     assert found is not None
     return found
 
@@ -119,7 +122,7 @@ def gaps(motion: Motion) -> dict[str, float]:
 
 
 def violated(here: Scene, motion: Motion) -> dict[str, CheckedCondition]:
-    found = clear_violations(here, motion, simulated(here, motion))
+    found = clear_violations(here, motion, robot(here), simulated(here, motion))
     # Which cells a random motion passes is not known here.
     return {each.name: each for each in found if not each.name.startswith("cell path")}
 
@@ -163,7 +166,7 @@ def test_what_the_errors_may_explain_is_not_clear() -> None:
     seen = simulated(here, motion)
     assert violated(here, motion)
     doubtful = replace(seen, errors=seen.errors + 10.0, off=seen.off + 100.0)
-    found = clear_violations(here, motion, doubtful)
+    found = clear_violations(here, motion, robot(here), doubtful)
     # How the motion starts, and that there is no such cell, is exact.
     assert all(each.name == "start rates" or "no cell" in each.name for each in found)
 
@@ -173,11 +176,11 @@ def test_an_obstacle_between_two_samples() -> None:
     x, y = 1.3 * np.cos(0.25), 1.3 * np.sin(0.25)
     box = f"box [{x - 0.01:.4f}, {x + 0.01:.4f}] x [{y - 0.01:.4f}, {y + 0.01:.4f}]"
     here = scene(ONE, spec(STEPS, "", box, "reach Begin; avoid End with effector;"))
-    numeric = NumericRobot(robot_graph(here.model, here.task.gravity))
+    numeric = robot(here)
     motion = Motion((), (F(0), F(1)), ((F(0),),) * STEPS, 0, ())
     seen = simulated_motion(numeric, motion, STEP, 2)
     assert seen is not None
-    (found,) = clear_violations(here, motion, seen)
+    (found,) = clear_violations(here, motion, numeric, seen)
     assert (found.name, found.time) == ("clearance of effector to End", pytest.approx(0.25))
     assert found.margin == pytest.approx(-0.01, abs=1e-4)
     places = numeric.points(seen.states[:: seen.fine, :1], seen.theta).value[:, 0]
@@ -189,11 +192,11 @@ def test_a_target_that_is_left_while_it_binds() -> None:
     pulls = [F(0)] * 5 + [F(-5), F(5), F(5)]
     clauses = "reach End rates <= 9 rad/s for 0.3 s;"
     here = scene(ONE, spec(STEPS, "", "box [-3, 3] x [-0.05, 3]", clauses))
-    numeric = NumericRobot(robot_graph(here.model, here.task.gravity))
+    numeric = robot(here)
     motion = Motion((), (F(0), F(0)), tuple((u,) for u in pulls), 0, ())
     seen = simulated_motion(numeric, motion, STEP, 2)
     assert seen is not None
-    names = {each.name for each in clear_violations(here, motion, seen)}
+    names = {each.name for each in clear_violations(here, motion, numeric, seen)}
     inertia, angle, rate, low = 1.3**3 / 3, 0.0, 0.0, []
     for u in pulls:
         times = np.linspace(0, STEP, INSTANTS + 1)
