@@ -36,7 +36,7 @@ from solvers.verifier.proofs.tube_checks import Constraint, Inside, Status
 
 INSTANTS = 4
 """So many times per step a motion is looked at; formulas twice as often."""
-AGREEMENT = 1e-9
+AGREEMENT = 1e-8
 """Twice as many parts of a step change no entry of a state by more, in SI."""
 MOST_PARTS = 64
 FLOOR = 1e-9
