@@ -56,6 +56,12 @@ class DisturbanceSpread:
         """The largest deviation of a position in metres or of a coordinate in rad or m."""
         return max(self.widest, float(np.max(self.states[:, :, 0], initial=0.0)))
 
+    @property
+    def within_steps(self) -> Array:
+        """Per sample the largest of ``states`` from the one before to the next, (k + 1, n, 2)."""
+        wide = np.pad(self.states, ((1, 1), (0, 0), (0, 0)), mode="edge")
+        return np.maximum(np.maximum(wide[:-2], wide[1:-1]), wide[2:])
+
     def scaled(self, factor: float) -> DisturbanceSpread:
         """So many times as wide."""
         return DisturbanceSpread(

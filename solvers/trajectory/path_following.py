@@ -124,7 +124,7 @@ class PathProblem:
     def limits(self) -> MotionLimits:
         """The limits of the motion, narrowed so that the proof passes."""
         insets = 0.0 if self.insets is None else self.insets
-        tightening = 0.0 if self.spread is None else self.spread.states[..., None]
+        tightening = 0.0 if self.spread is None else self.spread.within_steps[..., None]
         final = 0.0 if self.spread is None else self.spread.final
         slack = self.limit_margin + insets + tightening
         found = motion_limits(self.model, self.task, slack, final)
