@@ -111,7 +111,7 @@ class PathProblem:
     def groups(self) -> tuple[InputGroup, ...]:
         """The bounded inputs, narrowed by what feedback may command besides."""
         groups = input_groups(self.model, self.task)
-        if self.spread is None or not self.spread.inputs.size:
+        if self.spread is None or not self.spread.inputs.any():
             return groups
         return tuple(group.narrowed(self.spread.inputs) for group in groups)
 
