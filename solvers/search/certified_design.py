@@ -12,12 +12,13 @@ from grammar_lang import ir
 from solvers.search.closed_loop import controlled, loop_claim
 from solvers.search.configuration_search import Configuration
 from solvers.search.path_task import Design, beyond_loop, missing_margin, motion_of
-from solvers.trajectory.fine_motion import fine_motion
+from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
 from solvers.trajectory.visited_cells import cell_names
 from solvers.verifier.proofs.checked_condition import decisive
 from solvers.verifier.proofs.effort_bounds import planned_efforts
-from solvers.verifier.proofs.scene import Watch
+from solvers.verifier.proofs.scene import Scene, Watch
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 
 
@@ -26,12 +27,13 @@ class Unproved:
     """Why a proof did not go through, in words that follow a reason.
 
     ``lacking`` is how much wider the margin for disturbed motions has to be, as a part of it,
-    ``beyond`` by what part motions leave the set of their loop.
+    ``beyond`` by what part motions leave the set of their loop.  ``note`` says what was tried.
     """
 
     obstacle: str
     lacking: float = 0.0
     beyond: float = 0.0
+    note: str = "the proof did not go through"
 
 
 NO_SET = Unproved("; no set of states was found that every round returns into")
@@ -47,6 +49,8 @@ def certified_design(
     path_problem: PathProblem,
     found: Configuration,
     tick: Callable[[], None],
+    *,
+    last: bool = False,
 ) -> Design | Unproved | None:
     """The design, if the continuous-time nonlinear robot is proved to do the task.
 
@@ -59,6 +63,7 @@ def certified_design(
         path_problem: what was asked of the motion.
         found: the motion.
         tick: called again and again; what it raises ends the proof.
+        last: no other motion is tried, so that doubts do not end this one.
     """
     trajectory, model = found.outcome.trajectory, path_problem.model
     parameters = nearest_values(model.parameters, trajectory.theta)
@@ -89,6 +94,9 @@ def certified_design(
             return NO_SET
         design = replace(design, loop=loop)
     scene = scene_of(program, task, model, path_problem.abstraction, derivation)
+    broken = seen_broken(scene, design, path_problem, last=last)
+    if broken is not None:
+        return broken
     conditions = prove_motion(scene, motion_of(design), Watch(tick))
     obstacle = decisive(conditions)
     if obstacle is not None:
@@ -107,3 +115,28 @@ def certified_design(
         outcome = replace(found.outcome, trajectory=trajectory, effort_peak=peak, robustness=rho)
     configuration = replace(found, outcome=outcome)
     return replace(design, configuration=configuration, conditions=conditions)
+
+
+def seen_broken(
+    scene: Scene, design: Design, path_problem: PathProblem, *, last: bool
+) -> Unproved | None:
+    """What a simulated motion breaks for certain, and why no proof is spent on it; else None.
+
+    That a formula seems to fail is not certain: the ``last`` motion is proved for all that.
+    """
+    motion, task = motion_of(design), path_problem.task
+    seen = simulated_motion(path_problem.numeric, motion, float(task.step), path_problem.substeps)
+    if seen is None:
+        return None
+    conditions = clear_violations(scene, motion, path_problem.numeric, seen)
+    worst = decisive(conditions)
+    if worst is not None:
+        spread = path_problem.spread
+        return Unproved(
+            f"; the motion simulated before a proof: {worst.reason}",
+            0.0 if spread is None else missing_margin(conditions, spread),
+            note=f"a simulation of the motion breaks a condition ({worst.name})",
+        )
+    if last or seems_to_satisfy(path_problem, seen):
+        return None
+    return Unproved("; a formula fails between the samples", note="a formula fails between samples")

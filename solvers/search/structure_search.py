@@ -43,7 +43,7 @@ from solvers.search.sampled_cells import reachable_cells, standing_configuration
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
 from solvers.trajectory.corridor import polyline
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
-from solvers.trajectory.fine_motion import refined, seems_to_satisfy, unstable
+from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
@@ -105,6 +105,8 @@ class StructureSearch:
     loop: int | None = None
     obstacle: str = ""
     """What stood in the way of the last motion that was tried."""
+    note: str = ""
+    """The same in a few words."""
     lacking: float = 0.0
     """How much wider its margin has to be for what the task says of disturbances."""
     beyond: float = 0.0
@@ -357,14 +359,11 @@ class StructureSearch:
                 self.obstacle = f"{tried}; the motion is unstable: its inputs alone do not cause it"
                 return Attempt(None, found.outcome.robustness, unstable=not self.task.control)
             self.lacking = self.beyond = 0.0
-            if tightening.is_last or seems_to_satisfy(path_problem, found.outcome.trajectory):
-                design = self.certified(path_problem, found)
-                if design is not None:
-                    return Attempt(design, found.outcome.robustness)
-                tried = self.obstacle
-                self.context.reporter.note("the proof did not go through; trying a wider margin")
-            else:
-                self.obstacle = "; a formula fails between the samples"
+            design = self.certified(path_problem, found, last=tightening.is_last)
+            if design is not None:
+                return Attempt(design, found.outcome.robustness)
+            tried = self.obstacle
+            self.context.reporter.note(f"{self.note}; trying a wider margin")
             tightening = tightening.wider(self.lacking, path_problem.spread, self.beyond)
         return Attempt(None, found.outcome.robustness)
 
@@ -376,17 +375,21 @@ class StructureSearch:
         wider = replace(wider, slack=tightening.slack)
         return wider.spreading(trajectory, tightening.spreads) if self.task.robust else wider
 
-    def certified(self, path_problem: PathProblem, found: Configuration) -> Design | None:
+    def certified(
+        self, path_problem: PathProblem, found: Configuration, *, last: bool = True
+    ) -> Design | None:
         """The design, if the continuous-time nonlinear robot is proved to do the task."""
         answer = certified_design(
-            self.program, self.proved, self.derivation, path_problem, found, self.context.check_time
-        )
+            self.program, self.proved, self.derivation, path_problem, found,
+            self.context.check_time, last=last,
+        )  # fmt: skip
         if isinstance(answer, Design):
             return answer
         if answer is not None:
             self.obstacle, self.lacking, self.beyond = (
                 answer.obstacle, answer.lacking, answer.beyond,
             )  # fmt: skip
+            self.note = answer.note
         return None
 
 

@@ -11,14 +11,11 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
 from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
-from solvers.trajectory.task_limits import InputGroup, MotionLimits, effort_scale
+from solvers.trajectory.task_limits import ROUNDING, InputGroup, MotionLimits, effort_scale
 from solvers.trajectory.trajectory import Trajectory
 
 RowsOf = Callable[[Array], PositionRows]
 """Position rows for the positions (k + 1, m, d) of a reference trajectory."""
-
-ROUNDING = 1e-7
-"""Inputs that leave their bounds by no more, relatively, have left them by rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +114,7 @@ def within_bounds(groups: tuple[InputGroup, ...], u: Array) -> Array:
         columns = list(group.inputs)
         if group.norm2:
             continue
-        clipped = np.clip(u[:, columns], group.lower, group.upper)
+        clipped = np.clip(u[:, columns], *group.bounds())
         near = np.abs(clipped - u[:, columns]) <= ROUNDING * (1 + abs(group.upper))
         kept[:, columns] = np.where(near, clipped, u[:, columns])
     return kept
@@ -188,7 +185,7 @@ def limit_excess(limits: MotionLimits, x: Array) -> float:
 
     It is in SI units: rad or m of coordinates, the same per second of rates.
     """
-    n = len(limits.lower)
+    n = limits.joints
     q, v = x[:, :n], x[:, n : 2 * n]
     gaps = [limits.lower - q, q - limits.upper, (limits.rate_lower - v)[1:]]
     gaps += [(v - limits.rate_upper)[1:], np.abs(v[:1]) - limits.start_rates]

@@ -132,7 +132,7 @@ class ConvexStep:
         question, about = self.question, model.about
         k, m = about.u.shape
         layout = StepLayout(
-            n=len(question.limits.lower), width=about.x.shape[1], m=m, k=k,
+            n=question.limits.joints, width=about.x.shape[1], m=m, k=k,
             p=0 if question.theta_box is None else len(about.theta),
             fictitious=fictitious, slacks=question.epsilon is not None,
         )  # fmt: skip

@@ -36,14 +36,14 @@ class DisturbanceSpread:
 
     Attributes:
         points: (k + 1, m) of the positions of all points at the samples, in metres.
-        states: (n, 2) of coordinates and rates, the largest along the motion, in SI units.
-        inputs: (m,) of what feedback commands, the largest along the motion, in SI units.
+        states: (k + 1, n, 2) of coordinates and rates at the samples, in SI units.
+        inputs: (k, m) of what feedback commands in the steps, in SI units.
         final: of any rate at the samples where the task binds final rates, in SI units.
     """
 
     points: Array
     states: Array
-    inputs: Array = field(default_factory=lambda: np.zeros(0))
+    inputs: Array = field(default_factory=lambda: np.zeros((0, 0)))
     final: float = 0.0
 
     @property
@@ -54,7 +54,13 @@ class DisturbanceSpread:
     @property
     def size(self) -> float:
         """The largest deviation of a position in metres or of a coordinate in rad or m."""
-        return max(self.widest, float(np.max(self.states[:, 0], initial=0.0)))
+        return max(self.widest, float(np.max(self.states[:, :, 0], initial=0.0)))
+
+    @property
+    def within_steps(self) -> Array:
+        """Per sample the largest of ``states`` from the one before to the next, (k + 1, n, 2)."""
+        wide = np.pad(self.states, ((1, 1), (0, 0), (0, 0)), mode="edge")
+        return np.maximum(np.maximum(wide[:-2], wide[1:-1]), wide[2:])
 
     def scaled(self, factor: float) -> DisturbanceSpread:
         """So many times as wide."""
@@ -212,9 +218,8 @@ def disturbance_spread(
         if not np.isfinite(columns).all():
             points[sample:], states[sample:], inputs[sample:] = np.inf, np.inf, np.inf
             break
-    largest = np.max(inputs, axis=0, initial=0.0)
     final = float(np.max(states[-final_samples(task) :, n:], initial=0.0))
-    return DisturbanceSpread(points, states.max(axis=0).reshape(2, n).T, largest, final)
+    return DisturbanceSpread(points, states.reshape(k + 1, 2, n).transpose(0, 2, 1), inputs, final)
 
 
 def heavier_masses(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory) -> Array:

@@ -133,11 +133,7 @@ def closed_motion(
         u = planned - gains[k] @ (states[-1] - about.x[k])
         for group in groups:
             columns = list(group.inputs)
-            if group.norm2:
-                size = float(np.linalg.norm(u[columns]))
-                u[columns] *= min(1.0, group.upper / size) if size > 0 else 1.0
-            else:
-                u[columns] = np.clip(u[columns], group.lower, group.upper)
+            u[columns] = group.clipped(u[columns], k)
         inputs.append(u)
         states.append(numeric.simulate(states[-1], u[None, :], about.theta, dt, substeps)[1])
     return Trajectory(np.array(states), np.array(inputs), about.theta)

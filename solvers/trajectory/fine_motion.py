@@ -15,6 +15,7 @@ from compiler.tasks.word_formula import holds
 from compiler.time_limits.time_limit import is_late
 from compiler.workspaces.polytope import polytope_of
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
+from solvers.trajectory.simulated_motion import SimulatedMotion
 from solvers.trajectory.task_limits import state_limits
 from solvers.trajectory.trajectory import Trajectory
 
@@ -134,34 +135,25 @@ def _within_steps(path_problem: PathProblem, trajectory: Trajectory) -> Array:
     return np.concatenate([trajectory.x, *found])
 
 
-# --- A look at a motion between its samples, in floats, before a proof is tried -------------------
-#
-# A motion that seems to break a formula there is worth a wider margin at once.
+# --- Whether a motion seems to satisfy formulas between its samples, in floats --------------------
 
 
-PARTS = 8
-"""A step is looked at so many times."""
-
-
-def seems_to_satisfy(path_problem: PathProblem, trajectory: Trajectory) -> bool:
-    """Whether the places of the effectors, ``PARTS`` times a step, satisfy the formulas."""
+def seems_to_satisfy(path_problem: PathProblem, seen: SimulatedMotion) -> bool:
+    """Whether the places of the effectors at the instants of a motion satisfy the formulas."""
     formulas = [clause.formula for clause in path_problem.task.satisfy]
     if not formulas:
         return True
     task, workspace, numeric = path_problem.task, path_problem.workspace, path_problem.numeric
-    u = np.repeat(trajectory.u, PARTS, axis=0)
-    dt = float(task.step) / PARTS
     with np.errstate(all="ignore"):
-        states = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt, path_problem.substeps)
-        places = numeric.points(states[:, : numeric.n], trajectory.theta).value
-    word: list[dict[int, frozenset[str]]] = [{} for _ in states]
+        places = numeric.points(seen.states[:, : numeric.n], seen.theta).value
+    word: list[dict[int, frozenset[str]]] = [{} for _ in seen.states]
     named = {(atom.region, atom.effector) for atom in atoms(*formulas)}
     for effector in sorted({number for _, number in named}):
         inside: dict[str, Array] = {}
         for region in sorted(region for region, number in named if number == effector):
             shape = polytope_of(workspace.region(region).shape, workspace.dimension)
             inside[region] = np.all(places[:, effector - 1] @ shape.A.T <= shape.b, axis=1)
-        for sample, letter in enumerate(word):
-            letter[effector] = frozenset(name for name, flags in inside.items() if flags[sample])
-    step = task.step / Fraction(PARTS)
-    return all(holds(sampled(f, step, task.steps * PARTS), word) for f in formulas)
+        for instant, letter in enumerate(word):
+            letter[effector] = frozenset(name for name, flags in inside.items() if flags[instant])
+    step = task.step / Fraction(seen.fine)
+    return all(holds(sampled(f, step, task.steps * seen.fine), word) for f in formulas)

@@ -111,7 +111,7 @@ class PathProblem:
     def groups(self) -> tuple[InputGroup, ...]:
         """The bounded inputs, narrowed by what feedback may command besides."""
         groups = input_groups(self.model, self.task)
-        if self.spread is None or not self.spread.inputs.size:
+        if self.spread is None or not self.spread.inputs.any():
             return groups
         return tuple(group.narrowed(self.spread.inputs) for group in groups)
 
@@ -124,7 +124,7 @@ class PathProblem:
     def limits(self) -> MotionLimits:
         """The limits of the motion, narrowed so that the proof passes."""
         insets = 0.0 if self.insets is None else self.insets
-        tightening = 0.0 if self.spread is None else self.spread.states[:, :, None]
+        tightening = 0.0 if self.spread is None else self.spread.within_steps[..., None]
         final = 0.0 if self.spread is None else self.spread.final
         slack = self.limit_margin + insets + tightening
         found = motion_limits(self.model, self.task, slack, final)
@@ -202,7 +202,7 @@ class PathProblem:
         """
         place, _ = self.waypoints()
         limits = self.limits
-        box = (limits.lower, limits.upper)
+        box = limits.box
         if limits.start_values is not None:
             first = limits.start_values[None, :]
         else:
@@ -235,7 +235,7 @@ class PathProblem:
         cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
         return Corridor(
             self.numeric, theta, self.effector, cells, body_clearance(avoidances),
-            (limits.lower, limits.upper), self.margin, limits.start_values is not None,
+            limits.box, self.margin, limits.start_values is not None,
         )  # fmt: skip
 
     def solve(

@@ -100,7 +100,7 @@ class _Step:
     @property
     def n(self) -> int:
         """The number of coordinates."""
-        return len(self.question.limits.lower)
+        return self.question.limits.joints
 
     # --- the objective --------------------------------------------------------------------------
 
@@ -174,6 +174,10 @@ class _Step:
                 found.append(cp.norm(u, 2, axis=1) <= group.upper - self.rho)
             else:
                 found += [u <= group.upper - self.rho, u >= group.lower + self.rho]
+            if group.kept.size:
+                lower, upper = (np.broadcast_to(end, u.shape) for end in group.bounds())
+                found += [cp.norm(u, 2, axis=1) <= upper[:, 0]] if group.norm2 else []
+                found += [] if group.norm2 else [u >= lower, u <= upper]
         return found
 
     def slacks(self) -> list[cp.Constraint]:
@@ -192,7 +196,7 @@ class _Step:
         limits, n = self.question.limits, self.n
         first = 0 if limits.start_values is None else 1
         q, rates, own = self.x[:, :n], self.x[:, n : 2 * n], self.x[0, 2 * n :]
-        found = _between(q[first:], limits.lower, limits.upper)
+        found = _between(q, limits.lower, limits.upper, first)
         found += _between(rates, limits.rate_lower, limits.rate_upper)
         final = rates[-limits.final_samples :]
         for end, bound in (rates[0], limits.start_rates), (final, limits.final_rates):
@@ -210,7 +214,7 @@ class _Step:
         """Where the linearisation is believed, and the box of the parameters."""
         limits, radius, about = self.question.limits, self.region.radius, self.model.about
         first = 0 if limits.start_values is None else 1
-        centre = np.clip(about.x[first:, : self.n], limits.lower, limits.upper)
+        centre = np.clip(about.x[:, : self.n], limits.lower, limits.upper)[first:]
         found = [cp.abs(self.x[first:, : self.n] - centre) <= radius]
         box = self.question.theta_box
         if self.free and box is not None:
@@ -239,10 +243,13 @@ def _rowwise(matrix: Array, unknown: cp.Expression) -> cp.Expression:
     return cp.sum(cp.multiply(matrix, unknown), axis=1)
 
 
-def _between(values: cp.Expression, lower: Array, upper: Array) -> list[cp.Constraint]:
-    """Columns within bounds, as far as these are finite."""
+def _between(
+    values: cp.Expression, lower: Array, upper: Array, first: int = 0
+) -> list[cp.Constraint]:
+    """Columns within bounds from a row on, as far as these are finite."""
     found = []
-    for j, (low, high) in enumerate(zip(lower, upper, strict=True)):
-        found += [values[:, j] >= low] if np.isfinite(low) else []
-        found += [values[:, j] <= high] if np.isfinite(high) else []
+    ends = (np.broadcast_to(end, values.shape)[first:].T for end in (lower, upper))
+    for j, (low, high) in enumerate(zip(*ends, strict=True)):
+        found += [values[first:, j] >= low] if np.isfinite(low).all() else []
+        found += [values[first:, j] <= high] if np.isfinite(high).all() else []
     return found

@@ -120,7 +120,10 @@ class StepProgram:
         self._less_right = np.concatenate([*right, np.zeros(0)])
 
     def _second_order(self) -> Cones | None:
-        """C.3 for groups of inputs that are bounded together: |u|_2 <= bound - rho."""
+        """C.3 for groups of inputs that are bounded together: |u|_2 <= bound - rho.
+
+        Where inputs keep a distance from the bound, |u|_2 <= bound - kept besides.
+        """
         layout, sizes = self.layout, list[int]()
         entries, values, right = EntryList(), list[Array](), list[Array]()
         for group in self.question.groups:
@@ -131,6 +134,12 @@ class StepProgram:
                 entries.add(columns[:, None])
                 values += [np.ones(1), np.full(len(columns), -1.0)]
                 right.append(np.array([group.upper, *np.zeros(len(columns))]))
+                sizes.append(1 + len(columns))
+            for columns, kept in zip(layout.u[:, list(group.inputs)], group.kept, strict=False):
+                entries.add(np.zeros((1, 0), dtype=np.int64))
+                entries.add(columns[:, None])
+                values.append(np.full(len(columns), -1.0))
+                right.append(np.array([group.upper - kept, *np.zeros(len(columns))]))
                 sizes.append(1 + len(columns))
         if not sizes:
             return None
@@ -189,8 +198,9 @@ class StepProgram:
         layout, question, about = self.layout, self.question, model.about
         n, limits = layout.n, question.limits
         lower, upper = np.full(layout.size, -np.inf), np.full(layout.size, np.inf)
-        low = np.tile(limits.lower, (layout.k + 1, 1))
-        high = np.tile(limits.upper, (layout.k + 1, 1))
+        shape = layout.k + 1, n
+        low = np.array(np.broadcast_to(limits.lower, shape))
+        high = np.array(np.broadcast_to(limits.upper, shape))
         if limits.start_values is not None:
             low[0] = high[0] = limits.start_values
         q, v = about.x[:, :n], about.x[:, n : 2 * n]
@@ -201,6 +211,10 @@ class StepProgram:
             lower[layout.x[0, :n]], upper[layout.x[0, :n]] = -np.inf, np.inf
         low, high = rate_bounds(limits, layout.k)
         lower[layout.x[:, n : 2 * n]], upper[layout.x[:, n : 2 * n]] = low - v, high - v
+        for group in question.groups:
+            if group.kept.size and not group.norm2:
+                columns = layout.u[:, list(group.inputs)]
+                lower[columns], upper[columns] = group.bounds()
         if question.theta_box is not None:
             reach, box = radius * np.maximum(np.abs(about.theta), LEAST), question.theta_box
             lower[layout.theta] = np.maximum(box[0] - about.theta, -reach)
@@ -237,7 +251,7 @@ class StepProgram:
 
 def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:
     """Bounds of the rates (k + 1, n); infinite at ends at rest, where an equality says it."""
-    shape = (steps + 1, len(limits.lower))
+    shape = (steps + 1, limits.joints)
     low = np.array(np.broadcast_to(limits.rate_lower, shape))
     high = np.array(np.broadcast_to(limits.rate_upper, shape))
     for samples, bound in _end_rates(limits, steps):

@@ -21,6 +21,8 @@ NARROW = 0.1
 """Limits are narrowed at most by this part of a range's width."""
 RATE_MARGIN = 0.5
 """Final rates are bound by at most this fraction of what the task says."""
+ROUNDING = 1e-7
+"""Inputs that leave their bounds by no more, relatively, have left them by rounding."""
 LEAST_RATE = 0.05
 """They are so by at least this fraction, however far disturbed motions spread."""
 
@@ -52,15 +54,16 @@ def motion_limits(
     """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
 
     Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width; an
-    array gives the slacks of ranges and rates at their lower and upper ends, shape (n, 2, 2).
+    array gives the slacks of ranges and rates at their lower and upper ends, shape (n, 2, 2), or
+    (k + 1, n, 2, 2) where samples differ.
     Disturbed motions are to be off by ``spread`` from the final rates, in SI units.
     """
-    slacks = np.broadcast_to(slack, (len(model.dofs), 2, 2))
     limits = state_limits(model)
     width = np.diff(limits, axis=2)
     most = np.where(np.isfinite(width), NARROW * width, 0.0)
-    inset = np.minimum(slacks, most) * np.array([1.0, -1.0])
-    ranges, rates = (limits + inset).transpose(1, 0, 2)
+    inset = np.minimum(slack, most) * np.array([1.0, -1.0])
+    narrow = limits + inset
+    ranges, rates = narrow[..., 0, :], narrow[..., 1, :]
     start = task.start
     values = None
     if isinstance(start, ir.StartAt):
@@ -72,7 +75,7 @@ def motion_limits(
         final = min(RATE_MARGIN * bound, max(bound - spread, LEAST_RATE * bound))
     own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
     return MotionLimits(
-        ranges[:, 0], ranges[:, 1], rates[:, 0], rates[:, 1], start_rates, final, values,
+        ranges[..., 0], ranges[..., 1], rates[..., 0], rates[..., 1], start_rates, final, values,
         np.array(own), final_samples(task),
     )  # fmt: skip
 
@@ -102,7 +105,8 @@ class InputGroup:
     """Inputs in [lower, upper] each, or of Euclidean norm at most ``upper`` (``norm2``).
 
     Bounds are in SI units: N m or N where ``effort`` says that the inputs are free ones of joints,
-    else the units of the declared inputs.
+    else the units of the declared inputs.  In step i the inputs keep a distance ``kept[i]`` from
+    them at least; an empty array is 0 everywhere.
     """
 
     inputs: tuple[int, ...]
@@ -110,30 +114,49 @@ class InputGroup:
     upper: float
     norm2: bool
     effort: bool = True
+    kept: Array = field(default_factory=lambda: np.zeros(0))
 
     def narrowed(self, spread: Array) -> InputGroup:
-        """The group where inputs may differ by ``spread`` (m,) from what is planned.
+        """The group where inputs may differ by ``spread`` (k, m) from what is planned.
 
         Bounds do not cross: where the spread is more than all of them, one value is left.
         """
-        own = spread[list(self.inputs)]
-        less = float(np.linalg.norm(own)) if self.norm2 else float(np.max(own, initial=0.0))
-        less = min(less, self.widest_margin)
-        lower = self.lower if self.norm2 else self.lower + less
-        return replace(self, lower=lower, upper=self.upper - less)
+        own = spread[:, list(self.inputs)]
+        kept = np.linalg.norm(own, axis=1) if self.norm2 else np.max(own, axis=1, initial=0.0)
+        return replace(self, kept=np.minimum(kept, self.widest_margin))
+
+    def clipped(self, u: Array, step: int) -> Array:
+        """Inputs (m,) of a step brought into the bounds that they have there."""
+        kept = float(self.kept[step]) if self.kept.size else 0.0
+        if not self.norm2:
+            return np.clip(u, self.lower + kept, self.upper - kept)
+        size = float(np.linalg.norm(u))
+        return u * min(1.0, (self.upper - kept) / size) if size > 0 else u
 
     @property
     def widest_margin(self) -> float:
         """The margin of inputs in the middle of their bounds."""
         return self.upper if self.norm2 else (self.upper - self.lower) / 2
 
+    def bounds(self) -> tuple[Array, Array]:
+        """The bounds that inputs of each step have to keep, (k, 1) each, or (1, 1) for all."""
+        kept = self.kept[:, None] if self.kept.size else np.zeros((1, 1))
+        return self.lower + kept, self.upper - kept
+
     def margin(self, u: Array) -> float:
-        """The least distance of inputs (k, m) from the bounds, in their units."""
+        """The least distance of inputs (k, m) from the bounds, in their units.
+
+        Where they do not keep the distance that is asked for, how far they are from that.
+        """
         own = u[:, list(self.inputs)]
         if self.norm2:
             own = np.linalg.norm(own, axis=1, keepdims=True)
         gaps = self.upper - own if self.norm2 else np.minimum(self.upper - own, own - self.lower)
-        return float(np.min(gaps, initial=self.widest_margin))
+        found = float(np.min(gaps, initial=self.widest_margin))
+        if not self.kept.size:
+            return found
+        spare = float(np.min(gaps - self.kept[:, None], initial=self.widest_margin))
+        return found if spare >= -ROUNDING * (1 + abs(self.upper)) else spare
 
 
 def effort_scale(groups: tuple[InputGroup, ...]) -> float:
@@ -148,11 +171,11 @@ def effort_scale(groups: tuple[InputGroup, ...]) -> float:
 class MotionLimits:
     """What binds the state apart from positions, in SI units.
 
-    Arrays have one entry per degree of freedom: coordinates in rad or m, rates in the same per
-    second.  ``start_rates`` bounds the initial rates (0: at rest), ``final_rates`` the final ones
-    (inf: free) at the last ``final_samples`` samples, ``start_values`` fixes the initial
-    coordinates and ``own_start`` (r,) the initial states of the modules' own.  The last state is
-    that of the sample ``loop``, if there is one.
+    Bounds have one entry per degree of freedom, (n,), or such a row for each sample, (k + 1, n):
+    coordinates in rad or m, rates in the same per second.  ``start_rates`` bounds the initial rates
+    (0: at rest), ``final_rates`` the final ones (inf: free) at the last ``final_samples`` samples,
+    ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial states of the
+    modules' own.  The last state is that of the sample ``loop``, if there is one.
     """
 
     lower: Array
@@ -165,3 +188,14 @@ class MotionLimits:
     own_start: Array = field(default_factory=lambda: np.zeros(0))
     final_samples: int = 1
     loop: int | None = None
+
+    @property
+    def joints(self) -> int:
+        """The number of degrees of freedom."""
+        return int(self.lower.shape[-1])
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Bounds of coordinates (n,) that are kept to at any sample."""
+        lower, upper = np.atleast_2d(self.lower), np.atleast_2d(self.upper)
+        return lower.max(axis=0), upper.min(axis=0)

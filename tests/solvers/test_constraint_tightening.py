@@ -15,7 +15,9 @@ from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 
-SPREAD = DisturbanceSpread(np.array([[0.0], [0.01], [0.04]]), np.array([[0.02, 0.1]]))
+SPREAD = DisturbanceSpread(
+    np.array([[0.0], [0.01], [0.04]]), np.array([[[0.0, 0.1]], [[0.02, 0.1]], [[0.01, 0.0]]])
+)
 
 
 def finding(margin: float, unit: str = "m", status: Status = Status.UNDECIDED) -> CheckedCondition:
@@ -32,7 +34,7 @@ def test_the_largest_lack_counts_as_a_part_of_the_tightening() -> None:
 
 
 def test_what_the_disturbances_do_not_move_is_given_a_wider_margin() -> None:
-    none = DisturbanceSpread(np.zeros((3, 1)), np.zeros((1, 2)))
+    none = DisturbanceSpread(np.zeros((3, 1)), np.zeros((3, 1, 2)))
     lacking = missing_margin([finding(-0.01)], none)
     assert ConstraintTightening().wider(lacking, none) == ConstraintTightening(MARGINS[1])
     assert missing_margin([finding(float("-inf"), "")], none) == float("inf")

@@ -236,3 +236,19 @@ def test_what_an_outcome_without_missing_forces_lacks() -> None:
     assert said == "passes a limit of a joint or a rate by 0.01 (SI)"
     broken = replace(motion, x=np.full_like(motion.x, np.nan))
     assert "no finite" in shortfall(problem, replace(lacks, trajectory=broken))
+
+
+@pytest.mark.parametrize("norm2", [False, True])
+def test_a_distance_that_is_kept_from_a_bound_is_no_part_of_the_margin(norm2: bool) -> None:
+    """Rho is about the bound; what disturbances may add binds besides, step by step."""
+    group = InputGroup((0, 1), -6.0, 6.0, norm2)
+    spread = np.array([[3.0, 0.0, 9.0], [0.0, 4.0, 9.0], [50.0, 0.0, 0.0]])
+    narrowed = group.narrowed(spread)
+    np.testing.assert_allclose(narrowed.kept, [3.0, 4.0, 6.0])
+    u = np.array([[2.0, 0.0], [0.0, -2.0], [0.0, 0.0]])
+    assert narrowed.margin(u) == pytest.approx(group.margin(u)) == pytest.approx(4.0)
+    u[0, 0] = 3.5
+    assert group.margin(u) == pytest.approx(2.5)
+    assert narrowed.margin(u) == pytest.approx(-0.5)
+    np.testing.assert_allclose(narrowed.clipped(np.array([5.0, 0.0]), 0), [3.0, 0.0])
+    np.testing.assert_allclose(narrowed.clipped(np.array([0.0, -5.0]), 1), [0.0, -2.0])

@@ -112,6 +112,15 @@ JUMP = replace(
     rate_lower=np.full(2, -0.1),
     rate_upper=np.full(2, 0.1),
 )
+WAVE = np.sin(np.arange(STEPS + 1))[:, None]
+BY_SAMPLE = replace(
+    FREE,
+    rate_lower=np.array([-0.4, -np.inf]) + 0.1 * WAVE,
+    rate_upper=np.array([0.5, 0.6]) - 0.3 * WAVE**2,
+    lower=np.array([-1.0, -np.inf]) + 0.2 * WAVE,
+    upper=np.array([np.inf, 0.9]) + 0.3 * WAVE,
+)
+KEPT = np.array([0.0, 2.0, 4.0, 3.5, 1.0, 0.5])
 CASES = {
     "free": Case(),
     "far: needs sigma": Case(offset=4.0, radius=0.3),
@@ -136,6 +145,12 @@ CASES = {
         groups=(InputGroup((0,), -3.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
         offset=0.2,
     ),
+    "limits by sample": Case(BY_SAMPLE, offset=0.1, radius=0.6),
+    "limits by sample, given start": Case(
+        replace(BY_SAMPLE, start_values=np.array([0.1, 0.2])), offset=0.1
+    ),
+    "inputs by step": Case(groups=(replace(GROUPS[0], lower=-4.0, upper=5.0, kept=KEPT),)),
+    "inputs by step, norm": Case(groups=(replace(TOGETHER[0], kept=KEPT),), offset=0.2),
     "a jump: needs V": Case(JUMP, offset=0.1, radius=0.9),
     "free lengths": Case(box=BOX),
     "free lengths, norm, tight": Case(
@@ -256,18 +271,20 @@ def test_the_point_satisfies_every_constraint(case: str) -> None:
         part = u[:, list(group.inputs)]
         size = np.linalg.norm(part, axis=1) if group.norm2 else part.max(axis=1)
         assert np.all(size <= group.upper - found.margin + tolerance)
+        if group.kept.size:
+            assert np.all(np.abs(part).max(axis=1) <= group.upper - group.kept + tolerance)
         assert group.norm2 or np.all(part >= group.lower + found.margin - tolerance)
     first = 0 if limits.start_values is None else 1
     bound = x[first:, :2]
-    assert np.all(bound >= limits.lower - tolerance)
-    assert np.all(bound <= limits.upper + tolerance)
+    assert np.all((x[:, :2] >= limits.lower - tolerance)[first:])
+    assert np.all((x[:, :2] <= limits.upper + tolerance)[first:])
     assert np.all(x[:, 2:] >= limits.rate_lower - tolerance)
     assert np.all(x[:, 2:] <= limits.rate_upper + tolerance)
     assert np.abs(x[0, 2:]).max() <= limits.start_rates + tolerance
     assert np.abs(x[-1, 2:]).max() <= limits.final_rates + tolerance
     if limits.start_values is not None:
         np.testing.assert_allclose(x[0, :2], limits.start_values, atol=tolerance)
-    centre = np.clip(about.x[first:, :2], limits.lower, limits.upper)
+    centre = np.clip(about.x[:, :2], limits.lower, limits.upper)[first:]
     assert np.abs(bound - centre).max() <= radius + tolerance
     if box is None:
         np.testing.assert_array_equal(theta, about.theta)

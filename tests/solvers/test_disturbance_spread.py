@@ -49,7 +49,10 @@ def test_a_slide_against_its_closed_form() -> None:
             0.03 + 0.02 * h * sample + np.sum(pushed[:sample] * (ages**2 - (ages - h) ** 2) / 2)
         )
     np.testing.assert_allclose(found.points[:, 0], places, rtol=1e-9)
-    np.testing.assert_allclose(found.states, [[places[-1], rates[-1]]], rtol=1e-9)
+    np.testing.assert_allclose(found.states[:, 0], np.transpose([places, rates]), rtol=1e-9)
+    # What grows is largest at the end of the step that begins at a sample.
+    later = np.transpose([[*places[1:], places[-1]], [*rates[1:], rates[-1]]])
+    np.testing.assert_allclose(found.within_steps[:, 0], later, rtol=1e-9)
     assert found.widest == pytest.approx(places[-1])
     np.testing.assert_allclose(found.scaled(2.5).points, 2.5 * found.points)
 
@@ -82,8 +85,42 @@ def test_two_links_against_differences() -> None:
         places += np.abs(one[1] - other[1]) / (2 * small)
     found = spread_of(numeric, where.task, motion)
     np.testing.assert_allclose(found.points, np.linalg.norm(places, axis=2), rtol=1e-5)
-    expected = states.max(axis=0).reshape(2, 2).T
-    np.testing.assert_allclose(found.states, expected, rtol=1e-5)
+    np.testing.assert_allclose(found.states[:, :, 0], states[:, :2], rtol=1e-5)
+    np.testing.assert_allclose(found.states[:, :, 1], states[:, 2:], rtol=1e-5)
+
+
+def test_what_feedback_commands_at_each_sample_against_differences() -> None:
+    """Errors of the start and of each measurement alone, by differences of whole closed loops."""
+    rng = np.random.default_rng(7)
+    u, start = rng.uniform(-2, 2, (6, 2)), np.array([0.4, -1.1, 0.3, 0.7])
+    radii = "robust start 0.3 deg, 0.2 deg/s; robust measure 0.1 deg, 0.4 deg/s;"
+    where, numeric, motion = moved(TWO, radii, start, u)
+    gains = rng.uniform(-3, 3, (6, 2, 4))
+    step, small = float(where.task.step), 1e-3
+    sizes, noise = (
+        np.deg2rad([angle, angle, rate, rate]) for angle, rate in ((0.3, 0.2), (0.1, 0.4))
+    )
+
+    def closed(shift: Array, misread: Array) -> tuple[Array, Array]:
+        x, inputs = [start + shift], []
+        for k, planned in enumerate(u):
+            inputs.append(planned - gains[k] @ (x[-1] + misread[k] - motion.x[k]))
+            x.append(numeric.simulate(x[-1], inputs[-1][None], motion.theta, step, SUBSTEPS)[1])
+        return np.array(x), np.array(inputs)
+
+    states, inputs = np.zeros((7, 4)), np.zeros((6, 2))
+    errors = np.concatenate([np.diag(sizes), np.zeros((24, 4))])
+    noises = np.zeros((28, 6, 4))
+    noises[4:] = np.diag(np.tile(noise, 6)).reshape(24, 6, 4)
+    for error, misread in zip(small * errors, small * noises, strict=True):
+        one, other = closed(error, misread), closed(-error, -misread)
+        states += np.abs(one[0] - other[0]) / (2 * small)
+        inputs += np.abs(one[1] - other[1]) / (2 * small)
+    found = spread_of(numeric, where.task, motion, gains)
+    np.testing.assert_allclose(found.states[:, :, 0], states[:, :2], rtol=1e-5)
+    np.testing.assert_allclose(found.states[:, :, 1], states[:, 2:], rtol=1e-5)
+    np.testing.assert_allclose(found.inputs, inputs, rtol=1e-5)
+    assert found.size == pytest.approx(max(found.widest, float(np.max(states[:, :2]))), rel=1e-5)
 
 
 def test_without_disturbances_there_is_none() -> None:

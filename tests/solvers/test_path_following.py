@@ -14,7 +14,8 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.normal_form import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.control_problem import ControlOutcome, limit_excess
+from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
 from solvers.trajectory.task_limits import motion_limits
@@ -123,3 +124,33 @@ def test_an_outcome_that_is_no_number_counts_as_the_worst(tmp_path, monkeypatch)
     outcome = plain.solve(seed, (0,))
     assert not outcome.feasible
     assert outcome.robustness == -100.0  # ten times the effort bound
+
+
+def test_limits_and_bounds_of_inputs_are_narrowed_sample_by_sample(tmp_path):
+    """A bump of 0.2 rad, 0.3 rad/s and 4 N m in the middle is not felt at the ends."""
+    plain = path_problem(tmp_path)
+    k = plain.task.steps
+    states, inputs = np.zeros((k + 1, 1, 2)), np.zeros((k, 1))
+    states[5, 0], inputs[5] = (0.2, 0.3), 4.0
+    spread = DisturbanceSpread(np.zeros((k + 1, 1)), states, inputs)
+    narrow, wide = replace(plain, spread=spread), plain.limits
+    least = np.pi - LIMIT_MARGIN
+    np.testing.assert_allclose(wide.upper, [least])
+    lower, upper = (np.full((k + 1, 1), end) for end in (-least, least))
+    lower[4:7], upper[4:7] = -least + 0.2, least - 0.2
+    np.testing.assert_allclose(narrow.limits.lower, lower)
+    np.testing.assert_allclose(narrow.limits.upper, upper)
+    assert narrow.limits.joints == 1
+    np.testing.assert_allclose(narrow.limits.box, ([-least + 0.2], [least - 0.2]))
+    # A motion at 3.1 rad keeps to the limits but where disturbed ones would not.
+    x = np.zeros((k + 1, 2))
+    x[0, 0] = x[10, 0] = 3.1
+    assert limit_excess(narrow.limits, x) == 0
+    x[6, 0] = 3.1
+    assert limit_excess(narrow.limits, x) == pytest.approx(3.1 - least + 0.2)
+    (group,) = narrow.groups
+    u = np.full((k, 1), 9.0)
+    u[5] = 6.0
+    assert group.margin(u) == pytest.approx(1.0)
+    u[5] = 6.5
+    assert group.margin(u) == pytest.approx(-0.5)
