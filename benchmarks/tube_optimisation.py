@@ -60,7 +60,21 @@ REFINEMENTS = 6
 """Iterations of the quasi-Newton method for a motion."""
 MOST_CHANGE = 1.0
 """Of a gain, relative to its mean square."""
+ROUNDS = 2
+"""So often a motion is narrowed by its own spread."""
 DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Method:
+    """What is optimised for the tube: motions (``priced``), gains (``refined``).
+
+    With ``settled`` motion and gains alternate a few times for each width of the tightening.
+    """
+
+    priced: bool = False
+    settled: bool = False
+    refined: bool = False
 
 
 @dataclass(slots=True)
@@ -90,14 +104,18 @@ class TubeProblem(PathProblem):
 
     priced: bool = True
     """Whether the motion is."""
+    settled: bool = False
+    """Or whether it is found again with the spread of the last one, without a price."""
     refined: bool = True
     """Whether the gains are."""
     factor: float = 1.0
     record: Record = field(default_factory=Record)
 
-    def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
+    def spreading(self, trajectory: Trajectory, factor: float) -> TubeProblem:
         """The same task, narrowed by so many spreads."""
-        return replace(PathProblem.spreading(self, trajectory, factor), factor=factor)
+        spread = self.controlled(trajectory)[1]
+        scaled = None if spread is None else spread.scaled(factor)
+        return replace(self, spread=scaled, factor=factor)
 
     def controlled(self, trajectory: Trajectory) -> tuple[Array, DisturbanceSpread | None]:
         """The gains about a trajectory, refined if they are to be, with their spread."""
@@ -118,16 +136,34 @@ class TubeProblem(PathProblem):
     ) -> ControlOutcome:
         """The most robust motion, and from there the best one for the tube."""
         outcome = PathProblem.solve(self, start, entries, box, budget, radius)
-        if not self.priced or self.spread is None or not outcome.feasible or box is not None:
+        if self.spread is None or not outcome.feasible or box is not None:
             return outcome
+        if self.settled:
+            return self.resettled(outcome, entries, budget)
         steps = self.waypoints()[1] if entries is None else entries
-        return best_for_tube(self, outcome, steps)
+        return best_for_tube(self, outcome, steps) if self.priced else outcome
+
+    def resettled(
+        self, outcome: ControlOutcome, entries: Entries | None, budget: IterationBudget
+    ) -> ControlOutcome:
+        """The motion narrowed by its own spread, as nearly as a few rounds get."""
+        for _ in range(ROUNDS):
+            self.record.steps += 1
+            narrow = self.spreading(outcome.trajectory, self.factor)
+            again = PathProblem.solve(narrow, outcome.trajectory, entries, None, budget)
+            if not again.feasible:
+                break
+            self.record.taken += 1
+            outcome = again
+        return outcome
 
 
-def tube_problem(path_problem: PathProblem, *, priced: bool, refined: bool) -> TubeProblem:
+def tube_problem(path_problem: PathProblem, method: Method) -> TubeProblem:
     """The same task with another method."""
     known = {each.name: getattr(path_problem, each.name) for each in fields(PathProblem)}
-    return TubeProblem(**known, priced=priced, refined=refined)
+    return TubeProblem(
+        **known, priced=method.priced, settled=method.settled, refined=method.refined
+    )
 
 
 # --- The tube of a motion, and its gradient ------------------------------------------------------

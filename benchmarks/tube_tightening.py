@@ -5,6 +5,8 @@ its constraints are tightened for the first time, the tightening is then repeate
 proofs included:
 
 - `in turn`: the motion with room for the spread of the last one, then the gains (decision 69);
+- `settled`: the same, where a motion is found twice more with the spread of the last one before it
+  is proved: what the methods below would gain by that alone;
 - `motion`: the motion optimised for the tube, gains as before;
 - `gains`: in turn, the gains refined for the tube by a quasi-Newton method;
 - `both`: motion and gains optimised for the tube.
@@ -29,12 +31,13 @@ from timing import ROOT, machine
 sys.path.insert(0, str(ROOT))
 
 from flint import arb_mat
-from tube_optimisation import TubeProblem, tube_problem
+from tube_optimisation import Method, TubeProblem, tube_problem
 
 from compiler.arrays import Array
 from grammar_lang.load import load_text
 from solvers.run_context import RunContext
 from solvers.search import structure_search
+from solvers.search.certified_design import certified_design
 from solvers.search.configuration_search import Configuration
 from solvers.search.path_task import Design
 from solvers.search.structure_search import Attempt, StructureSearch
@@ -43,14 +46,18 @@ from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_limits import input_groups
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs import tube_proof
-from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.enclosure import TubeSegment, tube
 from solvers.verifier.proofs.tube_checks import Status
 from srgc.session import check_loaded
 from tests.oracles.small_specs import replaced
 
-METHODS = {"in turn": (False, False), "motion": (True, False), "gains": (False, True)}
-METHODS["both"] = (True, True)
-"""Whether the motion is optimised for the tube, and whether the gains are."""
+METHODS = {
+    "in turn": Method(),
+    "settled": Method(settled=True),
+    "motion": Method(priced=True),
+    "gains": Method(refined=True),
+    "both": Method(priced=True, refined=True),
+}
 
 
 @dataclass(frozen=True)
@@ -104,26 +111,23 @@ class Proofs:
 
     tried: int = 0
     seconds: float = 0.0
-    tube: list[TubeSegment] = field(default_factory=list[TubeSegment])
+    segments: list[TubeSegment] = field(default_factory=list[TubeSegment])
 
     def proved(self, *arguments: Any) -> Any:
         """Try a proof."""
         self.tried += 1
         begun = time.process_time()
         try:
-            return CERTIFIED(*arguments)
+            return certified_design(*arguments)
         finally:
             self.seconds += time.process_time() - begun
 
     def enclosed(self, *arguments: Any) -> Iterator[TubeSegment]:
         """Enclose, and keep the tube: that of all disturbed motions is the last."""
-        self.tube = []
-        for segment in TUBE(*arguments):
-            self.tube.append(segment)
+        self.segments = []
+        for segment in tube(*arguments):
+            self.segments.append(segment)
             yield segment
-
-
-CERTIFIED, TUBE = structure_search.certified_design, tube_proof.tube
 
 
 @dataclass(frozen=True)
@@ -187,9 +191,9 @@ def begun(case: Case) -> Tightening:
 WITH_MARGINS = StructureSearch.with_margins
 
 
-def tightened(start: Tightening, *, priced: bool, refined: bool) -> Row:
+def tightened(start: Tightening, method: Method) -> Row:
     """The rest of the search with one method."""
-    problem = tube_problem(start.path_problem, priced=priced, refined=refined)
+    problem = tube_problem(start.path_problem, method)
     proofs, last = Proofs(), list[tuple[TubeProblem, Trajectory]]()
 
     def proved(*arguments: Any) -> Any:
@@ -211,7 +215,7 @@ def tightened(start: Tightening, *, priced: bool, refined: bool) -> Row:
     asked, motion = last[-1]
     spread = asked.controlled(motion)[1]
     mean = nan if spread is None else float(np.max(spread.points, axis=1).mean())
-    widths = tube_widths(asked, motion, proofs.tube)
+    widths = tube_widths(asked, motion, proofs.segments)
     complete = len(widths) == len(motion.x)
     return Row(
         asked.factor,
@@ -234,10 +238,12 @@ def widest_bound(path_problem: PathProblem) -> float:
     return max(group.widest_margin for group in groups)
 
 
-def tube_widths(path_problem: PathProblem, motion: Trajectory, tube: list[TubeSegment]) -> Array:
+def tube_widths(
+    path_problem: PathProblem, motion: Trajectory, segments: list[TubeSegment]
+) -> Array:
     """The half-widths in m of the widest point's position, to first order, at samples of a tube."""
     numeric = path_problem.numeric
-    sets = [each.last for each in tube if each.steps[1].denominator == 1]
+    sets = [each.last for each in segments if each.steps[1].denominator == 1]
     n, rows = numeric.n, np.array(numeric.graph.coordinates.rows, float)
     by_q = numeric.points(motion.x[:, :n], motion.theta).by_q
     found = [0.0]
@@ -294,8 +300,7 @@ def main() -> None:
     for case in asked:
         start = begun(case)
         for method in options.methods:
-            priced, refined = METHODS[method]
-            row = tightened(start, priced=priced, refined=refined)
+            row = tightened(start, METHODS[method])
             print(line(case, method, row), flush=True)
             if row.why:
                 print(f"  {row.why.lstrip('; ')}", flush=True)
