@@ -4,7 +4,7 @@ What is minimised is the estimate of that tube (``disturbance_spread`` to second
 ``spread_cost`` weighs it), over inputs, states and gains, against the robustness:
 
 .. math::
-    \max\ \rho / S - W\, c(x, u, K) / c_0
+    \max\ \rho / S - w\, c(x, u, K) / c_0
     \quad\text{s.t. all constraints, narrowed by as many spreads as the alternation leaves.}
 
 The motion is found by sequential convex programs in which the gradient of c is a linear price; the
@@ -28,7 +28,12 @@ from scipy.optimize import minimize
 from compiler.arrays import Array
 from solvers.backends.conic import ConvexProgram, NotSolved, Optimum
 from solvers.trajectory.control import synthesise_control
-from solvers.trajectory.control_problem import FULL, ControlOutcome, IterationBudget
+from solvers.trajectory.control_problem import (
+    FULL,
+    ControlOutcome,
+    IterationBudget,
+    input_margin,
+)
 from solvers.trajectory.convex_step import ConvexStep, SolverPortfolio
 from solvers.trajectory.corridor import Entries
 from solvers.trajectory.disturbance_spread import (
@@ -49,8 +54,6 @@ DIFFERENCE = 1e-4
 """Of states in SI, of inputs in units of their bounds."""
 GAIN_DIFFERENCE = 1e-3
 """Of gains, relative to their mean square along the motion."""
-WORTH = 0.3
-"""A tube as wide as at first costs so much of the effort bound."""
 STEPS = 5
 FIRST_RADIUS, LEAST_RADIUS = 0.1, 0.01
 """Of the trust region, in rad or m."""
@@ -67,12 +70,13 @@ DIGITS = 6
 
 @dataclass(frozen=True)
 class Method:
-    """What is optimised for the tube: motions (``priced``), gains (``refined``).
+    """What is optimised for the tube: motions (with a ``price``), gains (``refined``).
 
-    With ``settled`` motion and gains alternate a few times for each width of the tightening.
+    A tube as wide as at first costs the part ``price`` of the effort bound. With ``settled`` motion
+    and gains alternate a few times for each width of the tightening.
     """
 
-    priced: bool = False
+    price: float = 0.0
     settled: bool = False
     refined: bool = False
 
@@ -102,12 +106,7 @@ class TubeProblem(PathProblem):
     ``factor`` is the number of spreads by which its constraints are narrowed.
     """
 
-    priced: bool = True
-    """Whether the motion is."""
-    settled: bool = False
-    """Or whether it is found again with the spread of the last one, without a price."""
-    refined: bool = True
-    """Whether the gains are."""
+    method: Method = Method()
     factor: float = 1.0
     record: Record = field(default_factory=Record)
 
@@ -119,7 +118,7 @@ class TubeProblem(PathProblem):
 
     def controlled(self, trajectory: Trajectory) -> tuple[Array, DisturbanceSpread | None]:
         """The gains about a trajectory, refined if they are to be, with their spread."""
-        if not self.refined:
+        if not self.method.refined:
             return PathProblem.controlled(self, trajectory)
         key = trajectory.x.tobytes() + trajectory.u.tobytes()
         if key not in self.record.refined:
@@ -138,10 +137,10 @@ class TubeProblem(PathProblem):
         outcome = PathProblem.solve(self, start, entries, box, budget, radius)
         if self.spread is None or not outcome.feasible or box is not None:
             return outcome
-        if self.settled:
+        if self.method.settled:
             return self.resettled(outcome, entries, budget)
         steps = self.waypoints()[1] if entries is None else entries
-        return best_for_tube(self, outcome, steps) if self.priced else outcome
+        return best_for_tube(self, outcome, steps) if self.method.price else outcome
 
     def resettled(
         self, outcome: ControlOutcome, entries: Entries | None, budget: IterationBudget
@@ -161,9 +160,7 @@ class TubeProblem(PathProblem):
 def tube_problem(path_problem: PathProblem, method: Method) -> TubeProblem:
     """The same task with another method."""
     known = {each.name: getattr(path_problem, each.name) for each in fields(PathProblem)}
-    return TubeProblem(
-        **known, priced=method.priced, settled=method.settled, refined=method.refined
-    )
+    return TubeProblem(**known, method=method)
 
 
 # --- The tube of a motion, and its gradient ------------------------------------------------------
@@ -263,36 +260,38 @@ class PricedSolver:
 def best_for_tube(problem: TubeProblem, first: ControlOutcome, entries: Entries) -> ControlOutcome:
     """The motion from a feasible one on that is the best for its tube, step by step.
 
-    Every step is narrowed by the spread of the motion that it begins with.
+    Every step is narrowed by the spread of the motion that it begins with. Motions are compared by
+    the margin of their inputs that their own spread leaves.
     """
     scale = effort_scale(input_groups(problem.model, problem.task))
     gains = problem.controlled(first.trajectory)[0]
     whole = tube_estimate(problem, first.trajectory).cost(gains)
     if not (np.isfinite(whole) and whole > 0):
         return first
-    best, cost, radius = first, whole, FIRST_RADIUS
+    best, cost, radius, worth = first, whole, FIRST_RADIUS, problem.method.price
+    narrow = problem.spreading(best.trajectory, problem.factor)
     for _ in range(STEPS):
         if radius < LEAST_RADIUS:
             break
         by_x, by_u = motion_gradient(problem, best.trajectory, gains)
-        price = WORTH / whole * np.concatenate([by_x.ravel(), by_u.ravel()])
+        price = worth / whole * np.concatenate([by_x.ravel(), by_u.ravel()])
         if not np.isfinite(price).all():
             break
-        narrow = problem.spreading(best.trajectory, problem.factor).problem(entries)
         steps = partial(ConvexStep, solver=PricedSolver(price))
+        asked = replace(narrow.problem(entries), steps=steps)
         while radius >= LEAST_RADIUS:
             problem.record.steps += 1
             with np.errstate(all="ignore"):
-                trial = synthesise_control(
-                    replace(narrow, steps=steps), best.trajectory, None, PRICED, radius
-                )
+                trial = synthesise_control(asked, best.trajectory, None, PRICED, radius)
             if trial.feasible:
                 tried = problem.controlled(trial.trajectory)[0]
                 wide = tube_estimate(problem, trial.trajectory).cost(tried)
-                gained = (trial.robustness - best.robustness) / scale
-                if gained + WORTH * (cost - wide) / whole > 0:
+                wider = problem.spreading(trial.trajectory, problem.factor)
+                margin = input_margin(wider.groups, trial.trajectory.u)
+                gained = (margin - input_margin(narrow.groups, best.trajectory.u)) / scale
+                if gained + worth * (cost - wide) / whole > 0:
                     problem.record.taken += 1
-                    best, cost, gains = trial, wide, tried
+                    best, cost, gains, narrow = trial, wide, tried, wider
                     break
             radius /= 3
     return best
