@@ -217,9 +217,9 @@ def tightened(start: Tightening, method: Method) -> Row:
         return Row(nan, nan, nan, nan, nan, nan, 0, seconds, 0.0, problem.record.estimates, why)
     asked, motion = last[-1]
     spread = asked.controlled(motion)[1]
-    mean = nan if spread is None else float(np.max(spread.points, axis=1).mean())
+    mean = nan if spread is None else float(np.max(spread.points[1:], axis=1).mean())
     widths = tube_widths(asked, motion, proofs.segments)
-    complete = len(widths) == len(motion.x)
+    complete = len(widths) == len(motion.u)
     return Row(
         asked.factor,
         mean,
@@ -244,12 +244,12 @@ def widest_bound(path_problem: PathProblem) -> float:
 def tube_widths(
     path_problem: PathProblem, motion: Trajectory, segments: list[TubeSegment]
 ) -> Array:
-    """The half-widths in m of the widest point's position, to first order, at samples of a tube."""
+    """The half-widths in m of the widest point's position, to first order, at the ends of steps."""
     numeric = path_problem.numeric
     sets = [each.last for each in segments if each.steps[1].denominator == 1]
     n, rows = numeric.n, np.array(numeric.graph.coordinates.rows, float)
     by_q = numeric.points(motion.x[:, :n], motion.theta).by_q
-    found = [0.0]
+    found = list[float]()
     for sample, states in enumerate(sets, start=1):
         if states is None or sample >= len(by_q):
             break
