@@ -24,6 +24,7 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 from unittest import mock
 
@@ -91,6 +92,15 @@ def cases() -> tuple[Case, ...]:
         Case("planar_arm-1", disturbed(arm, few), few),
         Case("planar_arm-2", disturbed(arm, more), more),
     )
+
+
+def chosen(options: argparse.Namespace) -> list[Case]:
+    """Those of the options."""
+    if options.specs:
+        return [
+            Case(path.stem, path.read_text(encoding="utf-8"), str(path)) for path in options.specs
+        ]
+    return [case for case in cases() if not options.cases or case.name in options.cases]
 
 
 def shipped(name: str) -> str:
@@ -296,10 +306,11 @@ def line(case: Case, method: str, row: Row) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", nargs="*", help="names; default all")
+    parser.add_argument("--specs", nargs="*", type=Path, help="files, instead of the cases")
     parser.add_argument("--methods", nargs="*", default=list(METHODS), help="of the above")
     options = parser.parse_args()
     print(f"{machine()}\n\n{HEAD}", flush=True)
-    asked = [case for case in cases() if not options.cases or case.name in options.cases]
+    asked = chosen(options)
     for case in asked:
         start = begun(case)
         for method in options.methods:
