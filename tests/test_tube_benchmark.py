@@ -123,7 +123,7 @@ def test_cases_are_sound_and_get_feedback() -> None:
 def test_widths_are_those_of_the_certified_tube(tmp_path: Path) -> None:
     spec = tmp_path / "closed.srg"
     spec.write_text(CLOSED, encoding="utf-8")
-    command = [sys.executable, str(SCRIPT), "--specs", str(spec)]
+    command = [sys.executable, str(SCRIPT), "--specs", str(spec), "-o", str(tmp_path / "kept")]
     ran = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
     rows = [each for each in ran.stdout.splitlines() if each.startswith("closed  ")]
     assert len(rows) == 6
