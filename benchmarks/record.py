@@ -87,6 +87,12 @@ BENCHMARKS = {
         "certified tube.",
         "benchmarks/disturbed.py",
     ),
+    "tube_tightening": Benchmark(
+        "Motion and gains for the tube",
+        "Motion and gains chosen in turn, against both optimised together for the estimate of the "
+        "tube, up to the proof.",
+        "benchmarks/tube_tightening.py",
+    ),
     "arch_closed_loop": Benchmark(
         "Networks as controllers",
         "The pendulums of ARCH-COMP, whose controllers are neural networks: enclosures of all "
