@@ -14,6 +14,8 @@ from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.source import Span
 
+AT_REST = ir.Num(Fraction(0))
+
 
 @dataclass(frozen=True, slots=True)
 class _Beyond:
@@ -43,11 +45,11 @@ def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
         inside = [
             (model, start.values)
             for model, start in robots
-            if not start.fault and not any(map(_outside, start.values, _ranges(model)))
+            if not start.fault and _fits(model, start.values)
         ]
         if not inside:
-            message = f"every robot of `{task.grammar}` that fits has a joint out of its range here"
-            hint = "write values in the ranges of the joints; as it is, `synth` finds none"
+            message = f"no robot of `{task.grammar}` has these values in the ranges of its joints"
+            hint = "write others, at rest; as it is, `synth` finds none"
             sink.warning(Code.START_OF_NO_ROBOT, message, task.start.span, hint)
         elif task.robust is not None:
             radii = task.robust.start
@@ -58,8 +60,10 @@ def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
                     _report(task.start, beyond, at, sink, certain=all(found))
 
 
-def _ranges(model: RobotModel) -> Iterator[ir.Interval | None]:
-    return (dof.range for dof in model.dofs)
+def _fits(model: RobotModel, values: Sequence[ir.Expr]) -> bool:
+    """Whether coordinates may be in their ranges, and those of rates may hold a rest."""
+    pairs = zip(model.dofs, values, strict=True)
+    return not any(_outside(x, dof.range) or _outside(AT_REST, dof.rate) for dof, x in pairs)
 
 
 def _beyond(model: RobotModel, values: Sequence[ir.Expr], radii: ir.Radii) -> Iterator[_Beyond]:
@@ -70,7 +74,7 @@ def _beyond(model: RobotModel, values: Sequence[ir.Expr], radii: ir.Radii) -> It
         if _leaves(value, radius, dof.range):
             yield _Beyond("angle" if revolute else "length", words, is_rate=False)
         radius = radii.angular_rate if revolute else radii.speed
-        if _leaves(ir.Num(Fraction(0)), radius, dof.rate):
+        if _leaves(AT_REST, radius, dof.rate):
             yield _Beyond("angular_rate" if revolute else "speed", words, is_rate=True)
 
 
@@ -98,7 +102,9 @@ def _report(start: ir.StartAt, beyond: _Beyond, at: Span, sink: Sink, *, certain
     message = f"with these errors {values} of the start may leave the range of {of}"
     hint = "write less, or start further from the ends of the range"
     if beyond.is_rate:
-        message = f"with these errors the rate of {of} may leave its range ({values} of the start)"
+        message = (
+            f"with these errors the joint of {values} of the start may be too fast for its range"
+        )
         hint = "write less: the motion starts at rest"
     places = [start.places[number] for number in beyond.values if start.places] or [start.span]
     notes = [(place, "it starts here") for place in places]

@@ -17,6 +17,9 @@ from collections.abc import Sequence
 
 from compiler.tasks.formula_slots import TRUE, Node, Row, Slots
 
+COMPARED = 4
+"""With so many other windows of the same subformula, the latest, is each of them compared."""
+
 
 class EndlessSlots(Slots):
     """Clauses about motions on [0, oo); the last two slots are the tail, and late.
@@ -92,7 +95,7 @@ class EndlessSlots(Slots):
         """What comes within a window comes within one that contains it, also beyond N g."""
         new = lower, upper, self._known["eventually", node, lower, upper]
         known = self._windows.setdefault(node, [])
-        for other in known:
+        for other in known[-COMPARED:]:
             for inner, outer in ((new, other), (other, new)):
                 if outer[0] <= inner[0] and inner[1] <= outer[1]:
                     one, two = self.row(inner[2]), self.row(outer[2])

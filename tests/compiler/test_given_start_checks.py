@@ -12,6 +12,7 @@ from tests.oracles.joint_chains import chain_spec
 JOINTS = {
     "J": "revolute z in [-30, 90] deg rate in [-1, 2] rad/s",
     "K": "prismatic x in [0, 2] m",
+    "R": "revolute z rate in [0.1, 2] rad/s",
     "F": "revolute z rate in [-9, 9] rad/s",
 }
 ONE, TWO = "B eps J eps L eps E", "B eps J eps K eps L eps E"
@@ -83,7 +84,7 @@ def test_some_robots() -> None:
 
 def test_rates_and_merged_joints_are_named() -> None:
     [(*_, message)] = found(ONE, "0", "1.1 rad/s")
-    assert "the rate of its joint may leave its range (value 1 of the start)" in message
+    assert "the joint of value 1 of the start may be too fast for its range" in message
     [(*_, message)] = found(MERGED, "80 deg, 80 deg", "25 deg")
     assert "values 1 and 2 of the start may leave the range of their joints" in message
 
@@ -100,6 +101,7 @@ def test_rates_and_merged_joints_are_named() -> None:
         (MERGED, "91 deg, 0 deg", True),
         (MERGED, "90 deg, 90 deg", False),
         (MANY, "0 deg, 91 deg", True),
+        ("B eps R eps L eps E", "0 deg", True),  # it cannot rest
     ],
 )
 def test_coordinates_out_of_range(word: str, start: str, told: bool) -> None:

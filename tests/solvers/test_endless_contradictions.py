@@ -67,6 +67,15 @@ def test_a_formula_alone(formula: str, parts: list[str] | None) -> None:
     assert parts is None or notes == parts
 
 
+def test_many_windows_of_one_part() -> None:
+    """Each says of the next, and the last of the part that excludes it."""
+    windows = " and ".join(f"always eventually[0 s, {k} s] A" for k in range(1, 30))
+    formula = f"{windows} and eventually always[0 s, 30 s] not A"
+    [(severity, text, notes)] = marked(f"start at (0); satisfy {formula};")
+    assert (severity, text) == ("error", formula)
+    assert len(notes) == 2
+
+
 @pytest.mark.parametrize(
     ("clauses", "last", "others"),
     [
