@@ -179,9 +179,7 @@ def test_a_plan_is_one_round(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         lines = [line.split("\t") for line in capsys.readouterr().out.splitlines()]
         assert [name for name, _ in lines if not name.startswith("free")] == cells
         assert int(lines[-1][1].split()[2]) <= latest
-    path.write_text(
-        asked(SLIDER, "satisfy always eventually S and eventually always not S;"), encoding="utf-8"
-    )
+    path.write_text(asked(SLIDER, AGAIN, 2), encoding="utf-8")
     assert run(["plan", str(path)]) == 4
     assert "no path" in capsys.readouterr().out
     assert run(["plan", str(path), "--dump", "smt2"]) == 2
