@@ -29,16 +29,20 @@ quick: .venv/installed
 	$(BIN)/pytest $(QUICK) --files 1/2; one=$$?; \
 	wait $$other; two=$$?; cat out/quick.log; exit $$((one | two))
 
+# Each of two workers begins with half of the tests, file by file, and takes of the other's at the
+# end: what the tests of a file share is hardly ever made twice.
+WORKERS := -n 2 --dist worksteal
+
 test: .venv/installed
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest $(WORKERS)
 
 # Records which tests `make quick` leaves out; best on a machine that does nothing else.
 timings: .venv/installed
-	$(BIN)/pytest -n 2 --record-long
+	$(BIN)/pytest $(WORKERS) --record-long
 
 # The usual suite, with the branches taken in this process, its workers and those they start.
 coverage: .venv/installed
-	$(BIN)/pytest -n 2 --cov --cov-report=term:skip-covered --cov-report=json:out/coverage.json
+	$(BIN)/pytest $(WORKERS) --cov --cov-report=term:skip-covered --cov-report=json:out/coverage.json
 
 # Pinocchio, an independent library of rigid-body dynamics, is installed for the slow tests alone.
 .venv/oracles: .venv/installed requirements/slow.lock
@@ -48,7 +52,7 @@ coverage: .venv/installed
 # All tests there are, with other random examples each time. Run again after an interruption or a
 # failure, it leaves out what has passed with the same code; `make test-slow SHARD=2/6` is a sixth.
 test-slow: .venv/oracles
-	$(BIN)/pytest -n 2 -m "" --hypothesis-profile=others --ledger=out/slow $(if $(SHARD),--shard=$(SHARD))
+	$(BIN)/pytest $(WORKERS) -m "" --hypothesis-profile=others --ledger=out/slow $(if $(SHARD),--shard=$(SHARD))
 
 # The pages as a site, with the notebooks run; a warning is an error. Then the tests of the site.
 docs: .venv/installed

@@ -14,7 +14,7 @@ from grammar_lang.parsing.parse import MAX_ERRORS
 from srgc.cli import run
 from srgc.session import Checked, check_file, check_loaded
 from tests.oracles.small_specs import SLIDER, replaced
-from tests.oracles.some_cases import examples
+from tests.oracles.some_cases import examples, some
 from tests.oracles.survival import format_survives, sound_findings, time_bound
 
 DEEP = 10_000
@@ -103,7 +103,7 @@ def test_deep_nesting_of_what_cannot_be_nested(name: str) -> None:
     assert found.count("SRG0104") <= MAX_ERRORS
 
 
-@pytest.mark.parametrize("name", [*FLAT, *DEPTHS])
+@pytest.mark.parametrize("name", some([*FLAT, *DEPTHS], len(FLAT) + 5))
 def test_the_depth_that_is_allowed_is_formatted(name: str) -> None:
     text = {**FLAT, **DEPTHS}[name]
     with time_bound():

@@ -25,7 +25,7 @@ from tests.oracles.survival import (
     time_bound,
 )
 
-FAST_BLOCKS, FAST = 5, examples(400, 1000)
+FAST_BLOCKS, FAST = 5, examples(200, 1000)
 SLOW_BLOCKS, SLOW = 100, 2000
 
 # What the programs go through, in turn.

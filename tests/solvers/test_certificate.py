@@ -4,7 +4,7 @@ import json
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grammar_lang import ir
@@ -24,6 +24,7 @@ from solvers.verifier.claims.certificate import (
     to_text,
 )
 from tests.oracles import result_files
+from tests.oracles.some_cases import examples
 
 FOUND = FoundClaim(
     "Do", "größe.srg", "ab" * 32, ("B", "eps", "L"), ("link", "base"),
@@ -138,6 +139,7 @@ JSON = st.recursive(
 )
 
 
+@settings(max_examples=examples(15, 100))
 @given(JSON)
 def test_any_other_json_is_refused(value):
     with pytest.raises(CertificateError):

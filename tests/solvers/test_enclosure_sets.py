@@ -32,6 +32,7 @@ from solvers.verifier.proofs.zonotope import MOST_COLUMNS, InitialSet, box, zono
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain
+from tests.oracles.some_cases import examples
 
 ROUGH = Accuracy(order=10, bits=64, remainder=1e-8)
 DT = Fraction(1, 10)
@@ -241,7 +242,7 @@ def test_other_disturbed_robots_stay_in_their_tube(kind: str) -> None:
         rates = [[ball(x) for x in u] for u in inputs]
         segments = list(tube(field, start, rates, ball(DT), ROUGH, error=part_of(effort, inputs)))
     values = np.array([float(x) for x in theta])
-    for _ in range(4):
+    for _ in range(examples(2, 4)):
         x = np.array([float(x) for x in state]) + float(radius) * rng.uniform(-1, 1, size)
         time = Fraction(0)
         for row in inputs:

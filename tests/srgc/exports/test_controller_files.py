@@ -36,6 +36,7 @@ from tests.oracles.exported_controllers import (
 )
 from tests.oracles.found_folders import claim_found
 from tests.oracles.small_specs import TURNER, replaced
+from tests.oracles.some_cases import examples
 from tests.srgc.conftest import Ran
 
 Export = Callable[..., Ran]
@@ -122,7 +123,7 @@ def test_c_and_python_are_the_same_to_the_last_bit(
     assert constants(compiler, source, task) == (content["steps"], float(Fraction(content["step"])))
     bounds = stated(source.read_text(encoding="ascii"))
     assert len(bounds) == sizes[1]
-    for sample, measured in measured_states(folder, 300):
+    for sample, measured in measured_states(folder, examples(100, 300)):
         held = python.controller(sample, measured)
         assert [run(sample, measured) for run in runs] == [held, held]
         exact = law(content, sample, [Fraction(x) for x in measured])
@@ -144,7 +145,7 @@ def test_single_precision(srgc: Export, folder: Path, compiler: str) -> None:
     run = compiled(compiler, source, task, sizes)
     bounds = stated(source.read_text(encoding="ascii"))
     worst = [0.0] * sizes[1]
-    for sample, measured in measured_states(folder, 300):
+    for sample, measured in measured_states(folder, examples(100, 300)):
         rounded = [np.float32(x) for x in measured]
         held = run(sample, [float(x) for x in rounded])
         assert held == single(content, sample, rounded)
