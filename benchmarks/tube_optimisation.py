@@ -23,7 +23,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from compiler.arrays import Array
 from solvers.backends.conic import ConvexProgram, NotSolved, Optimum
@@ -43,26 +42,20 @@ from solvers.trajectory.disturbance_spread import (
     second_order,
 )
 from solvers.trajectory.feedback import input_scales, spread_cost
+from solvers.trajectory.gain_refinement import hats, refined_gains
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_limits import effort_scale, input_groups
 from solvers.trajectory.trajectory import Trajectory
 
 NODES = 12
 """Of states and inputs."""
-GAIN_NODES = 6
 DIFFERENCE = 1e-4
 """Of states in SI, of inputs in units of their bounds."""
-GAIN_DIFFERENCE = 1e-3
-"""Of gains, relative to their mean square along the motion."""
 STEPS = 5
 FIRST_RADIUS, LEAST_RADIUS = 0.1, 0.01
 """Of the trust region, in rad or m."""
 PRICED = IterationBudget(6, 10.0, 1e-8, 4, 6)
 """A tolerance that no loss of robustness exceeds: a price is worth some."""
-REFINEMENTS = 6
-"""Iterations of the quasi-Newton method for a motion."""
-MOST_CHANGE = 1.0
-"""Of a gain, relative to its mean square."""
 ROUNDS = 2
 """So often a motion is narrowed by its own spread."""
 DIGITS = 6
@@ -122,7 +115,7 @@ class TubeProblem(PathProblem):
             return PathProblem.controlled(self, trajectory)
         key = trajectory.x.tobytes() + trajectory.u.tobytes()
         if key not in self.record.refined:
-            self.record.refined[key] = refined_gains(self, trajectory)
+            self.record.refined[key] = with_refined_gains(self, trajectory)
         return self.record.refined[key]
 
     def solve(
@@ -201,13 +194,6 @@ def tube_estimate(problem: PathProblem, trajectory: Trajectory) -> TubeEstimate:
         return TubeEstimate(
             problem, trajectory, steps, second_order(numeric, trajectory, dt), scales
         )
-
-
-def hats(samples: int, nodes: int) -> Array:
-    """The piecewise linear functions (nodes, samples) that are 1 at a node and 0 at others."""
-    places = np.linspace(0.0, 1.0, min(nodes, samples))
-    times = np.linspace(0.0, 1.0, samples)
-    return np.array([np.interp(times, places, row) for row in np.eye(len(places))])
 
 
 def motion_gradient(
@@ -300,47 +286,19 @@ def best_for_tube(problem: TubeProblem, first: ControlOutcome, entries: Entries)
 # --- Gains ----------------------------------------------------------------------------------------
 
 
-def refined_gains(
+def with_refined_gains(
     problem: TubeProblem, trajectory: Trajectory
 ) -> tuple[Array, DisturbanceSpread | None]:
     """The gains about a motion from those of the regulator on, by a quasi-Newton method."""
     gains, spread = PathProblem.controlled(problem, trajectory)
     if spread is None or not gains.any():
         return gains, spread
-    estimate = tube_estimate(problem, trajectory)
-    measured = 2 * problem.numeric.n
-    sizes = np.sqrt((gains[:, :, :measured] ** 2).mean(axis=0))
-    shapes = hats(len(gains), GAIN_NODES)
-
-    def changed(change: Array) -> Array:
-        found = gains.copy()
-        nodes = change.reshape(len(shapes), *sizes.shape)
-        found[:, :, :measured] += np.einsum("nk,nij->kij", shapes, nodes) * sizes
-        return found
-
-    def with_slope(change: Array) -> tuple[float, Array]:
-        base = estimate.cost(changed(change))
-        slope = np.empty_like(change)
-        for place in range(len(change)):
-            moved = change.copy()
-            moved[place] += GAIN_DIFFERENCE
-            slope[place] = (estimate.cost(changed(moved)) - base) / GAIN_DIFFERENCE
-        return base / first, np.nan_to_num(slope / first)
-
-    first = estimate.cost(gains)
-    if not np.isfinite(first):
+    estimate, measured = tube_estimate(problem, trajectory), 2 * problem.numeric.n
+    found, change = refined_gains(gains, measured, estimate.cost, problem.record.change)
+    if not change.any():
         return gains, spread
-    start = np.zeros(len(shapes) * sizes.size)
-    last = problem.record.change
-    if last is not None and estimate.cost(changed(last)) < first:
-        start = last
-    bounds = [(-MOST_CHANGE, MOST_CHANGE)] * len(start)
-    limits = {"maxiter": REFINEMENTS, "maxfun": 3 * REFINEMENTS}
-    answer = minimize(with_slope, start, jac=True, method="L-BFGS-B", bounds=bounds, options=limits)
-    found = rounded(changed(answer.x))
-    if not estimate.cost(found) < first:
-        return gains, spread
-    problem.record.change = answer.x
+    problem.record.change = change
+    found = rounded(found)
     return found, estimate.spread(found)
 
 

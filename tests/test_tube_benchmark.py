@@ -15,7 +15,6 @@ from scipy.sparse import csc_matrix
 from benchmarks.tube_optimisation import (
     Method,
     PricedSolver,
-    hats,
     motion_gradient,
     tube_estimate,
     tube_problem,
@@ -47,14 +46,6 @@ def disturbed_pair() -> tuple[PathProblem, Trajectory]:
         substeps=SUBSTEPS, feedback=True,
     )  # fmt: skip
     return problem, motion
-
-
-def test_hats_interpolate() -> None:
-    values = np.array([1.0, -2.0, 0.5, 3.0])
-    times = np.linspace(0, 1, 13)
-    expected = np.interp(times, [0, 1 / 3, 2 / 3, 1], values)
-    np.testing.assert_allclose(values @ hats(13, 4), expected, atol=1e-12)
-    assert hats(3, 12).shape == (3, 3)
 
 
 def test_gradient_against_differences_along_a_direction() -> None:

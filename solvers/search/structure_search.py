@@ -332,7 +332,8 @@ class StructureSearch:
                 found = slower if slower.outcome.feasible else found
             given = calmer(path_problem) if found.calm else path_problem
             along = given.along(found.cells, found.entries)
-            attempt = self.with_margins(replace(along, feedback=feedback), found)
+            closed = replace(along, feedback=feedback, refines=feedback)
+            attempt = self.with_margins(closed, found)
             if attempt.design is not None:
                 break
         return attempt

@@ -25,6 +25,7 @@ from solvers.trajectory.disturbance_spread import (
     disturbance_spread,
     second_order,
 )
+from solvers.trajectory.gain_refinement import refined_gains
 from solvers.trajectory.round_set import LEAST_SLACK, round_sets
 from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
@@ -156,6 +157,8 @@ def closed_spread(
     substeps: int,
     loop: int | None = None,
     slack: float = LEAST_SLACK,
+    *,
+    refine: bool = False,
 ) -> tuple[Array, DisturbanceSpread | None]:
     """The gains (k, m, N) along a trajectory, and how far disturbed motions get with them.
 
@@ -172,6 +175,8 @@ def closed_spread(
         loop: the first sample of a loop, from a set of states that is by ``slack`` larger than
             estimated; None: the motion ends.
         slack: a part of the size of that set.
+        refine: whether the best gains are refined, where they may be far from the best ones:
+            modules have states that are not measured, and the motion ends.
     """
     dt = float(task.step)
     with np.errstate(all="ignore"):
@@ -196,7 +201,17 @@ def closed_spread(
         if not found:
             return _rounded(regulator(steps, 2 * numeric.n, scales, loop=loop)), None
         best = min(found, key=lambda item: item[:2])
-    return best[2], best[3]
+        if not refine or loop is not None or numeric.size == 2 * numeric.n:
+            return best[2], best[3]
+
+        def spread_with(gains: Array) -> DisturbanceSpread:
+            return disturbance_spread(numeric, task, trajectory, steps, gains, second)
+
+        def cost(gains: Array) -> float:
+            return spread_cost(spread_with(gains), scales)
+
+        gains = _rounded(refined_gains(best[2], 2 * numeric.n, cost)[0])
+        return (gains, spread_with(gains)) if cost(gains) < best[1] else best[2:]
 
 
 def spread_cost(spread: DisturbanceSpread, scales: Array) -> float:

@@ -64,9 +64,10 @@ class PathProblem:
     pass them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the paths of
     other effectors in it, and ``timing`` is when the cells are entered, where smooth timing will
     not do.  ``spread`` is by how much disturbed motions tighten the constraints beyond the margins.
-    With ``feedback`` a controller keeps robots near the motion.  With a ``loop``, the sample at
-    which it begins, the motion ends where it is there, and in the same cell; the set of the loop is
-    larger than its estimate by the part ``slack``.  ``rates`` is the price of squares of rates, per
+    With ``feedback`` a controller keeps robots near the motion; where it ``refines``, time is spent
+    on its gains.  With a ``loop``, the sample at which it begins, the motion ends where it is
+    there, and in the same cell; the set of the loop is larger than its estimate by the part
+    ``slack``.  ``rates`` is the price of squares of rates, per
     sample, in SI.  ``solver`` is the name in cvxpy of what solves the convex steps, None: our own
     programs.
     """
@@ -88,6 +89,7 @@ class PathProblem:
     timing: Entries | None = None
     spread: DisturbanceSpread | None = None
     feedback: bool = False
+    refines: bool = False
     loop: int | None = None
     slack: float = LEAST_SLACK
     rates: float = 0.0
@@ -337,5 +339,6 @@ class PathProblem:
         """The gains (k, m, N) about a trajectory, and the spread of disturbed motions with them."""
         groups = input_groups(self.model, self.task)
         return closed_spread(
-            self.numeric, self.task, trajectory, groups, self.substeps, self.loop, self.slack
-        )
+            self.numeric, self.task, trajectory, groups, self.substeps, self.loop, self.slack,
+            refine=self.refines,
+        )  # fmt: skip
