@@ -105,7 +105,9 @@ def with_feedback(posed: PosedTask, line: TaskLine) -> Change:
 def with_shorter_steps(posed: PosedTask, line: TaskLine, parts: int) -> Change:
     """With each step divided into so many: feedback acts more often, and all lasts as long."""
     steps, step = parts * posed.task.steps, posed.task.step / parts
-    says = f"with `horizon {steps} steps of {number_text(step)} s`"
+    length = number_text(step)
+    # A quotient without parentheses would be one of a number and a time.
+    says = f"with `horizon {steps} steps of {f'({length})' if '/' in length else length} s`"
     shorter = posed.with_task(steps=steps, step=step)
     return Change(line, says, shorter, Fraction(steps), "shorter")
 

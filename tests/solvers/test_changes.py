@@ -176,6 +176,15 @@ def test_shorter_steps_take_as_long() -> None:
     assert after.robust == before.robust
 
 
+def test_shorter_steps_may_be_copied_into_the_spec() -> None:
+    text = replaced(SLOW, "4 steps of 0.5 s", "6 steps of (1/3) s")
+    asked = posed(text)
+    change = with_shorter_steps(asked, line(asked, "horizon"), 2)
+    clause = change.says.removeprefix("with `horizon ").removesuffix("`")
+    again = posed(replaced(text, "6 steps of (1/3) s", clause)).task
+    assert (again.steps, again.step) == (12, Fraction(1, 6))
+
+
 def test_a_controller_that_samples_too_seldom_samples_more_often() -> None:
     told: list[str] = []
     found = explain(posed(SLOW), Tried("unknown", "", ()), Asked(runs=1, tell=told.append))
