@@ -9,7 +9,15 @@ from fractions import Fraction
 
 import casadi as ca
 
-from compiler.dynamics.kinematics import Coordinates, Kinematics
+from compiler.dynamics.composite_bodies import composite_mass_matrix
+from compiler.dynamics.kinematics import (
+    Coordinates,
+    Kinematics,
+    absolute_angles,
+    generalised_forces,
+    own_coordinates,
+    own_motion,
+)
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluator import evaluate_expression
 from compiler.robots.robot import (
@@ -27,10 +35,9 @@ from grammar_lang import ir
 
 # --- Mass matrix, Coriolis forces and gravity of rigid bodies as CasADi expressions ---------------
 #
-# From kinetic and potential energy (Lagrange's equations of the second kind).
-#
-# In absolute angles a column of a planar Jacobian is a vector turned by one angle at most, J_i =
-# R(y_a) w_i, so that
+# From kinetic and potential energy (Lagrange's equations of the second kind).  The kinetic energy
+# is that of composite bodies (``composite_bodies.py``), but for planar robots in absolute angles: a
+# column of their Jacobian is a vector turned by one angle at most, J_i = R(y_a) w_i, so that
 #
 # .. math:: J_i \cdot J_j = w_i \cdot R(y_b - y_a)\, w_j
 #
@@ -89,27 +96,36 @@ def angular_jacobian(
 def mass_matrix(
     model: RobotModel,
     at: Kinematics,
-    q: ca.SX,
+    y: ca.SX,
     constants: SymbolicEvaluator,
     coordinates: Coordinates,
 ) -> ca.SX:
-    """M, the Hessian of the kinetic energy in the rates."""
+    """M, the Hessian of the kinetic energy in the rates of y, shape (n, n)."""
+    if has_turned_columns(model, coordinates):
+        return _turned_mass_matrix(model, at, y, constants, coordinates)
+    mass = composite_mass_matrix(model, at, own_motion(coordinates, y), constants)
+    if coordinates == own_coordinates(model):
+        return mass
+    for _ in range(2):
+        columns = [generalised_forces(coordinates, column) for column in ca.horzsplit(mass)]
+        mass = ca.horzcat(*columns).T
+    return mass
+
+
+def _turned_mass_matrix(
+    model: RobotModel,
+    at: Kinematics,
+    y: ca.SX,
+    constants: SymbolicEvaluator,
+    coordinates: Coordinates,
+) -> ca.SX:
+    """M of a planar robot in absolute angles."""
     total = ca.SX.zeros(len(model.dofs), len(model.dofs))
-    turned = has_turned_columns(model, coordinates)
     for body in model.bodies:
         mass, com, inertia = inertia_of(body, at, constants)
-        linear = ca.jacobian(com, q)
-        angular = angular_jacobian(model, at, body.frame, coordinates)
-        if model.dimension == 2:
-            spin = angular[2, :]
-            products = (
-                planar_products(linear[:2, :], q, coordinates.absolute)
-                if turned
-                else linear.T @ linear
-            )
-            total += mass * products + inertia[2, 2] * (spin.T @ spin)
-        else:
-            total += mass * (linear.T @ linear) + angular.T @ inertia @ angular
+        spin = angular_jacobian(model, at, body.frame, coordinates)[2, :]
+        products = planar_products(ca.jacobian(com, y)[:2, :], y, coordinates.absolute)
+        total += mass * products + inertia[2, 2] * (spin.T @ spin)
     return total
 
 
@@ -190,6 +206,12 @@ def has_turned_columns(model: RobotModel, coordinates: Coordinates) -> bool:
     )
     alone = all(count == 1 for count in uses.values())
     return model.dimension == 2 and upright and alone and turning <= coordinates.absolute
+
+
+def coordinates_for_intervals(model: RobotModel) -> Coordinates:
+    """Those in which interval arithmetic loses least: absolute angles if columns are turned."""
+    measured = absolute_angles(model)
+    return measured if has_turned_columns(model, measured) else own_coordinates(model)
 
 
 def planar_products(columns: ca.SX, y: ca.SX, absolute: frozenset[int]) -> ca.SX:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from compiler.dynamics.energy_graph import energy_graph
-from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.dynamics.kinematics import kinematics, own_coordinates
+from compiler.dynamics.rigid_bodies import angular_jacobian, inertia_of
+from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluators.balls import BallEvaluator, ball, constant_ball
 from compiler.expressions.evaluators.intervals import Ends, IntervalEvaluator, around
 from compiler.expressions.tape import tape
@@ -62,23 +65,36 @@ ARM = problem(
 
 def test_enclosures_hold_all_values_and_are_the_narrower_ones():
     model, _, _ = robot_of(ARM)
-    graph, other = energy_graph(model, ()), robot_graph(model)
+    graph, (other, constants) = energy_graph(model, ()), _products_of_jacobians(model)
     assert graph.shape == (1, 2)
     box = [Ends(ball(Fraction(i, 8)), ball(Fraction(i + 1, 8))) for i in (1, 4, -3)]
     box.append(Ends(ball(Fraction(1, 2)), ball(Fraction(7, 10))))
     run = IntervalEvaluator()
     found = graph.mass.evaluate([*box, *map(_around, graph.constants)], run)
-    natural = tape(other.mass_matrix).evaluate([*box, *map(_around, other.constants)], run)
+    natural = other.evaluate([*box, *map(_around, constants)], run)
     widths = [sum(float(x.high - x.low) for x in entries) for entries in (found, natural)]
     assert widths[0] < 0.7 * widths[1]
     rng = np.random.default_rng(1)
     for _ in range(50):
         values = [float(s.low) + rng.random() * float(s.high - s.low) for s in box]
-        inputs = [ball(Fraction(x)) for x in values] + [constant_ball(c) for c in other.constants]
-        for side, entry in zip(
-            found, tape(other.mass_matrix).evaluate(inputs, BallEvaluator()), strict=True
-        ):
+        inputs = [ball(Fraction(x)) for x in values] + [constant_ball(c) for c in constants]
+        for side, entry in zip(found, other.evaluate(inputs, BallEvaluator()), strict=True):
             assert side.ball().overlaps(entry)
+
+
+def _products_of_jacobians(model):
+    """M as the sum of J^T J by bodies, and its constants."""
+    n, constants = len(model.dofs), SymbolicEvaluator()
+    q, theta = ca.SX.sym("q", n), ca.SX.sym("theta", len(model.parameters))
+    own = own_coordinates(model)
+    at, total = kinematics(model, q, theta, constants, own), ca.SX.zeros(n, n)
+    for body in model.bodies:
+        mass, com, inertia = inertia_of(body, at, constants)
+        linear = ca.jacobian(com, q)
+        angular = angular_jacobian(model, at, body.frame, own)
+        total += mass * linear.T @ linear + angular.T @ inertia @ angular
+    function = ca.Function("products", [q, theta, constants.vector()], [ca.vec(total)])
+    return tape(function), constants.symbols
 
 
 def _around(constant):

@@ -109,16 +109,16 @@ def arm_in_space(joints: int) -> RobotModel:
     inertia = [Fraction(x, 1000) for x in (20, 25, 33, 2, 0, 1)]
     com = Fraction(1, 10), Fraction(1, 50), Fraction(1, 30)
     for i in range(joints):
-        frame = builder.joint(frame, ("z", "y", "z", "x", "y", "z")[i])
+        frame = builder.joint(frame, "zyzxyz"[i % 6])
         builder.solid(frame, Fraction(3, 2), com, inertia)
         frame = builder.move(frame, "zx"[i % 2], builder.number(Fraction(3, 10)))
     builder.effector(frame)
     return builder.build()
 
 
-@pytest.mark.parametrize(("joints", "made"), [(3, True), (6, False)])
+@pytest.mark.parametrize(("joints", "made"), [(6, True), (12, False)])
 def test_second_derivatives_of_large_robots_are_not_made(joints: int, made: bool) -> None:
-    """Those of six joints in space take 15 s and a gigabyte, and one evaluation 0.3 s."""
+    """Those of twelve joints in space take seconds, and one evaluation half of one."""
     down = (Fraction(0), Fraction(0), Fraction("-9.81"))
     assert (robot_graph(arm_in_space(joints), down).curvature is not None) is made
 
@@ -131,7 +131,7 @@ def test_wide_sets_of_an_arm_hold_its_motions_and_are_narrower_than_by_boxes() -
     lengths = [Fraction(5, 4), Fraction(3, 4)]
     state = [Fraction(2, 5), Fraction(-4, 5), Fraction(1, 2), Fraction(-3, 4)]
     inputs = [[Fraction(20), Fraction(3)], [Fraction(15), Fraction(-2)]]
-    radius, part, step = Fraction(1, 100), Fraction(1, 20), Fraction(1, 20)
+    radius, part, step = Fraction(1, 40), Fraction(1, 20), Fraction(1, 20)
     with working_precision(64):
         field = field_of(graph, lengths)
         start = [ball(x) + arb(0, 1) * ball(radius) for x in state]
@@ -141,7 +141,8 @@ def test_wide_sets_of_an_arm_hold_its_motions_and_are_narrower_than_by_boxes() -
         boxes = replace(field, curvature=None)
         coarser = list(tube(boxes, start, rows, ball(step), ROUGH, error=error))
     pairs = zip(closer[-1].end, coarser[-1].end, strict=True)
-    assert all(float(a.rad()) < 0.95 * float(b.rad()) for a, b in pairs)
+    ratios = [float(a.rad()) / float(b.rad()) for a, b in pairs]
+    assert all(ratio < limit for ratio, limit in zip(ratios, (1, 1, 0.9, 0.9), strict=True))
     with mp.workdps(DIGITS), working_precision(200):
         for _ in range(6):
             signs = rng.choice([-1, 1], 4)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
-from compiler.dynamics.kinematics import absolute_angles
+from compiler.dynamics.rigid_bodies import coordinates_for_intervals
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
 from compiler.words.derivation import Derivation, body_symbols
@@ -93,7 +93,7 @@ def scene_of(
         if len(symbols) == len(model.bodies):
             bodies = _named(symbols, derivation.word)
     return Scene(
-        robot_graph(model, task.gravity, absolute_angles(model)),
+        robot_graph(model, task.gravity, coordinates_for_intervals(model)),
         program.workspaces[task.workspace],
         task,
         cells,
