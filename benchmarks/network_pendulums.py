@@ -205,10 +205,9 @@ def enclosed(case: Case, network: ReluNetwork, box: Box) -> Enclosed:
     n = case.links
     with working_precision(ACCURACY.bits):
         tail = tuple(map(constant_ball, graph.constants))
-        second, places = graph.curvature
         field = VectorField(
             tape(graph.balance), tape(graph.variation), n, tail, n, tape(graph.input_slopes),
-            Curvature(tape(second), places),
+            Curvature.of(graph),
         )  # fmt: skip
         points = PointMap(tape(graph.points), field, 2, tape(graph.point_slopes))
         middles = [ball((low + high) / 2) for low, high in box] + [arb(0)] * n

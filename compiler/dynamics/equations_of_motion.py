@@ -40,6 +40,8 @@ from compiler.time_limits.time_limit import check_time
 MADE = "equations of motion were made"
 MOST_INSTRUCTIONS = 40_000
 """Of first derivatives of which second ones are made: they have five to seven times as many."""
+MOST_OF_SECOND = 10_000
+"""Of second derivatives of which third ones are made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,6 +254,23 @@ class RobotGraph:
                 kept.append(number)
         values = second.nz[kept] if kept else ca.SX(0, 1)
         return self._function("curvature", [p.q, p.w, a, p.u], ca.vertcat(values)), tuple(places)
+
+    @cached_property
+    def curvature_slopes(self) -> tuple[ca.Function, tuple[tuple[int, int], ...]] | None:
+        """First derivatives of the values of ``curvature`` that are not zero, and where they belong.
+
+        The places (v, l): value v, entry l of (q, w, a).  None where ``curvature`` has so many
+        instructions that these take longer than what they save.
+        """
+        if self.curvature is None or self.curvature[0].n_instructions() > MOST_OF_SECOND:
+            return None
+        p, a = self.parts, ca.SX.sym("a", len(self.model.dofs))
+        entries = ca.vertcat(p.q, p.w, a)
+        values = self.curvature[0](p.q, p.w, a, p.u, p.theta, p.k)
+        slopes = ca.jacobian(values, entries)
+        places = tuple(zip(*slopes.sparsity().get_triplet(), strict=True))
+        kept = slopes.nz[:] if places else ca.SX(0, 1)
+        return self._function("curvature_slopes", [p.q, p.w, a, p.u], kept), places
 
     @cached_property
     def input_slopes(self) -> ca.Function:

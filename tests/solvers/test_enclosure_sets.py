@@ -40,8 +40,6 @@ DT = Fraction(1, 10)
 
 def field_of(graph: RobotGraph, theta: list[Fraction]) -> VectorField:
     tail = (*map(ball, theta), *map(constant_ball, graph.constants))
-    assert graph.curvature is not None
-    second, places = graph.curvature
     return VectorField(
         tape(graph.balance),
         tape(graph.variation),
@@ -49,7 +47,7 @@ def field_of(graph: RobotGraph, theta: list[Fraction]) -> VectorField:
         tail,
         len(robot_states(graph.model)),
         tape(graph.input_slopes),
-        Curvature(tape(second), places),
+        Curvature.of(graph),
     )
 
 

@@ -86,11 +86,9 @@ def segments_of(loop: Loop, *, absolute: bool) -> tuple[RobotGraph, list[TubeSeg
     found: list[TubeSegment] = []
     with working_precision(ACCURACY.bits):
         tail = (*map(ball, loop.lengths), *map(constant_ball, graph.constants))
-        assert graph.curvature is not None
-        second, places = graph.curvature
         field = VectorField(
             tape(graph.balance), tape(graph.variation), n, tail, n + 1,
-            tape(graph.input_slopes), Curvature(tape(second), places),
+            tape(graph.input_slopes), Curvature.of(graph),
         )  # fmt: skip
         rows = graph.coordinates.rows
         held = sampled_law(law, loop.inputs, rows, loop.noise, (), 0)

@@ -205,8 +205,10 @@ def _added(
 # .. math::
 #     F(p + z) = F(p) + DF(p)\,z + \int_0^1 (1 - h)\, z^T H(p + h z)\,z\,dh,
 #
-# so that H is the mean with weights 2 (1 - h): most of it is near the path.  It is enclosed part by
-# part of 0 <= h <= 1.  Its radii are of third order, and are bounded by a box; for the
+# so that H is the mean with weights 2 (1 - h): most of it is near the path.  It is enclosed by the
+# mean value theorem, or, where there are no third derivatives, part by part of 0 <= h <= 1.  Natural
+# enclosures of H itself are several times as wide where squares of sines and cosines cancel.  Its
+# radii are of third order, and are bounded by a box; for the
 # midpoints the sum of all |Q_jk| is made in integers, to which V and H are rounded.
 
 
@@ -234,23 +236,17 @@ def _hessians(
     field: VectorField, curvature: Curvature, drive: Drive, about: Expansion, most: Sequence[arb]
 ) -> list[_Hessian] | None:
     """Of each entry of F ``about`` a path, for z within ``most`` (N,); None: F is not smooth."""
-    n, size, side = field.dofs, field.size, field.size + field.dofs
+    n, side = field.dofs, field.size + field.dofs
     over = about.entries
     tail = [*drive.all, *field.tail]
     still = [entry[0] for entry in over]
     still += [entry[1] if len(entry) > 1 else arb(0) for entry in over[n : 2 * n]]
-    means = [arb(0)] * len(curvature.places)
     try:
-        for part in range(PARTS):
-            share = SIGNS * (arb(part + 1) / PARTS)
-            z = [x + share * r for x, r in zip(still, most, strict=True)]
-            if field.has_kinks and part == PARTS - 1:
-                # Where a slope jumps there is no second derivative, whatever the graph's says.
-                field.balance.evaluate([*z[:size], *tail], SMOOTH_BALLS)
-            values = curvature.tape.evaluate([*z, *tail], SMOOTH_BALLS)
-            # Twice the integral of 1 - h over the part.
-            weight = arb(2 * (PARTS - part) - 1) / PARTS**2
-            means = [m + weight * v for m, v in zip(means, values, strict=True)]
+        if field.has_kinks:
+            # Where a slope jumps there is no second derivative, whatever the graph's says.
+            z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
+            field.balance.evaluate([*z[: field.size], *tail], SMOOTH_BALLS)
+        means = _means(curvature, still, tail, most)
     except UncertainSignError:
         return None
     if not all(value.is_finite() for value in means):
@@ -259,6 +255,30 @@ def _hessians(
     for (i, j, k), value in zip(curvature.places, means, strict=True):
         found[i][j * side + k] = found[i][k * side + j] = value
     return [_Hessian.of(arb_mat(side, side, entries)) for entries in found]
+
+
+def _means(
+    curvature: Curvature, still: Sequence[arb], tail: Sequence[arb], most: Sequence[arb]
+) -> list[arb]:
+    """Enclosures of the means of second derivatives on the way from ``still`` to all p + z."""
+    if curvature.slopes is not None:
+        # |H(p + h z) - H(p)| <= h |slopes| |z|, and the mean of h is a third.
+        z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
+        near = curvature.tape.evaluate([*still, *tail], SMOOTH_BALLS)
+        off = [arb(0)] * len(near)
+        slopes = curvature.slopes.evaluate([*z, *tail], SMOOTH_BALLS)
+        for (value, entry), slope in zip(curvature.slope_places, slopes, strict=True):
+            off[value] = off[value] + slope.abs_upper() * most[entry]
+        return [x + SIGNS * (r / 3).upper() for x, r in zip(near, off, strict=True)]
+    means = [arb(0)] * len(curvature.places)
+    for part in range(PARTS):
+        share = SIGNS * (arb(part + 1) / PARTS)
+        z = [x + share * r for x, r in zip(still, most, strict=True)]
+        values = curvature.tape.evaluate([*z, *tail], SMOOTH_BALLS)
+        # Twice the integral of 1 - h over the part.
+        weight = arb(2 * (PARTS - part) - 1) / PARTS**2
+        means = [m + weight * v for m, v in zip(means, values, strict=True)]
+    return means
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,8 +100,7 @@ def driven_robot(
     slopes = tape(graph.input_slopes) if task.robust is not None else None
     disturbances = task.robust is not None or task.repeat
     # Without second derivatives, sets are enclosed by boxes.
-    second = graph.curvature if disturbances else None
-    curvature = None if second is None else Curvature(tape(second[0]), second[1])
+    curvature = Curvature.of(graph) if disturbances else None
     field = VectorField(
         tape(graph.balance), tape(graph.variation), n, tail, len(own) + still, slopes, curvature
     )

@@ -8,8 +8,9 @@ from functools import cached_property
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
+from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import BALLS, SERIES, SIGNS
-from compiler.expressions.tape import Tape
+from compiler.expressions.tape import Tape, tape
 
 # --------------------------------------------------------------------------------------------------
 # A robot's equations of motion as a vector field on states, read in balls and in series of balls.
@@ -39,10 +40,24 @@ class Curvature:
     """Second derivatives: ``places`` (i, j, k) of the outputs of a tape, j >= k; others are zero.
 
     That of output i of (b - M a, d) in the entries j and k of (q, v, s, a), at (q, v, s, a, u).
+    ``slopes`` are what is not zero of their own first derivatives: (v, l) among ``slope_places``
+    is that of value v in entry l.  None for large robots.
     """
 
     tape: Tape
     places: tuple[tuple[int, int, int], ...]
+    slopes: Tape | None = None
+    slope_places: tuple[tuple[int, int], ...] = ()
+
+    @staticmethod
+    def of(graph: RobotGraph) -> Curvature | None:
+        """That of a robot; None where its second derivatives are not made."""
+        second, third = graph.curvature, graph.curvature_slopes
+        if second is None:
+            return None
+        if third is None:
+            return Curvature(tape(second[0]), second[1])
+        return Curvature(tape(second[0]), second[1], tape(third[0]), third[1])
 
 
 @dataclass(frozen=True)
