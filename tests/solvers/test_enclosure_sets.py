@@ -28,7 +28,7 @@ from compiler.robots.state_and_input import robot_states
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
-from solvers.verifier.proofs.zonotope import MOST_COLUMNS, InitialSet, box, zonotope
+from solvers.verifier.proofs.zonotope import InitialSet, box, zonotope
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain
@@ -330,7 +330,7 @@ def test_the_image_of_a_zonotope_holds_the_images_of_its_points() -> None:
             points = to + (points - middle) @ matrix.T + added * rng.uniform(-1, 1, (50, 3))
             turn = arb_mat([[arb(float(x)) for x in row] for row in matrix])
             current = current.moved([arb(x) for x in to], turn, [arb(x) for x in added])
-            assert len(current.columns) <= MOST_COLUMNS * size
+            assert len(current.columns) <= ROOM.largest * size
             hull = current.hull()
             for i, item in enumerate(hull):
                 low, high = float(item.lower()), float(item.upper())

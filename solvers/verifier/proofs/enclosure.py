@@ -328,10 +328,10 @@ def _longest(
             length = length / 4
             continue
         share = control.learn(length, guess, excess, order)
-        if passage is not None and not control.close_enough(length, passage.moved.growth):
-            length = control.first(length, guess)
-            continue
         if passage is not None:
+            if not control.close_enough(length, passage.moved.growth, passage.moved.second):
+                length = control.first(length, guess)
+                continue
             if not trial.rough:
                 control.learn_degree(states.radii, passage.moved.added.box, trial.order)
             return length, passage

@@ -13,26 +13,28 @@ from solvers.verifier.proofs.deviation_flow import Flow, flow
 from solvers.verifier.proofs.second_order import Added, added_by_forms
 from solvers.verifier.proofs.step_control import WIDE
 from solvers.verifier.proofs.vector_field import Path, VectorField
-from solvers.verifier.proofs.zonotope import Zonotope
+from solvers.verifier.proofs.zonotope import Room, Zonotope
 
 SLICES = 4
 """The parts of a segment on which a closer box is computed."""
-KEPT = 8
-"""Times the size of a state: the columns of a wide set that conditions are checked for."""
+KEPT = Room(8, 8, 8, 8)
+"""The columns of a wide set that conditions are checked for."""
 
 
 @dataclass(frozen=True, slots=True)
 class MovedSet:
     """The flow on a segment, what is added to the moved set, and a box of all deviations.
 
-    A box in which they were found to stay was ``growth`` times as large; ``spread`` tells of a wide
-    set how its entries go together.
+    A box in which they were found to stay was ``growth`` times as large.  What is of second order
+    adds at most the part ``second`` of a rate's bound per second.  ``spread`` tells of a wide set how
+    its entries go together.
     """
 
     flow: Flow
     added: Added
     radii: Sequence[arb]
     growth: float = 1.0
+    second: float = 0.0
     spread: Spread | None = None
 
 
@@ -87,8 +89,10 @@ def moved_set(
     radii = _closer(states, near, found, *closer)
     pairs = zip(found.radii, radii, strict=True)
     growth = max(float(f) / float(r) for f, r in pairs if r > 0)
+    rates = zip(closer[1].pull, radii[field.dofs :], strict=False)
+    second = max((float(a) / float(r) for a, r in rates if r > 0), default=0.0)
     spread = Spread(near.path, closer[0], states.reduced(KEPT), closer[1].reach)
-    return MovedSet(*closer, radii, growth, spread)
+    return MovedSet(*closer, radii, growth, second, spread)
 
 
 def _by_box(field: VectorField, near: NearPath, found: Deviation) -> MovedSet:

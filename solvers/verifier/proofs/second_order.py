@@ -55,7 +55,7 @@ from solvers.verifier.proofs.a_priori import (
 from solvers.verifier.proofs.deviation_flow import Flow, flow
 from solvers.verifier.proofs.disturbance_response import LinearSlice, linear_slices, response
 from solvers.verifier.proofs.vector_field import Curvature, Expansion, VectorField
-from solvers.verifier.proofs.zonotope import Zonotope
+from solvers.verifier.proofs.zonotope import Room, Zonotope
 
 SLICES = 4
 """The parts of a segment on which forms are bounded."""
@@ -64,8 +64,8 @@ LEAST_GAIN = 0.95
 """Bounds are taken to be final when a round makes them no smaller than that."""
 PARTS = 8
 """The parts of the way from the path to a solution on which second derivatives are enclosed."""
-KEPT = 12
-"""Times the size of a state: the columns of the set of which forms are bounded."""
+KEPT = Room(12, 12, 60, 60)
+"""The columns of the set of which forms are bounded."""
 BITS = 18
 """Forms are summed in integers of so many bits, exactly; products of three fit into 64."""
 LEAST = 2.0**-300
@@ -78,13 +78,15 @@ MOST_ENTRIES = 40
 class Added:
     """What a set gains on a segment: a box, an image of the unit box, and a shift.
 
-    ``reach`` bounds all of it at every instant.
+    ``reach`` bounds all of it at every instant, ``pull`` the accelerations (n,) that come of what is
+    of second order.
     """
 
     box: list[arb]
     steady: arb_mat | None
     shift: list[arb]
     reach: list[arb]
+    pull: Sequence[arb] = ()
 
 
 def added_by_forms(
@@ -197,7 +199,9 @@ def _added(
         reach = [a + b for a, b in zip(reach, found.reach, strict=True)]
     box = transition.added(near.start, pushed)
     total = [(b + r).upper() for b, r in zip(box, reach, strict=True)]
-    return Added(box, own, shift.constant.entries(), total)
+    pull = absolute(linear.inertia.solve(both_signs(column(forms.radii)))).entries()
+    dofs = len(box) - len(pull)
+    return Added(box, own, shift.constant.entries(), total, pull[:dofs])
 
 
 # --- Second derivatives, and the range of the forms -----------------------------------------------
@@ -206,10 +210,10 @@ def _added(
 #     F(p + z) = F(p) + DF(p)\,z + \int_0^1 (1 - h)\, z^T H(p + h z)\,z\,dh,
 #
 # so that H is the mean with weights 2 (1 - h): most of it is near the path.  It is enclosed by the
-# mean value theorem, or, where there are no third derivatives, part by part of 0 <= h <= 1.  Natural
-# enclosures of H itself are several times as wide where squares of sines and cosines cancel.  Its
-# radii are of third order, and are bounded by a box; for the
-# midpoints the sum of all |Q_jk| is made in integers, to which V and H are rounded.
+# mean value theorem, or, where there are no third derivatives, part by part of 0 <= h <= 1.  A
+# natural enclosure of H is several times as wide where squares of sines and cosines cancel.  Its
+# radii are of third order, and are bounded by a box; for the midpoints the sum of all |Q_jk| is made
+# in integers, to which V and H are rounded.
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,8 @@ stay in is computed a second time, and closer."""
 MOST_GROWTH, LEAST_GROWTH, LEAST_WIDE = 2.5, 1.3, Fraction(1, 2)
 """By how much the box that no deviation leaves may be too large: more, and segments get shorter,
 though not below a part of a step; less, and they get longer."""
+MOST_SECOND, LEAST_SECOND, LEAST_SHORT = 1 / 5, 1 / 8, Fraction(1, 16)
+"""The same for the part of the rates that what is of second order adds in a step."""
 LEAST_EXCESS = 1e-30
 LONGEST = 1e9
 """Seconds; where no coefficient says how long a segment may be."""
@@ -49,15 +51,22 @@ class StepControl:
     degree: int = 2
     most: Fraction = Fraction(1)
 
-    def close_enough(self, length: Fraction, growth: float) -> bool:
-        """Whether a box of deviations ``growth`` times as large as a closer one is good enough.
+    def close_enough(self, length: Fraction, growth: float, second: float) -> bool:
+        """Whether a segment is short enough for what is of second order.
 
-        If not, ``most`` is halved: bounds of what is of second order feed on too large a box.
+        If not, ``most`` is halved: bounds of it feed on too large a box, and on themselves.
+
+        Args:
+            length: that of the segment.
+            growth: how many times as large as a closer one the box of deviations is.
+            second: the part of the rates that what is of second order adds per second.
         """
-        if growth > MOST_GROWTH and length > LEAST_WIDE:
-            self.most = max(LEAST_WIDE, length / 2)
+        added = second * self.dt
+        too_large = growth > MOST_GROWTH and length > LEAST_WIDE
+        if too_large or (added > MOST_SECOND and length > LEAST_SHORT):
+            self.most = max(LEAST_WIDE if added <= MOST_SECOND else LEAST_SHORT, length / 2)
             return False
-        if growth < LEAST_GROWTH and length >= self.most:
+        if growth < LEAST_GROWTH and added < LEAST_SECOND and length >= self.most:
             self.most = min(Fraction(1), 2 * self.most)
         return True
 

@@ -72,8 +72,24 @@ def box(state: Sequence[arb]) -> InitialSet:
 # (Kuhn, *Rigorously computed orbits of dynamical systems without the wrapping effect*, 1998).
 
 
-MOST_COLUMNS, KEPT_COLUMNS = 30, 25
-"""Times the size of a state: when columns are replaced, and how many are left then."""
+@dataclass(frozen=True, slots=True)
+class Room:
+    """How many columns a set has, times the size of a state.
+
+    More than ``most`` are replaced until ``kept`` are left, unless that widens the set; more than
+    ``largest`` are in any case, until ``left`` are left.
+    """
+
+    most: int
+    kept: int
+    largest: int
+    left: int
+
+
+ROOM = Room(30, 25, 120, 100)
+LEAST_LOSS = 0.03
+"""A set is wider from this part of it on.  Where the columns of all segments of a sample count, that
+feeds on itself: what is left of some must stay among them until feedback has acted."""
 
 Column = list[arb]
 
@@ -116,11 +132,11 @@ class Zonotope:
     def widened(self, radii: Sequence[arb]) -> Zonotope:
         """The set of all x + d with all |d| <= ``radii``."""
         columns = [*self.columns, *_box(radii)]
-        return Zonotope(self.middle, _reduced(columns, len(self.middle)))
+        return Zonotope(self.middle, _reduced(columns, len(self.middle), ROOM))
 
-    def reduced(self, columns: int) -> Zonotope:
-        """A set that holds this one, of at most so many ``columns`` times the size of a state."""
-        return Zonotope(self.middle, _reduced(self.columns, len(self.middle), columns, columns))
+    def reduced(self, room: Room) -> Zonotope:
+        """A set that holds this one, of fewer columns."""
+        return Zonotope(self.middle, _reduced(self.columns, len(self.middle), room))
 
     def moved(
         self,
@@ -142,7 +158,7 @@ class Zonotope:
             for i, row in enumerate(steady.tolist()):
                 rest[i] = sum((item.rad() for item in row), rest[i])
             columns += [list(column) for column in steady.mid().transpose().tolist()]
-        return Zonotope(middle, _reduced([*columns, *_box(rest)], len(middle)))
+        return Zonotope(middle, _reduced([*columns, *_box(rest)], len(middle), ROOM))
 
 
 def zonotope(initial: InitialSet) -> Zonotope:
@@ -182,11 +198,20 @@ def _box(radii: Sequence[arb]) -> list[Column]:
     ]
 
 
-def _reduced(
-    columns: list[Column], size: int, most: int = MOST_COLUMNS, kept: int = KEPT_COLUMNS
-) -> list[Column]:
-    """The columns, or ``kept`` times the size of them where there are more than ``most`` times."""
-    if len(columns) <= most * size:
+def _reduced(columns: list[Column], size: int, room: Room) -> list[Column]:
+    """The columns, or fewer of them where there are many."""
+    if len(columns) <= room.most * size:
+        return columns
+    fewer = _longest(columns, size, room.kept)
+    before, after = _sizes(columns, size), _sizes(fewer, size)
+    if all(bool(a <= (1 + LEAST_LOSS) * b) for a, b in zip(after, before, strict=True)):
+        return fewer
+    return columns if len(columns) <= room.largest * size else _longest(columns, size, room.left)
+
+
+def _longest(columns: list[Column], size: int, kept: int) -> list[Column]:
+    """A box instead of the shortest columns, so that ``kept`` times the size of them are left."""
+    if len(columns) <= kept * size:
         return columns
     scales = np.array([float(item) or 1.0 for item in _sizes(columns, size)])
     shares = np.array([[float(x) for x in column] for column in columns]) / scales
