@@ -157,8 +157,9 @@ class SymbolicEvaluator(Evaluator[ca.SX]):
         """An expression as it is, but a literal other than zero as an input.
 
         Integers stay exact under sums and products only: CasADi folds 1 / 3 and sqrt(2) in doubles.
+        A literal that is not finite stays: a condition tells of its divisor.
         """
-        if not expression.is_constant() or expression.is_zero():
+        if not expression.is_constant() or expression.is_zero() or not expression.is_regular():
             return expression
         return self._input(Constant(Fraction(float(expression))))
 
