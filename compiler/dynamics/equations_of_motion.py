@@ -257,7 +257,7 @@ class RobotGraph:
 
     @cached_property
     def curvature_slopes(self) -> tuple[ca.Function, tuple[tuple[int, int], ...]] | None:
-        """First derivatives of the values of ``curvature`` that are not zero, and where they belong.
+        """First derivatives of the values of ``curvature`` that are not zero, and their places.
 
         The places (v, l): value v, entry l of (q, w, a).  None where ``curvature`` has so many
         instructions that these take longer than what they save.

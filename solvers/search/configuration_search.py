@@ -32,8 +32,8 @@ from solvers.trajectory.task_limits import effort_scale
 
 SEARCHES = ("gp-acb", "nelder-mead")
 """The searches of parameters by name, the usual one first."""
-EVALUATIONS = 12
-"""Parameters that are evaluated for a path."""
+EVALUATIONS, MOST_EVALUATIONS = 12, 60
+"""Parameters that are evaluated for a path, and where disturbed motions were not proved."""
 BATCH = 2
 BASINS = 4
 """How many of the best evaluations are polished."""
@@ -91,7 +91,7 @@ class Configuration:
 
 
 def search_configuration(
-    path_problem: PathProblem, label: str, context: RunContext
+    path_problem: PathProblem, label: str, context: RunContext, evaluations: int = EVALUATIONS
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
@@ -100,7 +100,7 @@ def search_configuration(
     """
     space = parameter_space(path_problem.model)
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
-    search = _Survey(space, evaluator, context)
+    search = _Survey(space, evaluator, context, evaluations)
     if space.is_point:
         search.evaluate([space.lower], FULL)
     else:
@@ -121,9 +121,25 @@ def search_configuration(
     )
 
 
-def calmed(path_problem: PathProblem, label: str, context: RunContext) -> Configuration:
+def calmed(
+    path_problem: PathProblem, label: str, context: RunContext, evaluations: int = EVALUATIONS
+) -> Configuration:
     """A configuration for the same path that suits feedback better; it may be infeasible."""
-    return search_configuration(calmer(path_problem), f"{label}|calm", context)
+    return search_configuration(calmer(path_problem), f"{label}|calm", context, evaluations)
+
+
+def closely_calmed(
+    path_problem: PathProblem, label: str, context: RunContext
+) -> Configuration | None:
+    """The same of more parameters; None where there are none, or no more to choose them by.
+
+    Its samples are those that ``calmed`` does not have.
+    """
+    space = parameter_space(path_problem.model)
+    if space.is_point or not chosen_by_spread(calmer(path_problem)):
+        return None
+    found = calmed(path_problem, label, context, MOST_EVALUATIONS)
+    return replace(found, samples=found.samples[EVALUATIONS:])
 
 
 def _best(
@@ -149,8 +165,11 @@ def parameter_search(cube: Cube, seed: int, name: str | None = None) -> Paramete
 class _Survey:
     """The evaluations of a path's parameters, with the motions that were found."""
 
-    def __init__(self, space: ParameterSpace, evaluator: Evaluator, context: RunContext) -> None:
+    def __init__(
+        self, space: ParameterSpace, evaluator: Evaluator, context: RunContext, evaluations: int
+    ) -> None:
         self.space = space
+        self.evaluations = evaluations
         self.evaluator = evaluator
         self.context = context
         self.attempts: list[ControlOutcome] = []
@@ -162,7 +181,7 @@ class _Survey:
     def run(self) -> None:
         """Evaluate what the search asks for."""
         search = parameter_search(self.space.cube, self.context.seed, self.context.search)
-        while len(self.samples) < EVALUATIONS:
+        while len(self.samples) < self.evaluations:
             points = search.ask(BATCH)
             if not points:
                 break

@@ -20,6 +20,7 @@ from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
 from solvers.planner import EffectorPath
 from solvers.search.configuration_search import Configuration
+from solvers.trajectory.control import shortfall
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.trajectory.fine_motion import BEYOND
 from solvers.trajectory.path_following import LEAST_MARGIN, SUBSTEPS, PathProblem
@@ -211,6 +212,20 @@ def no_margin_text(spread: DisturbanceSpread) -> str:
         "no motion was found that leaves disturbed ones the clearance they need, "
         f"{spread.widest:.2g} m at the widest"
     )
+
+
+def nearest_text(
+    path_problem: PathProblem, found: Configuration, sample: int, names: Sequence[str]
+) -> str:
+    """Where the most robust motion along the cells ``names`` cannot go on, in words.
+
+    ``sample`` is the first that it does not get to.
+    """
+    text, task = f"; nearest, through {' > '.join(names)}, the motion ", path_problem.task
+    if sample > task.steps or found.outcome.robustness >= 0:
+        return f"{text}found {shortfall(path_problem.problem(found.entries), found.outcome)}"
+    what = "cannot go on at" if sample < task.steps else "does not get there by"
+    return f"{text}{what} {float(sample * task.step):.4g} s"
 
 
 def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSpread) -> float:

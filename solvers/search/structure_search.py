@@ -28,6 +28,7 @@ from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
     calmed,
+    closely_calmed,
     resolved,
     search_configuration,
     within_limits,
@@ -36,11 +37,12 @@ from solvers.search.path_task import (
     ConstraintTightening,
     Design,
     PathTask,
+    nearest_text,
     no_margin_text,
 )
 from solvers.search.round_task import RoundTask, closing, round_tasks
 from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
-from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE, shortfall
+from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE
 from solvers.trajectory.corridor import polyline
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
 from solvers.trajectory.fine_motion import refined, unstable
@@ -288,18 +290,11 @@ class StructureSearch:
             sample = infeasible_sample(path_problem, found.outcome, found.entries)
             prefix = infeasible_prefix(sample, found.entries)
             robustness = found.outcome.robustness
-            names = [cells.cells[cell].name for cell in leader.cells]
+            names = tuple(cells.cells[cell].name for cell in leader.cells[:prefix])
             if robustness > self.best and sample is not None:
-                self.stuck = f"; nearest, through {' > '.join(names[:prefix])}, "
-                if sample > self.task.steps or robustness >= 0:
-                    problem = path_problem.problem(found.entries)
-                    self.stuck += f"the motion found {shortfall(problem, found.outcome)}"
-                else:
-                    self.stuck += stuck_text(sample, self.task)
-            place, entered = len(self.samples) - 1, tuple(names[:prefix])
-            self.blocked.append(
-                BlockedPrefix(self.number, place, leader.effector, entered, sample, robustness)
-            )
+                self.stuck = nearest_text(path_problem, found, sample, names)
+            place, end = len(self.samples) - 1, (names, sample, robustness)
+            self.blocked.append(BlockedPrefix(self.number, place, leader.effector, *end))
             excluded = CounterExample(
                 leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
             )
@@ -320,6 +315,18 @@ class StructureSearch:
         self.samples[-1] = replace(last, samples=last.samples + found.samples)
 
     def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
+        """A proved design from a feasible configuration, or from a closer look at parameters."""
+        attempt = self.open_or_closed(path_problem, found, label)
+        if attempt.design is None and self.task.control != "open loop":
+            if (closer := closely_calmed(path_problem, label, self.context)) is not None:
+                self.also_evaluated(closer)
+                if closer.outcome.feasible:
+                    attempt = self.open_or_closed(path_problem, closer, label)
+        return attempt
+
+    def open_or_closed(
+        self, path_problem: PathProblem, found: Configuration, label: str
+    ) -> Attempt:
         """A proved design from a feasible configuration; open loop first, where that may do."""
         attempt = Attempt(None, found.outcome.robustness)
         choices = feedback_choices(path_problem, found.outcome)
@@ -392,9 +399,3 @@ class StructureSearch:
             )  # fmt: skip
             self.note = answer.note
         return None
-
-
-def stuck_text(sample: int, task: ir.Task) -> str:
-    """Where a motion cannot go on, in words: ``sample`` is the first that it does not get to."""
-    what = "cannot go on at" if sample < task.steps else "does not get there by"
-    return f"the motion {what} {float(sample * task.step):.4g} s"

@@ -28,7 +28,7 @@ from compiler.robots.state_and_input import robot_states
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
-from solvers.verifier.proofs.zonotope import InitialSet, box, zonotope
+from solvers.verifier.proofs.zonotope import ROOM, InitialSet, box, zonotope
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain

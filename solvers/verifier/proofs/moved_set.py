@@ -26,8 +26,8 @@ class MovedSet:
     """The flow on a segment, what is added to the moved set, and a box of all deviations.
 
     A box in which they were found to stay was ``growth`` times as large.  What is of second order
-    adds at most the part ``second`` of a rate's bound per second.  ``spread`` tells of a wide set how
-    its entries go together.
+    adds at most the part ``second`` of a rate's bound per second.  ``spread`` tells of a wide set
+    how its entries go together.
     """
 
     flow: Flow

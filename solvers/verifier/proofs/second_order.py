@@ -78,8 +78,8 @@ MOST_ENTRIES = 40
 class Added:
     """What a set gains on a segment: a box, an image of the unit box, and a shift.
 
-    ``reach`` bounds all of it at every instant, ``pull`` the accelerations (n,) that come of what is
-    of second order.
+    ``reach`` bounds all of it at every instant, ``pull`` the accelerations (n,) that come of what
+    is of second order.
     """
 
     box: list[arb]
@@ -210,10 +210,10 @@ def _added(
 #     F(p + z) = F(p) + DF(p)\,z + \int_0^1 (1 - h)\, z^T H(p + h z)\,z\,dh,
 #
 # so that H is the mean with weights 2 (1 - h): most of it is near the path.  It is enclosed by the
-# mean value theorem, or, where there are no third derivatives, part by part of 0 <= h <= 1.  A
-# natural enclosure of H is several times as wide where squares of sines and cosines cancel.  Its
-# radii are of third order, and are bounded by a box; for the midpoints the sum of all |Q_jk| is made
-# in integers, to which V and H are rounded.
+# mean value theorem, or, where there are no third derivatives, part by part of 0 <= h <= 1.
+# Natural enclosures of H are several times as wide where squares of sines and cosines cancel.  Its
+# radii are of third order, and are bounded by a box; for the midpoints the sum of all |Q_jk| is
+# made in integers, to which V and H are rounded.
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,8 +88,8 @@ class Room:
 
 ROOM = Room(30, 25, 120, 100)
 LEAST_LOSS = 0.03
-"""A set is wider from this part of it on.  Where the columns of all segments of a sample count, that
-feeds on itself: what is left of some must stay among them until feedback has acted."""
+"""A set is wider from this part of it on.  Where that counts in all segments of a sample, it feeds
+on itself: columns have to stay until feedback has acted on them."""
 
 Column = list[arb]
 
