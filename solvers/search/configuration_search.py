@@ -131,12 +131,13 @@ def calmed(
 def closely_calmed(
     path_problem: PathProblem, label: str, context: RunContext
 ) -> Configuration | None:
-    """The same of more parameters; None where there are none, or no more to choose them by.
+    """The same of more parameters; None without any, or where no spread decides on them.
 
     Its samples are those that ``calmed`` does not have.
     """
     space = parameter_space(path_problem.model)
-    if space.is_point or not chosen_by_spread(calmer(path_problem)):
+    closed = path_problem.task.control != "open loop"
+    if space.is_point or not closed or not chosen_by_spread(calmer(path_problem)):
         return None
     found = calmed(path_problem, label, context, MOST_EVALUATIONS)
     return replace(found, samples=found.samples[EVALUATIONS:])

@@ -316,17 +316,15 @@ class StructureSearch:
 
     def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
         """A proved design from a feasible configuration, or from a closer look at parameters."""
-        attempt = self.open_or_closed(path_problem, found, label)
-        if attempt.design is None and self.task.control != "open loop":
-            if (closer := closely_calmed(path_problem, label, self.context)) is not None:
-                self.also_evaluated(closer)
-                if closer.outcome.feasible:
-                    attempt = self.open_or_closed(path_problem, closer, label)
+        attempt = self.in_turn(path_problem, found, label)
+        closer = None if attempt.design else closely_calmed(path_problem, label, self.context)
+        if closer is not None:
+            self.also_evaluated(closer)
+            if closer.outcome.feasible:
+                attempt = self.in_turn(path_problem, closer, label)
         return attempt
 
-    def open_or_closed(
-        self, path_problem: PathProblem, found: Configuration, label: str
-    ) -> Attempt:
+    def in_turn(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
         """A proved design from a feasible configuration; open loop first, where that may do."""
         attempt = Attempt(None, found.outcome.robustness)
         choices = feedback_choices(path_problem, found.outcome)
