@@ -135,12 +135,12 @@ class Proofs:
     seconds: float = 0.0
     segments: list[TubeSegment] = field(default_factory=list[TubeSegment])
 
-    def proved(self, *arguments: Any) -> Any:
+    def proved(self, *arguments: Any, last: bool = False) -> Any:
         """Try a proof."""
         self.tried += 1
         begun = time.process_time()
         try:
-            return certified_design(*arguments)
+            return certified_design(*arguments, last=last)
         finally:
             self.seconds += time.process_time() - begun
 
@@ -218,9 +218,9 @@ def tightened(start: Tightening, method: Method) -> Row:
     problem = tube_problem(start.path_problem, method)
     proofs, last = Proofs(), list[tuple[TubeProblem, Trajectory]]()
 
-    def proved(*arguments: Any) -> Any:
+    def proved(*arguments: Any, **options: bool) -> Any:
         last.append((arguments[3], arguments[4].outcome.trajectory))
-        return proofs.proved(*arguments)
+        return proofs.proved(*arguments, **options)
 
     start.search.obstacle = ""
     begin = time.process_time()

@@ -9,8 +9,8 @@ import pytest
 from flint import arb
 
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.dynamics.kinematics import absolute_angles
-from compiler.dynamics.rigid_bodies import has_turned_columns
+from compiler.dynamics.kinematics import absolute_angles, own_coordinates
+from compiler.dynamics.rigid_bodies import coordinates_for_intervals, has_turned_columns
 from compiler.expressions.evaluators.balls import (
     BallEvaluator,
     ball,
@@ -66,3 +66,9 @@ def test_where_columns_are_turned_by_more_than_one_angle() -> None:
     assert not has_turned_columns(model, absolute_angles(model))
     assert has_turned_columns(rod_chain(2), absolute_angles(rod_chain(2)))
     assert not has_turned_columns(mixed_robot(3, 3, 3), absolute_angles(mixed_robot(3, 3, 3)))
+
+
+def test_intervals_lose_least_in_absolute_angles_where_columns_are_turned() -> None:
+    chain, mixed = rod_chain(2), mixed_robot(3, 3, 3)
+    assert coordinates_for_intervals(chain) == absolute_angles(chain)
+    assert coordinates_for_intervals(mixed) == own_coordinates(mixed)

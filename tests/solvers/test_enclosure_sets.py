@@ -28,7 +28,7 @@ from compiler.robots.state_and_input import robot_states
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
-from solvers.verifier.proofs.zonotope import ROOM, InitialSet, box, zonotope
+from solvers.verifier.proofs.zonotope import ROOM, InitialSet, Room, Zonotope, box, zonotope
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain
@@ -337,6 +337,34 @@ def test_the_image_of_a_zonotope_holds_the_images_of_its_points() -> None:
                 assert low - 1e-12 <= points[:, i].min() <= points[:, i].max() <= high + 1e-12
     # The true set has a radius of at most |r| + 60 |d|, here below 1.6, in any direction.
     assert all(float(r) < 2 for r in current.radii)
+
+
+@pytest.mark.parametrize(("small", "fewer"), [(1e-6, True), (1.0, False)])
+def test_columns_are_replaced_where_that_does_not_widen_a_set(small: float, fewer: bool) -> None:
+    """Support functions in random directions: the set is held, and is hardly wider."""
+    rng = np.random.default_rng(5)
+    size, room = 3, Room(most=8, kept=6, largest=20, left=10)
+    columns = rng.normal(size=(30, size))
+    columns[12:] *= small
+    with working_precision(53):
+        before = Zonotope([arb(0)] * size, [[arb(x) for x in column] for column in columns])
+        after = before.reduced(room)
+        left = floats(after)
+        assert (len(left) <= room.kept * size + size) is fewer
+        crowd = Zonotope(before.middle, before.columns * 3).reduced(room)
+        assert len(crowd.columns) <= room.left * size + size
+    for _ in range(50):
+        direction = rng.normal(size=size)
+        own, held, more = (
+            np.abs(item @ direction).sum() for item in (columns, left, floats(crowd))
+        )
+        assert held >= own * (1 - 1e-12)
+        assert more >= 3 * own * (1 - 1e-12)
+    assert all(float(b) <= 1.03 * float(a) for a, b in zip(before.radii, after.radii, strict=True))
+
+
+def floats(states: Zonotope) -> np.ndarray:
+    return np.array([[float(x) for x in column] for column in states.columns])
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,8 @@ from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.robots.robot import WORLD, RobotModel
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, tube
-from solvers.verifier.proofs.second_order import range_of_forms
+from solvers.verifier.proofs.second_order import mean_derivatives, range_of_forms
+from solvers.verifier.proofs.vector_field import Curvature
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain
@@ -121,6 +122,66 @@ def test_second_derivatives_of_large_robots_are_not_made(joints: int, made: bool
     """Those of twelve joints in space take seconds, and one evaluation half of one."""
     down = (Fraction(0), Fraction(0), Fraction("-9.81"))
     assert (robot_graph(arm_in_space(joints), down).curvature is not None) is made
+
+
+@pytest.mark.parametrize("model", [rod_chain(2), arm_in_space(3)], ids=["plane", "space"])
+def test_means_hold_second_derivatives_on_the_way(model: RobotModel) -> None:
+    """Against quadrature with the weight 2 (1 - h), and natural enclosures part by part."""
+    rng = np.random.default_rng(8)
+    pull = (Fraction(1, 3), Fraction(-3), Fraction(2))[: model.dimension]
+    graph = robot_graph(model, pull)
+    curvature, second = Curvature.of(graph), graph.curvature
+    assert curvature is not None
+    assert curvature.slopes is not None
+    assert second is not None
+    n, m = len(model.dofs), len(model.dofs)
+    theta = [1.25, 0.75][: len(model.parameters)]
+    k = [float(c.value) for c in graph.constants]
+    u, p = rng.uniform(-1, 1, m), rng.uniform(-1, 1, 3 * n)
+    most = 0.05 * rng.uniform(0.5, 2, 3 * n)
+    tail = [arb(x) for x in [*u, *theta, *k]]
+    point, reach = [arb(x) for x in p], [arb(x) for x in most]
+    near = mean_derivatives(curvature, point, tail, reach)
+    parts = mean_derivatives(replace(curvature, slopes=None), point, tail, reach)
+    places, weights = np.polynomial.legendre.leggauss(12)
+    places, weights = (places + 1) / 2, weights / 2
+    for _ in range(30):
+        z = most * rng.choice([-1.0, 1.0], 3 * n) * rng.choice([1.0, rng.random()], 3 * n)
+        mean = 0.0
+        for h, weight in zip(places, weights, strict=True):
+            at = p + h * z
+            values = second[0](at[:n], at[n : 2 * n], at[2 * n :], u, theta, k)
+            mean = mean + 2 * (1 - h) * weight * np.array(values).ravel()
+        for enclosures in (near, parts):
+            for found, value in zip(enclosures, mean, strict=True):
+                assert float(abs(found.mid() - value)) <= float(found.rad()) + 1e-12
+    total = [sum(float(x.rad()) for x in enclosures) for enclosures in (near, parts)]
+    assert total[0] < 0.8 * total[1]
+
+
+def test_the_slopes_of_second_derivatives_are_those() -> None:
+    """Against differences, in floats."""
+    rng = np.random.default_rng(3)
+    graph = robot_graph(arm_in_space(2), (Fraction(0), Fraction(1), Fraction(-3)))
+    assert graph.curvature is not None
+    assert graph.curvature_slopes is not None
+    (second, _), (slopes, places) = graph.curvature, graph.curvature_slopes
+    k = [float(c.value) for c in graph.constants]
+    z, u = rng.uniform(-1, 1, 6), rng.uniform(-1, 1, 2)
+    found = np.zeros((second.size1_out(0), 6))
+    for (value, entry), slope in zip(
+        places, np.array(slopes(z[:2], z[2:4], z[4:], u, [], k)).ravel(), strict=True
+    ):
+        found[value, entry] = slope
+
+    def at(z: np.ndarray) -> np.ndarray:
+        return np.array(second(z[:2], z[2:4], z[4:], u, [], k)).ravel()
+
+    for entry in range(6):
+        step = 1e-5 * np.eye(6)[entry]
+        expected = (at(z + step) - at(z - step)) / 2e-5
+        np.testing.assert_allclose(found[:, entry], expected, atol=1e-8)
+    assert np.abs(found).max() > 0.1
 
 
 def test_wide_sets_of_an_arm_hold_its_motions_and_are_narrower_than_by_boxes() -> None:

@@ -13,7 +13,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
 from compiler.expressions.tape import tape
 from solvers.verifier.proofs.enclosure import tube
-from solvers.verifier.proofs.step_control import good_length
+from solvers.verifier.proofs.step_control import StepControl, good_length
 from solvers.verifier.proofs.trajectory_proof import ACCURACIES
 from solvers.verifier.proofs.vector_field import VectorField
 from tests.oracles.robots import rod_chain
@@ -48,3 +48,23 @@ def test_a_start_at_rest_is_enclosed_at_every_accuracy() -> None:
             field = VectorField(tape(graph.balance), tape(graph.variation), 3, tail)
             segments = list(islice(tube(field, start, [inputs], arb(1), accuracy), 3))
             assert all(bool(segment.length > 0.004) for segment in segments), accuracy
+
+
+def test_segments_get_short_where_what_is_of_second_order_adds_much() -> None:
+    """A fifth of the rates in a step is too much, however close the box; an eighth is little."""
+    control, length = StepControl(0.1), Fraction(1)
+    while not control.close_enough(length, 1.0, 2.1):
+        assert control.most == length / 2
+        length = control.most
+    assert length == Fraction(1, 16)
+    assert control.close_enough(length, 1.0, 1.5)
+    assert control.most == length
+    assert control.close_enough(length, 1.0, 1.2)
+    assert control.most == 2 * length
+
+
+def test_a_box_that_is_too_large_shortens_segments_to_half_a_step() -> None:
+    control = StepControl(0.1)
+    assert not control.close_enough(Fraction(1), 3.0, 0.0)
+    assert control.most == Fraction(1, 2)
+    assert control.close_enough(Fraction(1, 2), 3.0, 0.0)

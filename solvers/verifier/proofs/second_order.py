@@ -250,7 +250,7 @@ def _hessians(
             # Where a slope jumps there is no second derivative, whatever the graph's says.
             z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
             field.balance.evaluate([*z[: field.size], *tail], SMOOTH_BALLS)
-        means = _means(curvature, still, tail, most)
+        means = mean_derivatives(curvature, still, tail, most)
     except UncertainSignError:
         return None
     if not all(value.is_finite() for value in means):
@@ -261,10 +261,20 @@ def _hessians(
     return [_Hessian.of(arb_mat(side, side, entries)) for entries in found]
 
 
-def _means(
+def mean_derivatives(
     curvature: Curvature, still: Sequence[arb], tail: Sequence[arb], most: Sequence[arb]
 ) -> list[arb]:
-    """Enclosures of the means of second derivatives on the way from ``still`` to all p + z."""
+    """Enclosures of second derivatives, their mean on the way from points to those z away.
+
+    Args:
+        curvature: the derivatives.
+        still: the points (N,).
+        tail: inputs, parameters and constants.
+        most: bounds of |z| (N,).
+
+    Raises:
+        UncertainSignError: an absolute value has its kink there.
+    """
     if curvature.slopes is not None:
         # |H(p + h z) - H(p)| <= h |slopes| |z|, and the mean of h is a third.
         z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
