@@ -221,11 +221,18 @@ def nearest_text(
 
     ``sample`` is the first that it does not get to.
     """
-    text, task = f"; nearest, through {' > '.join(names)}, the motion ", path_problem.task
+    task = path_problem.task
+    what = stuck_text(sample, task)
     if sample > task.steps or found.outcome.robustness >= 0:
-        return f"{text}found {shortfall(path_problem.problem(found.entries), found.outcome)}"
+        lacks = shortfall(path_problem.problem(found.entries), found.outcome)
+        what = f"the motion found {lacks}"
+    return f"; nearest, through {' > '.join(names)}, {what}"
+
+
+def stuck_text(sample: int, task: ir.Task) -> str:
+    """Where a motion cannot go on, in words: ``sample`` is the first that it does not get to."""
     what = "cannot go on at" if sample < task.steps else "does not get there by"
-    return f"{text}{what} {float(sample * task.step):.4g} s"
+    return f"the motion {what} {float(sample * task.step):.4g} s"
 
 
 def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSpread) -> float:

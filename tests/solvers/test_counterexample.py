@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grammar_lang.load import load_text
-from solvers.search.structure_search import stuck_text
+from solvers.search.path_task import stuck_text
 from solvers.trajectory.counterexample import infeasible_prefix, zero_prefix
 from tests.oracles.small_specs import TURNER
 
