@@ -18,7 +18,7 @@ from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
-from solvers.planner import EffectorPath
+from solvers.planner import CounterExample, EffectorPath
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.control import shortfall
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
@@ -308,3 +308,18 @@ def motion_of(design: Design) -> Motion:
         None if design.controller is None else exact_law(design.controller),
         None if design.loop is None else exact_loop(design.loop),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """What became of a plan: a proved design, or the best robustness and what to exclude.
+
+    Of an ``unstable`` motion its inputs alone do not keep the robot near; ``noisy`` says that
+    errors of measurements alone are more than a motion bears.
+    """
+
+    design: Design | None
+    robustness: float
+    excluded: CounterExample | None = None
+    unstable: bool = False
+    noisy: bool = False

@@ -34,6 +34,7 @@ from solvers.search.configuration_search import (
     within_limits,
 )
 from solvers.search.path_task import (
+    Attempt,
     ConstraintTightening,
     Design,
     PathTask,
@@ -69,19 +70,6 @@ class BlockedPrefix:
     cells: tuple[str, ...]
     sample: int | None
     robustness: float
-
-
-@dataclass(frozen=True, slots=True)
-class Attempt:
-    """What became of a plan: a proved design, or the best robustness and what to exclude.
-
-    Of an ``unstable`` motion its inputs alone do not keep the robot near.
-    """
-
-    design: Design | None
-    robustness: float
-    excluded: CounterExample | None = None
-    unstable: bool = False
 
 
 @dataclass(slots=True)
@@ -317,7 +305,9 @@ class StructureSearch:
     def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
         """A proved design from a feasible configuration, or from a closer look at parameters."""
         attempt = self.in_turn(path_problem, found, label)
-        closer = None if attempt.design else closely_calmed(path_problem, label, self.context)
+        if attempt.design is not None or attempt.noisy:
+            return attempt
+        closer = closely_calmed(path_problem, label, self.context)
         if closer is not None:
             self.also_evaluated(closer)
             if closer.outcome.feasible:
@@ -358,8 +348,8 @@ class StructureSearch:
             if not found.outcome.feasible:
                 if path_problem.spread is not None:
                     noise = unbearable_noise(path_problem, found.outcome.trajectory)
-                    why = noise or no_margin_text(path_problem.spread)
-                    self.obstacle = f"{tried}; {why}"
+                    self.obstacle = f"{tried}; {noise or no_margin_text(path_problem.spread)}"
+                    return Attempt(None, found.outcome.robustness, noisy=noise is not None)
                 break
             if not path_problem.feedback and unstable(path_problem, found.outcome.trajectory):
                 self.obstacle = f"{tried}; the motion is unstable: its inputs alone do not cause it"

@@ -17,7 +17,8 @@ from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.robots.robot import WORLD, RobotModel
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, tube
-from solvers.verifier.proofs.second_order import mean_derivatives, range_of_forms
+from solvers.verifier.proofs.second_derivatives import mean_derivatives
+from solvers.verifier.proofs.second_order import range_of_forms
 from solvers.verifier.proofs.vector_field import Curvature
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow

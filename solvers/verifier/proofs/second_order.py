@@ -34,8 +34,6 @@ from flint import arb, arb_mat
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import (
     SIGNS,
-    SMOOTH_BALLS,
-    UncertainSignError,
     absolute,
     beside,
     both_signs,
@@ -46,7 +44,6 @@ from compiler.expressions.evaluators.balls import (
 )
 from solvers.verifier.proofs.a_priori import (
     Deviation,
-    Drive,
     LinearPart,
     NearPath,
     input_slopes,
@@ -54,7 +51,8 @@ from solvers.verifier.proofs.a_priori import (
 )
 from solvers.verifier.proofs.deviation_flow import Flow, flow
 from solvers.verifier.proofs.disturbance_response import LinearSlice, linear_slices, response
-from solvers.verifier.proofs.vector_field import Curvature, Expansion, VectorField
+from solvers.verifier.proofs.second_derivatives import Hessian, exact_matrix, hessians_about
+from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Room, Zonotope
 
 SLICES = 4
@@ -62,8 +60,6 @@ SLICES = 4
 ROUNDS = 6
 LEAST_GAIN = 0.95
 """Bounds are taken to be final when a round makes them no smaller than that."""
-PARTS = 8
-"""The parts of the way from the path to a solution on which second derivatives are enclosed."""
 KEPT = Room(12, 12, 60, 60)
 """The columns of the set of which forms are bounded."""
 BITS = 18
@@ -119,7 +115,7 @@ def added_by_forms(
         within = [[m.min(w) for m, w in zip(most, each, strict=True)] for each in widths]
         ranges = []
         for about, each, part in zip(over, within, parts, strict=True):
-            hessians = _hessians(field, curvature, near.drive, about, each)
+            hessians = hessians_about(field, curvature, near.drive, about, each)
             if hessians is None:
                 return None
             ranges.append(_forms(hessians, part))
@@ -204,95 +200,10 @@ def _added(
     return Added(box, own, shift.constant.entries(), total, pull[:dofs])
 
 
-# --- Second derivatives, and the range of the forms -----------------------------------------------
+# --- The range of the forms -----------------------------------------------------------------------
 #
-# .. math::
-#     F(p + z) = F(p) + DF(p)\,z + \int_0^1 (1 - h)\, z^T H(p + h z)\,z\,dh,
-#
-# so that H is the mean with weights 2 (1 - h): most of it is near the path.  It is enclosed by the
-# mean value theorem, or, where there are no third derivatives, part by part of 0 <= h <= 1.
-# Natural enclosures of H are several times as wide where squares of sines and cosines cancel.  Its
-# radii are of third order, and are bounded by a box; for the midpoints the sum of all |Q_jk| is
-# made in integers, to which V and H are rounded.
-
-
-@dataclass(frozen=True, slots=True)
-class _Hessian:
-    """The midpoints of H_i (N, N), exact, and bounds of the distance from them."""
-
-    middle: Array
-    radii: arb_mat
-
-    @staticmethod
-    def of(matrix: arb_mat) -> _Hessian:
-        """A matrix of balls."""
-        shape = matrix.nrows(), matrix.ncols()
-        middle = np.array([float(item) for item in matrix.mid().entries()]).reshape(shape)
-        return _Hessian(middle, absolute(matrix - _exact(middle)))
-
-
-def _exact(matrix: Array) -> arb_mat:
-    height, width = matrix.shape
-    return arb_mat(height, width, matrix.ravel().tolist())
-
-
-def _hessians(
-    field: VectorField, curvature: Curvature, drive: Drive, about: Expansion, most: Sequence[arb]
-) -> list[_Hessian] | None:
-    """Of each entry of F ``about`` a path, for z within ``most`` (N,); None: F is not smooth."""
-    n, side = field.dofs, field.size + field.dofs
-    over = about.entries
-    tail = [*drive.all, *field.tail]
-    still = [entry[0] for entry in over]
-    still += [entry[1] if len(entry) > 1 else arb(0) for entry in over[n : 2 * n]]
-    try:
-        if field.has_kinks:
-            # Where a slope jumps there is no second derivative, whatever the graph's says.
-            z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
-            field.balance.evaluate([*z[: field.size], *tail], SMOOTH_BALLS)
-        means = mean_derivatives(curvature, still, tail, most)
-    except UncertainSignError:
-        return None
-    if not all(value.is_finite() for value in means):
-        return None
-    found = [[arb(0)] * (side * side) for _ in range(n + field.own)]
-    for (i, j, k), value in zip(curvature.places, means, strict=True):
-        found[i][j * side + k] = found[i][k * side + j] = value
-    return [_Hessian.of(arb_mat(side, side, entries)) for entries in found]
-
-
-def mean_derivatives(
-    curvature: Curvature, still: Sequence[arb], tail: Sequence[arb], most: Sequence[arb]
-) -> list[arb]:
-    """Enclosures of second derivatives, their mean on the way from points to those z away.
-
-    Args:
-        curvature: the derivatives.
-        still: the points (N,).
-        tail: inputs, parameters and constants.
-        most: bounds of |z| (N,).
-
-    Raises:
-        UncertainSignError: an absolute value has its kink there.
-    """
-    if curvature.slopes is not None:
-        # |H(p + h z) - H(p)| <= h |slopes| |z|, and the mean of h is a third.
-        z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
-        near = curvature.tape.evaluate([*still, *tail], SMOOTH_BALLS)
-        off = [arb(0)] * len(near)
-        slopes = curvature.slopes.evaluate([*z, *tail], SMOOTH_BALLS)
-        for (value, entry), slope in zip(curvature.slope_places, slopes, strict=True):
-            off[value] = off[value] + slope.abs_upper() * most[entry]
-        return [x + SIGNS * (r / 3).upper() for x, r in zip(near, off, strict=True)]
-    means = [arb(0)] * len(curvature.places)
-    for part in range(PARTS):
-        share = SIGNS * (arb(part + 1) / PARTS)
-        z = [x + share * r for x, r in zip(still, most, strict=True)]
-        values = curvature.tape.evaluate([*z, *tail], SMOOTH_BALLS)
-        # Twice the integral of 1 - h over the part.
-        weight = arb(2 * (PARTS - part) - 1) / PARTS**2
-        means = [m + weight * v for m, v in zip(means, values, strict=True)]
-    return means
+# What H varies by is of third order, and bounded by a box; for the midpoints the sum of all |Q_jk|
+# is made in integers, to which V and H are rounded.
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,7 +219,7 @@ class _Block:
         shape = columns.nrows(), columns.ncols()
         near = np.array([float(item) for item in columns.mid().entries()]).reshape(shape)
         # With factors in [-1, 1] each, a product's radius is the sum of what they multiply.
-        spread = (columns - _exact(near)) * column([SIGNS] * shape[1])
+        spread = (columns - exact_matrix(near)) * column([SIGNS] * shape[1])
         return _Block(near, [item.abs_upper() for item in spread.entries()])
 
 
@@ -351,7 +262,7 @@ class _Forms:
     radii: list[arb]
 
 
-def _forms(hessians: Sequence[_Hessian], part: _Columns) -> _Forms:
+def _forms(hessians: Sequence[Hessian], part: _Columns) -> _Forms:
     """The range of half the forms of V r, |r_j| <= 1."""
     centre, radii = [], []
     across, widths = part.widths.transpose(), part.widths
@@ -360,7 +271,7 @@ def _forms(hessians: Sequence[_Hessian], part: _Columns) -> _Forms:
     for hessian in hessians:
         scaled = hessian.middle * part.scales[:, None] * part.scales[None, :]
         largest = float(np.abs(scaled).max(initial=0.0))
-        size = _exact(np.abs(hessian.middle))
+        size = exact_matrix(np.abs(hessian.middle))
         thick = (across * hessian.radii * widths)[0, 0] / 2
         if not LEAST < largest < 1 / LEAST:
             centre.append(arb(0))
@@ -386,7 +297,7 @@ def range_of_forms(hessians: Sequence[arb_mat], columns: arb_mat) -> list[tuple[
         hessians: symmetric interval matrices H (N, N).
         columns: V (N, c), balls.
     """
-    found = _forms([_Hessian.of(hessian) for hessian in hessians], _Columns.of(_Block.of(columns)))
+    found = _forms([Hessian.of(hessian) for hessian in hessians], _Columns.of(_Block.of(columns)))
     return list(zip(found.centre, found.radii, strict=True))
 
 
