@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from grammar_lang.load import load_text
-from srgc.session import check_loaded
+from tests.oracles.benchmark_cases import programs_of
 from tests.oracles.small_specs import CLOSED
 
 ROOT = Path(__file__).parents[1]
@@ -50,16 +49,9 @@ def test_shards_are_kept(tmp_path: Path) -> None:
 
 
 def test_cases_are_sound_and_have_disturbances() -> None:
-    code = "import sys; sys.path.insert(0, 'benchmarks'); import disturbed, json; "
-    code += "print(json.dumps({case.name: case.text for case in disturbed.cases()}))"
-    ran = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    texts = json.loads(ran.stdout)
-    assert len(texts) >= 3
-    for name, text in texts.items():
-        checked = check_loaded(load_text(text, f"{name}.srg"))
-        assert checked.program is not None, name
-        (task,) = checked.program.tasks.values()
+    programs = programs_of("disturbed")
+    assert len(programs) >= 3
+    for program in programs.values():
+        (task,) = program.tasks.values()
         assert task.robust is not None
-        assert not any(module.states for module in checked.program.modules.values())
+        assert not any(module.states for module in program.modules.values())

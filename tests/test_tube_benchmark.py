@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -20,12 +19,11 @@ from benchmarks.tube_optimisation import (
     tube_problem,
 )
 from compiler.arrays import Array
-from grammar_lang.load import load_text
 from solvers.backends.conic import ConvexProgram, Optimum
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.certified_tube import certified_tube
-from srgc.session import check_loaded
+from tests.oracles.benchmark_cases import programs_of
 from tests.oracles.small_specs import CLOSED
 from tests.solvers.test_disturbance_spread import SUBSTEPS, moved
 from tests.solvers.test_disturbed_proof import TWO
@@ -95,17 +93,10 @@ def test_prices_are_added_to_programs() -> None:
 
 
 def test_cases_are_sound_and_get_feedback() -> None:
-    code = "import sys; sys.path.insert(0, 'benchmarks'); import tube_tightening, json; "
-    code += "print(json.dumps({each.name: each.text for each in tube_tightening.cases()}))"
-    ran = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    texts = json.loads(ran.stdout)
-    assert len(texts) >= 5
-    for name, text in texts.items():
-        checked = check_loaded(load_text(text, f"{name}.srg"))
-        assert checked.program is not None, name
-        (task,) = checked.program.tasks.values()
+    programs = programs_of("tube_tightening")
+    assert len(programs) >= 5
+    for program in programs.values():
+        (task,) = program.tasks.values()
         assert task.robust is not None
         assert task.control == "feedback"
 

@@ -128,12 +128,12 @@ def calmed(
     return search_configuration(calmer(path_problem), f"{label}|calm", context, evaluations)
 
 
-def closely_calmed(
+def searched_further(
     path_problem: PathProblem, label: str, context: RunContext
 ) -> Configuration | None:
-    """The same of more parameters; None without any, or where no spread decides on them.
+    """The best of more parameters than ``calmed`` evaluates, with the samples of those alone.
 
-    Its samples are those that ``calmed`` does not have.
+    None where there are no parameters, or the spread of disturbed motions does not decide on them.
     """
     space = parameter_space(path_problem.model)
     closed = path_problem.task.control != "open loop"

@@ -1,4 +1,4 @@
-"""The control problem of a path, its tightening after a failed proof, and the design."""
+"""The control problem of a path, its tightening after a failed proof, and what becomes of it."""
 
 from __future__ import annotations
 
@@ -222,10 +222,11 @@ def nearest_text(
     ``sample`` is the first that it does not get to.
     """
     task = path_problem.task
-    what = stuck_text(sample, task)
     if sample > task.steps or found.outcome.robustness >= 0:
         lacks = shortfall(path_problem.problem(found.entries), found.outcome)
         what = f"the motion found {lacks}"
+    else:
+        what = stuck_text(sample, task)
     return f"; nearest, through {' > '.join(names)}, {what}"
 
 

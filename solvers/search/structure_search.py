@@ -28,9 +28,9 @@ from solvers.search.configuration_search import (
     Configuration,
     PathSamples,
     calmed,
-    closely_calmed,
     resolved,
     search_configuration,
+    searched_further,
     within_limits,
 )
 from solvers.search.path_task import (
@@ -304,17 +304,19 @@ class StructureSearch:
 
     def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
         """A proved design from a feasible configuration, or from a closer look at parameters."""
-        attempt = self.in_turn(path_problem, found, label)
+        attempt = self.open_or_closed(path_problem, found, label)
         if attempt.design is not None or attempt.noisy:
             return attempt
-        closer = closely_calmed(path_problem, label, self.context)
+        closer = searched_further(path_problem, label, self.context)
         if closer is not None:
             self.also_evaluated(closer)
             if closer.outcome.feasible:
-                attempt = self.in_turn(path_problem, closer, label)
+                attempt = self.open_or_closed(path_problem, closer, label)
         return attempt
 
-    def in_turn(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
+    def open_or_closed(
+        self, path_problem: PathProblem, found: Configuration, label: str
+    ) -> Attempt:
         """A proved design from a feasible configuration; open loop first, where that may do."""
         attempt = Attempt(None, found.outcome.robustness)
         choices = feedback_choices(path_problem, found.outcome)

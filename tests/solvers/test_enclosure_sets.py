@@ -28,7 +28,14 @@ from compiler.robots.state_and_input import robot_states
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
-from solvers.verifier.proofs.zonotope import ROOM, InitialSet, Room, Zonotope, box, zonotope
+from solvers.verifier.proofs.zonotope import (
+    LIMITS,
+    InitialSet,
+    OrderLimits,
+    Zonotope,
+    box,
+    zonotope,
+)
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain
@@ -330,7 +337,7 @@ def test_the_image_of_a_zonotope_holds_the_images_of_its_points() -> None:
             points = to + (points - middle) @ matrix.T + added * rng.uniform(-1, 1, (50, 3))
             turn = arb_mat([[arb(float(x)) for x in row] for row in matrix])
             current = current.moved([arb(x) for x in to], turn, [arb(x) for x in added])
-            assert len(current.columns) <= ROOM.largest * size
+            assert len(current.columns) <= LIMITS.largest * size
             hull = current.hull()
             for i, item in enumerate(hull):
                 low, high = float(item.lower()), float(item.upper())
@@ -343,16 +350,16 @@ def test_the_image_of_a_zonotope_holds_the_images_of_its_points() -> None:
 def test_columns_are_replaced_where_that_does_not_widen_a_set(small: float, fewer: bool) -> None:
     """Support functions in random directions: the set is held, and is hardly wider."""
     rng = np.random.default_rng(5)
-    size, room = 3, Room(most=8, kept=6, largest=20, left=10)
+    size, limits = 3, OrderLimits(most=8, kept=6, largest=20, left=10)
     columns = rng.normal(size=(30, size))
     columns[12:] *= small
     with working_precision(53):
         before = Zonotope([arb(0)] * size, [[arb(x) for x in column] for column in columns])
-        after = before.reduced(room)
+        after = before.reduced(limits)
         left = floats(after)
-        assert (len(left) <= room.kept * size + size) is fewer
-        crowd = Zonotope(before.middle, before.columns * 3).reduced(room)
-        assert len(crowd.columns) <= room.left * size + size
+        assert (len(left) <= limits.kept * size + size) is fewer
+        crowd = Zonotope(before.middle, before.columns * 3).reduced(limits)
+        assert len(crowd.columns) <= limits.left * size + size
     for _ in range(50):
         direction = rng.normal(size=size)
         own, held, more = (

@@ -13,12 +13,12 @@ from solvers.verifier.proofs.deviation_flow import Flow, flow
 from solvers.verifier.proofs.second_order import Added, added_by_forms
 from solvers.verifier.proofs.step_control import WIDE
 from solvers.verifier.proofs.vector_field import Path, VectorField
-from solvers.verifier.proofs.zonotope import Room, Zonotope
+from solvers.verifier.proofs.zonotope import Zonotope, exactly
 
 SLICES = 4
 """The parts of a segment on which a closer box is computed."""
-KEPT = Room(8, 8, 8, 8)
-"""The columns of a wide set that conditions are checked for."""
+KEPT = exactly(8)
+"""The order of a wide set that conditions are checked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ def moved_set(
     radii = _closer(states, near, found, *closer)
     pairs = zip(found.radii, radii, strict=True)
     growth = max(float(f) / float(r) for f, r in pairs if r > 0)
-    rates = zip(closer[1].pull, radii[field.dofs :], strict=False)
+    rates = zip(closer[1].pull, radii[field.dofs : 2 * field.dofs], strict=True)
     second = max((float(a) / float(r) for a, r in rates if r > 0), default=0.0)
     spread = Spread(near.path, closer[0], states.reduced(KEPT), closer[1].reach)
     return MovedSet(*closer, radii, growth, second, spread)

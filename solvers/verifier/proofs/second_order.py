@@ -53,15 +53,15 @@ from solvers.verifier.proofs.deviation_flow import Flow, flow
 from solvers.verifier.proofs.disturbance_response import LinearSlice, linear_slices, response
 from solvers.verifier.proofs.second_derivatives import Hessian, exact_matrix, hessians_about
 from solvers.verifier.proofs.vector_field import VectorField
-from solvers.verifier.proofs.zonotope import Room, Zonotope
+from solvers.verifier.proofs.zonotope import OrderLimits, Zonotope
 
 SLICES = 4
 """The parts of a segment on which forms are bounded."""
 ROUNDS = 6
 LEAST_GAIN = 0.95
 """Bounds are taken to be final when a round makes them no smaller than that."""
-KEPT = Room(12, 12, 60, 60)
-"""The columns of the set of which forms are bounded."""
+KEPT = OrderLimits(12, 12, 60, 60)
+"""The order of the set of which forms are bounded."""
 BITS = 18
 """Forms are summed in integers of so many bits, exactly; products of three fit into 64."""
 LEAST = 2.0**-300

@@ -73,11 +73,11 @@ def box(state: Sequence[arb]) -> InitialSet:
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
-    """How many columns a set has, times the size of a state.
+class OrderLimits:
+    """Limits of the order of a zonotope: its columns over the size of a state.
 
-    More than ``most`` are replaced until ``kept`` are left, unless that widens the set; more than
-    ``largest`` are in any case, until ``left`` are left.
+    Above the order ``most`` it is reduced to ``kept``, unless that widens the set; above
+    ``largest`` in any case, to ``left``.
     """
 
     most: int
@@ -86,7 +86,12 @@ class Room:
     left: int
 
 
-ROOM = Room(30, 25, 120, 100)
+def exactly(order: int) -> OrderLimits:
+    """Limits that always reduce a set to that order."""
+    return OrderLimits(order, order, order, order)
+
+
+LIMITS = OrderLimits(30, 25, 120, 100)
 LEAST_LOSS = 0.03
 """A set is wider from this part of it on.  Where that counts in all segments of a sample, it feeds
 on itself: columns have to stay until feedback has acted on them."""
@@ -132,11 +137,11 @@ class Zonotope:
     def widened(self, radii: Sequence[arb]) -> Zonotope:
         """The set of all x + d with all |d| <= ``radii``."""
         columns = [*self.columns, *_box(radii)]
-        return Zonotope(self.middle, _reduced(columns, len(self.middle), ROOM))
+        return Zonotope(self.middle, _reduced(columns, len(self.middle), LIMITS))
 
-    def reduced(self, room: Room) -> Zonotope:
-        """A set that holds this one, of fewer columns."""
-        return Zonotope(self.middle, _reduced(self.columns, len(self.middle), room))
+    def reduced(self, limits: OrderLimits) -> Zonotope:
+        """A set that holds this one, of an order within limits."""
+        return Zonotope(self.middle, _reduced(self.columns, len(self.middle), limits))
 
     def moved(
         self,
@@ -158,7 +163,7 @@ class Zonotope:
             for i, row in enumerate(steady.tolist()):
                 rest[i] = sum((item.rad() for item in row), rest[i])
             columns += [list(column) for column in steady.mid().transpose().tolist()]
-        return Zonotope(middle, _reduced([*columns, *_box(rest)], len(middle), ROOM))
+        return Zonotope(middle, _reduced([*columns, *_box(rest)], len(middle), LIMITS))
 
 
 def zonotope(initial: InitialSet) -> Zonotope:
@@ -198,15 +203,19 @@ def _box(radii: Sequence[arb]) -> list[Column]:
     ]
 
 
-def _reduced(columns: list[Column], size: int, room: Room) -> list[Column]:
+def _reduced(columns: list[Column], size: int, limits: OrderLimits) -> list[Column]:
     """The columns, or fewer of them where there are many."""
-    if len(columns) <= room.most * size:
+    if len(columns) <= limits.most * size:
         return columns
-    fewer = _longest(columns, size, room.kept)
+    fewer = _longest(columns, size, limits.kept)
+    if limits.left == limits.kept and len(columns) > limits.largest * size:
+        return fewer
     before, after = _sizes(columns, size), _sizes(fewer, size)
     if all(bool(a <= (1 + LEAST_LOSS) * b) for a, b in zip(after, before, strict=True)):
         return fewer
-    return columns if len(columns) <= room.largest * size else _longest(columns, size, room.left)
+    if len(columns) <= limits.largest * size:
+        return columns
+    return _longest(columns, size, limits.left)
 
 
 def _longest(columns: list[Column], size: int, kept: int) -> list[Column]:
