@@ -1,4 +1,4 @@
-"""Motions that feedback can keep: the price of their rates, and what parameters are chosen by."""
+"""Motions that feedback can keep: what has a price in them, and what parameters are chosen by."""
 
 from __future__ import annotations
 
@@ -10,16 +10,24 @@ TURN = 12.0
 """rad: the largest rate of a minimum-jerk turn from rest to rest by 2 pi, times its duration."""
 CALM = 0.1
 """The price of motions at that rate all the time, in units of the effort bound."""
+PUSHED = 1e3
+"""The price of mobility: errors that push a joint by 0.016 rad in a step cost an effort bound."""
 
 
 def calmer(path_problem: PathProblem) -> PathProblem:
-    """The same task with a price on rates.
+    """The same task with a price on rates and, where disturbances are named, on mobility.
 
     The least effort under gravity is often that of an arm which falls and whirls.  Samples say
     little of such a motion, feedback can do little within a step, and a tube about it grows fast.
+    Nor can feedback do anything within a step about errors of inputs that throw a light link.
     """
     duration = float(path_problem.task.steps * path_problem.task.step)
-    return replace(path_problem, rates=CALM * (duration / TURN) ** 2)
+    disturbed = path_problem.task.robust is not None and path_problem.loop is None
+    return replace(
+        path_problem,
+        rates=CALM * (duration / TURN) ** 2,
+        mobility=PUSHED if disturbed else 0.0,
+    )
 
 
 def chosen_by_spread(path_problem: PathProblem) -> bool:

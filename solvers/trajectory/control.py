@@ -109,14 +109,17 @@ class _Iteration:
             self.hold()
             return self.region.radius >= SMALLEST_RADIUS
         self.current = trial
-        gained = (self.worth(result) - self.best) / self.problem.scale
+        gained = (self.worth(result, trial) - self.best) / self.problem.scale
         self.adapt(trial, gained)
         return not self.ended(result, trial, gained)
 
-    def worth(self, result: StepResult) -> float:
-        """What a step is worth: its margin, less the price of its rates."""
-        n, price = self.problem.numeric.n, self.problem.scale * self.problem.rates
-        return result.margin - price * float(np.sum(result.trajectory.x[:, n : 2 * n] ** 2))
+    def worth(self, result: StepResult, trial: MeasuredMotion) -> float:
+        """What a step is worth: its margin, less the price of its rates and of its mobility."""
+        problem, n = self.problem, self.problem.numeric.n
+        paid = problem.rates * float(np.sum(result.trajectory.x[:, n : 2 * n] ** 2))
+        if trial.model.mobility is not None:
+            paid += problem.mobility * float(np.sum(trial.model.mobility.value))
+        return result.margin - problem.scale * paid
 
     def solved(self, region: TrustRegion, accuracy: float) -> StepResult | None:
         """The convex step about where we are; what is tried next changes where there is none."""
@@ -163,7 +166,7 @@ class _Iteration:
         scale = self.problem.scale
         conceded = _conceded(result, scale)
         self.stuck = self.stuck + 1 if conceded > STUCK * self.conceded > STUCK * NEEDED else 0
-        self.conceded, self.best = conceded, self.worth(result)
+        self.conceded, self.best = conceded, self.worth(result, trial)
         self.fictitious = conceded > NEEDED
         if conceded > DEFECT:
             self.status = "violations remain"
@@ -214,9 +217,8 @@ def synthesise_control(
     current = measured(problem, start)
     if current is None:
         return _hopeless(problem, start)
-    question = SubproblemSpec(
-        problem.limits, problem.groups, theta_box, weights or Weights(rates=problem.rates)
-    )
+    prices = weights or Weights(rates=problem.rates, mobility=problem.mobility)
+    question = SubproblemSpec(problem.limits, problem.groups, theta_box, prices)
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
     # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
     iteration = _Iteration(problem, step, budget, region, current, fictitious=current.excess > NEAR)

@@ -11,6 +11,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
 from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
+from solvers.trajectory.mobility import mobility
 from solvers.trajectory.task_limits import ROUNDING, InputGroup, MotionLimits, effort_scale
 from solvers.trajectory.trajectory import Trajectory
 
@@ -24,6 +25,8 @@ class ControlProblem:
 
     A step takes ``dt`` seconds and is integrated in ``substeps`` parts.  ``steps`` makes what
     solves the convex steps, ``rates`` is the price of squares of rates in them, in SI.
+    ``mobility`` is the price of phi (``mobility.py``) per sample, for efforts at joints that are
+    off by ``errors`` (n,).
     """
 
     numeric: NumericRobot
@@ -34,6 +37,8 @@ class ControlProblem:
     rows_of: RowsOf
     steps: StepMaker = field(default=ConvexStep)
     rates: float = 0.0
+    mobility: float = 0.0
+    errors: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def scale(self) -> float:
@@ -156,6 +161,7 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
     x, u, theta = trajectory.x, trajectory.u, trajectory.theta
     if not (np.isfinite(x).all() and np.isfinite(u).all() and np.isfinite(theta).all()):
         return None
+    priced = problem.mobility > 0
     with np.errstate(all="ignore"):
         dynamics = numeric.step(x[:-1], u, theta, problem.dt, problem.substeps)
         points = numeric.points(x[:, : numeric.n], theta)
@@ -163,6 +169,7 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
             fictitious = fictitious_inputs(numeric, trajectory, problem.dt)
             gap = x[1:] - dynamics.value
             needed = np.linalg.solve(fictitious, gap[:, :, None])[:, :, 0]
+            pushed = mobility(numeric, trajectory, problem.errors, problem.dt) if priced else None
         except np.linalg.LinAlgError:
             return None
     parts = (dynamics.value, dynamics.state, dynamics.input, dynamics.parameter, needed)
@@ -170,7 +177,7 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
         return None
     rows = problem.rows_of(points.value)
     return MeasuredMotion(
-        Model(trajectory, dynamics, points, fictitious),
+        Model(trajectory, dynamics, points, fictitious, pushed),
         rows,
         np.max(np.abs(needed), axis=1, initial=0.0),
         float(np.max(np.abs(gap), initial=0.0)),

@@ -10,7 +10,8 @@ r"""One convex step: the dynamics and positions linearised about a trajectory.
 with the path's half-planes (C.1) softened by ``sigma``.  Definition 7 of the paper with the
 fictitious input kept apart from the effort, so that it can never hide in a sum.  S is the largest
 margin of an input.  The first quadratic term makes the optimum unique; the second one, about the
-reference, vanishes where the iteration ends, so that it changes the way and not the end.
+reference, vanishes where the iteration ends, so that it changes the way and not the end.  Rates and
+mobility may have prices besides (``reference_step.py`` has all terms).
 """
 
 from __future__ import annotations

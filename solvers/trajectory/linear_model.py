@@ -8,6 +8,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot, Points
+from solvers.trajectory.mobility import Mobility
 from solvers.trajectory.subproblem import Indices
 from solvers.trajectory.trajectory import Trajectory
 
@@ -32,12 +33,16 @@ class PositionRows:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """Everything linearised about one trajectory; ``fictitious`` is B' of C.2, shape (k, N, N)."""
+    """Everything linearised about one trajectory.
+
+    ``fictitious`` is B' of C.2, shape (k, N, N); ``mobility`` is given where it has a price.
+    """
 
     about: Trajectory
     dynamics: Linearisation
     points: Points
     fictitious: Array
+    mobility: Mobility | None = None
 
 
 def fictitious_inputs(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Array:

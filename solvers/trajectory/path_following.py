@@ -31,6 +31,7 @@ from solvers.trajectory.corridor import (
 from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
 from solvers.trajectory.feedback import closed_spread, input_scales, spread_cost
 from solvers.trajectory.inverse_kinematics import branches
+from solvers.trajectory.mobility import joint_errors
 from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
@@ -67,9 +68,9 @@ class PathProblem:
     With ``feedback`` a controller keeps robots near the motion; where it ``refines``, time is spent
     on its gains.  With a ``loop``, the sample at which it begins, the motion ends where it is
     there, and in the same cell; the set of the loop is larger than its estimate by the part
-    ``slack``.  ``rates`` is the price of squares of rates, per
-    sample, in SI.  ``solver`` is the name in cvxpy of what solves the convex steps, None: our own
-    programs.
+    ``slack``.  ``rates`` and ``mobility`` are the prices of squares of rates and of phi
+    (``mobility.py``), as means over the samples, in SI.  ``solver`` is the name in cvxpy of what
+    solves the convex steps, None: our own programs.
     """
 
     numeric: NumericRobot
@@ -93,6 +94,7 @@ class PathProblem:
     loop: int | None = None
     slack: float = LEAST_SLACK
     rates: float = 0.0
+    mobility: float = 0.0
     solver: str | None = None
 
     @property
@@ -191,7 +193,8 @@ class PathProblem:
         plan = self.plan(entries, released=released)
         return ControlProblem(
             self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
-            step_maker(self.solver), self.rates / (task.steps + 1),
+            step_maker(self.solver), self.rates / (task.steps + 1), self.mobility / task.steps,
+            joint_errors(self.numeric, task) if self.mobility else np.zeros(0),
         )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------

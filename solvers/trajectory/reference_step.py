@@ -21,8 +21,9 @@ has a slack of its own, the sum of which is paid for, and rho is worth nothing:
     \text{(C.6)}\quad \lVert v_i \rVert_\infty \le g_i, \qquad \epsilon \sum_{l<i} g_l \le g_i.
 
 S is the largest margin of an input.  Where rates have a price :math:`w_v`, that times the sum of
-their squares is taken off.  Further terms, the same tiny share of the square of every
-other unknown, make the optimum unique.
+their squares is taken off; where mobility has a price :math:`w_\varphi`, that times the sum of
+:math:`\varphi_i`, linearised, without its value at the trajectory.  Further terms, the same tiny
+share of the square of every other unknown, make the optimum unique.
 """
 
 from __future__ import annotations
@@ -123,7 +124,16 @@ class _Step:
             - self.region.proximal * moves
             - weights.regular / 2 * sum(cp.sum_squares(unknown) for unknown in rest)
             - weights.rates * cp.sum_squares(self.x[:, self.n : 2 * self.n])
+            - weights.mobility * self.pushed()
         )
+
+    def pushed(self) -> cp.Expression:
+        """By how much phi grows at all samples together, to first order."""
+        given, about = self.model.mobility, self.model.about
+        if given is None:
+            return cp.Constant(0.0)
+        grown = cp.sum(cp.multiply(given.by_q, (self.x - about.x)[:-1, : self.n]))
+        return grown + given.by_theta.sum(axis=0) @ (self.theta - about.theta)
 
     # --- the constraints ------------------------------------------------------------------------
 

@@ -242,7 +242,12 @@ class StepProgram:
             rates = layout.x[:, layout.n : 2 * layout.n]
             quadratic[rates] = 2 * weights.rates
             linear[rates] = 2 * weights.rates * model.about.x[:, layout.n : 2 * layout.n]
+        pushed = model.mobility
+        if pushed is not None:
+            linear[layout.x[:-1, : layout.n]] = weights.mobility * pushed.by_q
         if layout.p:
+            if pushed is not None:
+                linear[layout.theta] = weights.mobility * pushed.by_theta.sum(axis=0)
             # A parameter bears on every sample.
             size = np.maximum(np.abs(model.about.theta), LEAST)
             quadratic[layout.theta] = 2 * proximal * (layout.k + 1) / size**2

@@ -24,7 +24,8 @@ class Weights:
     """Penalties of the convex step: per unit of effort (V), per metre (sigma), of squares.
 
     Squares of inputs are in units of the largest margin; ``regular`` is given to every other
-    unknown, for the solver's sake.  ``rates`` is the price of the squares of all rates, in SI.
+    unknown, for the solver's sake.  ``rates`` is the price of the squares of all rates, in SI,
+    and ``mobility`` that of phi at every sample, linearised.
     """
 
     fictitious: float = 20.0
@@ -32,6 +33,7 @@ class Weights:
     quadratic: float = 1e-4
     regular: float = 1e-9
     rates: float = 0.0
+    mobility: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

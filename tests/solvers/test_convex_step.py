@@ -14,6 +14,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.backends.conic import NotSolved, Status
 from solvers.trajectory.convex_step import ConvexStep
 from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
+from solvers.trajectory.mobility import mobility
 from solvers.trajectory.reference_step import ReferenceStep
 from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
 from solvers.trajectory.task_limits import InputGroup, MotionLimits
@@ -58,6 +59,7 @@ def linearised(seed: int, numeric: NumericRobot = NUMERIC) -> Model:
         numeric.step(x[:-1], about.u, about.theta, DT, 1),
         numeric.points(x[:, :n], about.theta),
         fictitious_inputs(numeric, about, DT),
+        mobility(numeric, about, np.linspace(0.5, 1.5, n), DT),
     )
 
 
@@ -94,10 +96,11 @@ class Case:
     proximal: float = 0.0
     epsilon: float | None = None
     rates: float = 0.0
+    mobility: float = 0.0
 
     @property
     def question(self) -> SubproblemSpec:
-        weights = Weights(rates=self.rates)
+        weights = Weights(rates=self.rates, mobility=self.mobility)
         return SubproblemSpec(self.limits, self.groups, self.box, weights, self.epsilon)
 
     @property
@@ -141,6 +144,8 @@ CASES = {
     "moves are dear": Case(proximal=40.0, box=BOX),
     "rates have a price": Case(offset=0.2, rates=0.05),
     "rates are dear": Case(offset=0.2, rates=5.0, box=BOX),
+    "mobility has a price": Case(offset=0.2, mobility=5.0, proximal=0.1),
+    "mobility is dear": Case(offset=0.2, mobility=200.0, box=BOX, proximal=0.1, rates=0.05),
     "norm": Case(groups=TOGETHER, offset=0.2),
     "two groups": Case(
         groups=(InputGroup((0,), -3.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
@@ -177,6 +182,10 @@ def value(case: Case, model: Model, found: StepResult) -> float:
             total += max(float(slack), case.epsilon * total)
         worth = -weights.fictitious * total
     worth -= scale * weights.rates * float(np.sum(x[:, n:] ** 2))
+    if model.mobility is not None:
+        pushed = np.sum(model.mobility.by_q * (x - about.x)[:-1, :n])
+        pushed += np.sum(model.mobility.by_theta @ (theta - about.theta))
+        worth -= scale * weights.mobility * pushed
     moves = np.sum((x - about.x)[:, :n] ** 2)
     moves += len(x) * np.sum(((theta - about.theta) / np.maximum(np.abs(about.theta), 0.1)) ** 2)
     paid = weights.position * found.position_slack + weights.quadratic * np.sum((u / scale) ** 2)
