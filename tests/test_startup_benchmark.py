@@ -32,6 +32,7 @@ def measured(tmp_path_factory):
     return finished.stdout, json.loads(path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_text_and_figures_are_the_same(measured):
     text, figures = measured
     starts = {each["command"]: each for each in figures["starts"]}

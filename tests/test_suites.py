@@ -62,6 +62,7 @@ def test_a_shard_that_is_none(shard: str) -> None:
         shard_of(shard)
 
 
+@pytest.mark.slow
 def test_a_ledger_leaves_out_what_passed(tmp_path: Path) -> None:
     tests, ledger = tmp_path / "tests", tmp_path / "ledger"
     tests.mkdir()

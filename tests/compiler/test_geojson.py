@@ -166,6 +166,7 @@ def zigzag(count: int, digits: str = "") -> str:
     return f"[{', '.join(spikes)}, [-1, 1], [0, 0.{digits}00000]]"
 
 
+@pytest.mark.slow
 def test_edges_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     """To compare each with all others, exactly and more than once, would take minutes."""
     for ring in (zigzag(4990), zigzag(900, "1" * 290), zigzag(400, "1" * 100)):

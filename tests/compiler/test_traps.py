@@ -462,6 +462,7 @@ def memory_held(reader: Membership, words: list[Word]) -> int:
         tracemalloc.stop()
 
 
+@pytest.mark.slow
 def test_what_is_remembered_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caches that keep what every prefix led to, for as long as the reader lives."""
     text = TRAPS["even palindromes"]

@@ -88,6 +88,7 @@ def test_cancelling(client: Client) -> None:
     assert titles(client, uri) == ["check", "synth"]
 
 
+@pytest.mark.slow
 def test_results_of_another_text(client: Client, made: Callable[[str], Path]) -> None:
     """They are replaced only if the user says so; a client that does not ask keeps them."""
     folder = client.folder / "twice"

@@ -109,6 +109,7 @@ def test_a_search_says_that_noise_is_too_much(
 
 
 @pytest.mark.usefixtures("without_pictures")
+@pytest.mark.slow
 def test_a_search_says_where_noise_takes_the_clearance(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

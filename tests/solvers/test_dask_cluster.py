@@ -51,6 +51,7 @@ def test_results_are_in_order_and_failures_in_their_turn(cluster):
     assert os.getpid() not in processes(cluster)
 
 
+@pytest.mark.slow
 def test_a_worker_is_killed_in_the_middle_of_evaluations(cluster):
     here = [bits(evaluated(*theta)) for theta in THETAS]
     before = processes(cluster)

@@ -144,6 +144,7 @@ def test_both_hands_work_for_ever(clauses: str, first: int, tmp_path: Path) -> N
     assert {"Bin", "High"} <= {name.split(".")[0] for name in other}
 
 
+@pytest.mark.slow
 def test_nothing_brings_a_mass_back_without_feedback(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -192,6 +193,7 @@ def test_a_robot_that_cannot_move_stays_for_ever(tmp_path: Path) -> None:
     assert (loop["centre"], loop["generators"]) == ([], [])
 
 
+@pytest.mark.slow
 def test_another_convex_solver_closes_loops_too(tmp_path: Path) -> None:
     path = tmp_path / "spec.srg"
     path.write_text(asked(SLIDER, AGAIN), encoding="utf-8")

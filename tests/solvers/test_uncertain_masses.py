@@ -118,6 +118,7 @@ def simulated(densities: Sequence[float], times: Array) -> Array:
     return np.array([*found, state])
 
 
+@pytest.mark.slow
 def test_motions_of_all_masses_are_in_the_tube() -> None:
     """Every corner of the two occurrences and of all masses, and what lies between."""
     where = task("robust mass 0.4 % of L; robust mass 0.1 %;")

@@ -38,6 +38,7 @@ def test_random_tasks_are_of_all_kinds():
     assert len({task.text for task in tasks}) == 60
 
 
+@pytest.mark.slow
 def test_another_input_leaves_the_tube(made, tmp_path):
     """An oracle of the oracle: a thousandth of one input for one step is seen."""
     folder, target = made("spatial") / "out", tmp_path / "arm.xml"

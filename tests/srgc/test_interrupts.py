@@ -92,6 +92,7 @@ def one_moment(folder, seconds, jobs, **how):
     return status
 
 
+@pytest.mark.slow
 def test_it_ends_at_any_moment_and_goes_on(made, tmp_path):
     (tmp_path / "turner.srg").write_text(TURNER, encoding="utf-8")
     twice = [signal.SIGINT, signal.SIGINT]

@@ -169,6 +169,7 @@ def test_none_leaves_the_tube(srgc: Command, made: Result) -> None:
     assert lines[5].startswith("compared at 11 samples; errors of the integration by half the step")
 
 
+@pytest.mark.slow
 def test_none_leaves_the_tube_with_masses_of_single_modules(srgc: Command, made: Result) -> None:
     asked = ("--disturbed", 12, "--seed", 3, "--timestep", "0.02")
     found = numbers(srgc, made("pair") / "out", *asked)
