@@ -125,6 +125,7 @@ def test_the_time_inside_the_solver_is_counted(shared: Shared) -> None:
     assert counter.seconds == before
 
 
+@pytest.mark.slow
 def test_exponents_are_those_of_powers(tmp_path: Path) -> None:
     sizes = (2, 3, 7, 20)
     times = tuple(0.5 * size**1.7 for size in sizes)

@@ -34,6 +34,7 @@ def run(folder: Path, *options: str) -> tuple[str, set[str]]:
     return finished.stdout + finished.stderr, set(re.findall(r"PASSED \S*::(\w+)", finished.stdout))
 
 
+@pytest.mark.slow
 def test_every_test_is_in_one_shard(tmp_path: Path) -> None:
     (tmp_path / "test_ten.py").write_text(TEN.replace("!= 7", "< 10"), encoding="utf-8")
     parts = [run(tmp_path, "-p", "tests.resumable", f"--shard={part}/3")[1] for part in (1, 2, 3)]
@@ -41,6 +42,7 @@ def test_every_test_is_in_one_shard(tmp_path: Path) -> None:
     assert set.union(*parts) == {f"test_{number}" for number in range(10)}
 
 
+@pytest.mark.slow
 def test_every_file_is_in_one_part(tmp_path: Path) -> None:
     for number in range(5):
         test = f"def test_{number}(): pass"

@@ -241,6 +241,7 @@ def test_a_tetrahedron_in_space():
     assert len(abstraction.neighbours[abstraction.index("A")]) >= 4
 
 
+@pytest.mark.slow
 def test_two_hundred_obstacles():
     rng = np.random.default_rng(7)
     regions = []

@@ -205,6 +205,7 @@ for lang in languages().values():
 """
 
 
+@pytest.mark.slow
 def test_the_same_bytes_whatever_the_hash_seed() -> None:
     root = Path(__file__).resolve().parents[2]
     outputs = {

@@ -109,6 +109,7 @@ def test_horizons_double() -> None:
     assert asked == [FIRST_HORIZON, FIRST_HORIZON + 2]
 
 
+@pytest.mark.slow
 def test_memory_is_flat() -> None:
     words = language(arm(), ARM_TERMINALS, ARM_MODULES).words()
     tracemalloc.start()

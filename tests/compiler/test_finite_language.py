@@ -53,6 +53,7 @@ def test_infinite() -> None:
     assert size("S -> a S | b", ir.Count("b", "==", 1)) == (None, None)
 
 
+@pytest.mark.slow
 def test_a_large_number_is_counted_exactly_or_not_at_all() -> None:
     bound = ir.Count(None, "<=", 200)
     for every in ("S -> a S | b S | c S | empty", "S -> S a | S b | S c | empty"):

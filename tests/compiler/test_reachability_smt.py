@@ -360,6 +360,7 @@ for seed in range(5):
 """
 
 
+@pytest.mark.slow
 def test_the_bytes_do_not_depend_on_the_hash_seed():
     outputs = set()
     for seed in ("0", "7"):

@@ -170,6 +170,7 @@ def test_without_comments_only_blank_lines_are_the_authors(seed: int) -> None:
     assert lines == [line for line in formatted(plain).split("\n") if line]
 
 
+@pytest.mark.slow
 def test_keywords_in_the_place_of_names() -> None:
     """Where they may stand there, they are names; the blanks around them then differ."""
     words = sorted(tables().words)

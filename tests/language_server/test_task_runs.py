@@ -176,7 +176,7 @@ def test_a_text_with_errors_is_not_synthesised(client: Client) -> None:
     assert told == {"type": 1, "message": "Turn: 1 error, 0 warnings"}
 
 
-@pytest.mark.parametrize("end", some(["shutdown", "SIGTERM", "exit", "end of input"], 2))
+@pytest.mark.parametrize("end", some(["shutdown", "SIGTERM", "exit", "end of input"], 1))
 def test_an_end_while_a_synthesis_runs(
     started: Callable[..., Client], tmp_path: Path, end: str
 ) -> None:

@@ -64,6 +64,7 @@ def test_a_worker_is_killed_in_the_middle_of_evaluations(cluster):
     assert min(before) not in processes(cluster)
 
 
+@pytest.mark.slow
 def test_a_job_that_kills_every_worker_is_given_up():
     process, address = started(1, DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="1")
     try:

@@ -158,6 +158,7 @@ def test_what_is_out_of_reach_at_all_times_is_refuted(tmp_path: Path) -> None:
     assert verify_directory(tmp_path / "out").outcome is Outcome.VALID
 
 
+@pytest.mark.slow
 def test_weak_drives_refute_nothing(tmp_path: Path) -> None:
     """Within the horizon the mass does not get there; swung to and fro for ever, it might."""
     weak = replaced(asked(SLIDER, "reach T;"), "effort <= 10 N", "effort <= 0.01 N")

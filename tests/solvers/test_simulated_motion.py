@@ -128,7 +128,7 @@ def violated(here: Scene, motion: Motion) -> dict[str, CheckedCondition]:
     return {each.name: each for each in found if not each.name.startswith("cell path")}
 
 
-@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("closed", chosen([True, False], 1))
 def test_what_is_violated_at_the_instants_is_found_and_nothing_else(closed: bool) -> None:
     here, seen = where(), set[str]()
     for seed in range(12):

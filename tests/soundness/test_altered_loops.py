@@ -51,7 +51,7 @@ def test_the_oracle_follows_the_certified_loop(
     ("name", "seeds"),
     [
         ("closed", range(7)),
-        ("pair", (4, 6)),
+        pytest.param("pair", (4, 6), marks=pytest.mark.slow),
         pytest.param("pair", (0, 5, 6), marks=pytest.mark.slow),
     ],
 )

@@ -140,6 +140,7 @@ def test_colours_are_around_whole_lines() -> None:
     assert painted.startswith("\x1b[1m--- x\x1b[0m\n")
 
 
+@pytest.mark.slow
 def test_linear_time() -> None:
     """A search for a longest common subsequence would take minutes on so many equal lines."""
     before = "a; \n\n}\nb;\n" * 30_000

@@ -105,6 +105,7 @@ def test_after_every_command(place):
         assert not {name for name in kept if name.startswith(".") or name == "journal.jsonl"}
 
 
+@pytest.mark.slow
 def test_after_python(place):
     """Temporary folders of results go with the process, if not before."""
     ran(place, [sys.executable, "-c", PYTHON])
