@@ -48,6 +48,7 @@ def test_shards_are_kept(tmp_path: Path) -> None:
     assert (ran.returncode, ran.stderr) == (1, "motions that left their tubes: 1\n")
 
 
+@pytest.mark.slow
 def test_cases_are_sound_and_have_disturbances() -> None:
     programs = programs_of("disturbed")
     assert len(programs) >= 3

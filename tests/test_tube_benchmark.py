@@ -92,6 +92,7 @@ def test_prices_are_added_to_programs() -> None:
         np.testing.assert_allclose(found.point, expected, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_cases_are_sound_and_get_feedback() -> None:
     programs = programs_of("tube_tightening")
     assert len(programs) >= 5

@@ -274,6 +274,7 @@ print(a.describe(), a.adjacency, a.facets, a.touches, to_dot(workspace_view(a, w
 """
 
 
+@pytest.mark.slow
 def test_the_same_whatever_the_hash_seed():
     root = Path(__file__).resolve().parents[2]
     outputs = {

@@ -149,6 +149,7 @@ def test_bisections_always_halve_the_largest(count):
         assert min(volumes[n] for n in made) > last * Fraction(2, 5)
 
 
+@pytest.mark.slow
 def test_hundreds_of_cells_in_a_moment():
     cube = Workspace("W", 3, box("bounds", "bounds", (0, 2), (0, 2), (0, 2)), ())
     for workspace in (bench(), cube):

@@ -47,6 +47,7 @@ def test_counts_of_the_designs_add_up(tmp_path: Path) -> None:
     assert sum(len(each.samples) for each in every.samples) == every.counts["evaluations"]
 
 
+@pytest.mark.slow
 def test_without_a_bound_it_ends_at_a_limit_that_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -180,6 +180,7 @@ def off_by(name: str, amount: str) -> Change:
     return change
 
 
+@pytest.mark.slow
 def test_what_the_bounds_of_a_proof_leave_open_is_undecided(pair: Path) -> None:
     """The planned motion is enclosed up to 1.6e-9 N*m here; the bound is its upper end.
 
@@ -278,7 +279,7 @@ def test_a_reference_that_is_somewhere_else_is_not_valid(folder: Path) -> None:
             ("robust effort 1 % of bound", "robust effort 30 % of bound"),
             ("robust start 0.5 deg, 0.5 deg/s", "robust start 90 deg, 0.5 deg/s"),
         ],
-        1,
+        0,
     ),
 )
 def test_larger_disturbances_are_not_what_was_proved(folder: Path, old: str, new: str) -> None:

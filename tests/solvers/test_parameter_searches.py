@@ -234,6 +234,7 @@ def test_branin_by_the_others(name) -> None:
     assert np.median(ends) >= BRANIN - 0.05
 
 
+@pytest.mark.slow
 def test_rosenbrock() -> None:
     """A curved valley; random points of the same number reach -3 in the median."""
     for name, budget in (("gp-acb", 40), ("nelder-mead", 200), ("particle-swarm", 400)):

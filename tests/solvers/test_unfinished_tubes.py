@@ -48,6 +48,7 @@ def test_the_time_is_that_of_the_tube_that_got_farthest(growth: int) -> None:
     assert lost.reason == f"the enclosure of the motion ends at {lost.time:.4g} s"
 
 
+@pytest.mark.slow
 def test_what_is_violated_before_the_tube_ends_is_said() -> None:
     """The first joint turns by much more than two radians before the tube ends."""
     where, motion = driven(3, "in [-2, 2] rad")

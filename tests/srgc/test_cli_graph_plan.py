@@ -113,6 +113,7 @@ def red_nodes(dot):
     return re.findall(r'^  "w\d+" \[label="([^"]*)".*color="#d00000"', dot, re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_figure_two_from_any_depth(srgc, arm_file):
     """The robot of Figure 1c has 9 modules: B and what is added in 8 transitions."""
     words = ("graph", arm_file, "--of", "words", "--highlight", FIGURE)

@@ -49,6 +49,7 @@ def same_results(folder, other):
     assert proofs == sorted(p.name for p in (other / "proofs").iterdir())
 
 
+@pytest.mark.slow
 def test_kills_at_random_moments(made, tmp_path):
     chance = random.Random(1)
     place = made("turner")

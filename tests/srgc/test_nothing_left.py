@@ -115,6 +115,7 @@ def test_after_python(place):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_after_an_editor(place):
     """One that goes without a word: status 1."""
     finished = subprocess.run(
