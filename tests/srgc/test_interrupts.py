@@ -120,7 +120,7 @@ def test_fifty_random_moments(made, tmp_path):
         if statuses[-1:] == [0]:
             for path in sorted((tmp_path / "out").rglob("*"), reverse=True):
                 path.rmdir() if path.is_dir() else path.unlink()
-        statuses.append(one_moment(tmp_path, chance.uniform(0, 2), jobs, **how))
+        statuses.append(one_moment(tmp_path, chance.uniform(0, 1.2), jobs, **how))
     assert statuses.count(130) > 25
     resumed_alike(made, tmp_path)
 
