@@ -10,7 +10,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .venv/installed: requirements/dev.lock pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/dev.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $@
 
@@ -46,7 +46,7 @@ coverage: .venv/installed
 
 # Pinocchio, an independent library of rigid-body dynamics, is installed for the slow tests alone.
 .venv/oracles: .venv/installed requirements/slow.lock
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/slow.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/slow.lock
 	touch $@
 
 # All tests there are, with other random examples each time. Run again after an interruption or a
@@ -114,7 +114,7 @@ hooks: .venv/installed
 
 # The libraries that users would pick instead are installed for the comparison alone.
 .venv/compared: .venv/installed requirements/bench.lock
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/bench.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/bench.lock
 	touch $@
 
 bench: .venv/compared
