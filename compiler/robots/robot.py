@@ -275,6 +275,24 @@ class RobotModel:
     owners: tuple[BodyOwner | None, ...] = ()
 
     @property
+    def periodic(self) -> tuple[bool, ...]:
+        """Per degree of freedom, whether a whole turn of it gives the same robot.
+
+        It is revolute and has no range, and no module's own dynamics read its coordinate.
+        """
+        read = {
+            own.bound_dofs.get(leaf.name)
+            for own in self.own
+            for expression in own.expressions()
+            for leaf in ir.leaves(expression)
+            if isinstance(leaf, ir.DofOf)
+        }
+        return tuple(
+            dof.kind == "revolute" and dof.range is None and number not in read
+            for number, dof in enumerate(self.dofs)
+        )
+
+    @property
     def word_dofs(self) -> tuple[WordDof, ...]:
         """The degrees of freedom of the word, in word order and then as their module has them."""
         if self.joints is not None:

@@ -17,6 +17,7 @@ from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.disturbance_spread import disturbance_spread
 from solvers.trajectory.feedback import reference_motion
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.round_set import whole_turns
 from solvers.trajectory.task_limits import input_groups
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.further_claims import ControllerClaim, LoopClaim
@@ -125,7 +126,10 @@ def controlled(
     if not np.isfinite(motion.x).all():
         return None
     size = 2 * numeric.n
-    rounding = rounding_allowance(motion, gains[:, :, :size], path_problem.model, task)
+    turning = None
+    if path_problem.loop is not None:
+        turning = whole_turns(path_problem.model, motion, path_problem.loop) != 0
+    rounding = rounding_allowance(motion, gains[:, :, :size], path_problem.model, task, turning)
     reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
     stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)
     return motion, gains, ControllerClaim(reference, stated, rounding)
@@ -141,16 +145,26 @@ MOST_ROUNDING = 1e-4
 
 
 def rounding_allowance(
-    motion: Trajectory, gains: Array, model: RobotModel, task: ir.Task
+    motion: Trajectory,
+    gains: Array,
+    model: RobotModel,
+    task: ir.Task,
+    turning: Array | None = None,
 ) -> tuple[str, ...]:
     """Per input how far rounding may take it from the law: enough for single precision, mostly.
 
     Without disturbances it is enough for doubles alone: the tube is narrow there, and a wide one
     takes several times as long.  ``gains`` are (k, m, 2n).  A rounded measurement and a rounded
-    reference count with the gain; the rest counts with the deviation.
+    reference count with the gain; the rest counts with the deviation.  The angles of ``turning``
+    joints (n,), None: of none, are given in any turn, and turns are taken off one by one.
     """
     size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
-    terms = np.abs(gains) @ (2 * np.abs(motion.x[:-1, :size]) + DEVIATION)[:, :, None]
+    sizes = 2 * np.abs(motion.x[:-1, :size]) + DEVIATION
+    if turning is not None and turning.any():
+        angles = np.abs(motion.x[:-1, : len(turning)][:, turning])
+        turns = np.ceil(angles.max(axis=0) / (2 * np.pi)) + 1
+        sizes[:, : len(turning)][:, turning] += 2 * np.pi * turns * (turns + 2)
+    terms = np.abs(gains) @ sizes[:, :, None]
     needed = ROUNDED_TWICE * unit * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
     most = np.full(len(needed), np.inf)
     for bound in input_bounds(model, task):
@@ -168,7 +182,7 @@ DIGITS = 8
 def loop_claim(
     path_problem: PathProblem, motion: Trajectory, gains: Array | None
 ) -> LoopClaim | None:
-    """The loop of a motion, which begins and ends with the same state but for a drift.
+    """The loop of a motion, which begins and ends with one state, but for a drift and whole turns.
 
     ``gains`` (k, m, N) are those of its feedback.  None where no set of states is found that every
     round returns into.
@@ -180,4 +194,10 @@ def loop_claim(
         tuple(decimal(float(f"{value:.{DIGITS}g}")) for value in row)
         for row in found.generators.tolist()
     )
-    return LoopClaim(path_problem.loop, tuple(map(decimal, found.centre.tolist())), generators)
+    turns = [int(turn) for turn in whole_turns(path_problem.model, motion, path_problem.loop)]
+    return LoopClaim(
+        path_problem.loop,
+        tuple(map(decimal, found.centre.tolist())),
+        generators,
+        tuple(turns) if any(turns) else None,
+    )

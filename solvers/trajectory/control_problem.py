@@ -201,5 +201,5 @@ def limit_excess(limits: MotionLimits, x: Array) -> float:
         gaps.append(np.abs(q[:1] - limits.start_values))
     gaps.append(np.abs(x[0, 2 * n :] - limits.own_start))
     if limits.loop is not None:
-        gaps.append(np.abs(x[-1] - x[limits.loop]))
+        gaps.append(np.abs(x[-1] - x[limits.loop] - limits.turned))
     return max(float(np.max(gap, initial=0.0)) for gap in gaps)

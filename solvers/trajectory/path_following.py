@@ -32,7 +32,7 @@ from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance
 from solvers.trajectory.feedback import closed_spread, input_scales, spread_cost
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.mobility import joint_errors
-from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets
+from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets, whole_turns
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
     InputGroup,
@@ -278,6 +278,11 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
+        if self.loop is not None:
+            # As many turns as the seed makes.
+            turned = np.zeros(self.numeric.size)
+            turned[: self.numeric.n] = 2 * np.pi * whole_turns(self.model, start, self.loop)
+            problem = replace(problem, limits=replace(problem.limits, turned=turned))
         # Trial motions may diverge; what is not finite counts as infeasible.
         with np.errstate(all="ignore"):
             outcome = synthesise_control(problem, start, box, budget, radius)

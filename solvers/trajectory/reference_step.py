@@ -217,7 +217,7 @@ class _Step:
         if len(limits.own_start):
             found.append(own == limits.own_start)
         if limits.loop is not None:
-            found.append(self.x[-1] == self.x[limits.loop])
+            found.append(self.x[-1] == self.x[limits.loop] + limits.turned)
         return found
 
     def trust(self) -> list[cp.Constraint]:

@@ -20,6 +20,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.robots.robot import RobotModel
 from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
 from grammar_lang import ir
 from solvers.trajectory.disturbance_spread import heavier_masses
@@ -65,7 +66,8 @@ def round_sets(
     Args:
         numeric: the robot.
         task: the task, whose disturbances are borne.
-        motion: the motion, which comes back at its end to where it is at the sample ``loop``.
+        motion: the motion, which comes back at its end to where it is at the sample ``loop``, but
+            for whole turns.
         gains: (k, m, N) of the feedback.
         loop: the first sample of the loop.
         substeps: the parts of a step.
@@ -81,6 +83,16 @@ def round_sets(
             return tuple(RoundSet(motion.x[loop], box) for box in _boxes(once, slack))
         except np.linalg.LinAlgError:
             return ()
+
+
+def whole_turns(model: RobotModel, motion: Trajectory, loop: int) -> Array:
+    """By how many whole turns (n,) joints are farther at the end than at the sample ``loop``.
+
+    A joint that a whole turn changes makes none.
+    """
+    n = len(model.dofs)
+    farther = motion.x[-1, :n] - motion.x[loop, :n]
+    return np.where(np.array(model.periodic, bool), np.round(farther / (2 * np.pi)), 0.0)
 
 
 def _round_map(
@@ -114,6 +126,7 @@ def _round_map(
         if k >= loop:
             by_state = by_x @ by_state
     drift = (motion.x[-1] - motion.x[loop])[:, None]
+    drift[: numeric.n, 0] -= 2 * np.pi * whole_turns(model, motion, loop)
     return _RoundMap(by_state, np.concatenate([columns, drift], axis=1), entering)
 
 

@@ -174,11 +174,12 @@ class StepProgram:
             values.append(model.fictitious[:, *self._fictitious].ravel())
         values.append(np.ones(len(self._given)))
         given = self._given_values - about.x.ravel()[self._given]
-        loop = self.question.limits.loop
-        if loop is None:
+        limits = self.question.limits
+        if limits.loop is None:
             return values, np.concatenate([known.ravel(), given])
         values += [np.ones(layout.width), np.full(layout.width, -1.0)]
-        return values, np.concatenate([known.ravel(), given, about.x[loop] - about.x[-1]])
+        back = about.x[limits.loop] + limits.turned - about.x[-1]
+        return values, np.concatenate([known.ravel(), given, back])
 
     def _positions(self, model: Model, wanted: PositionRows) -> tuple[list[Array], Array]:
         """C.1: half-planes on positions linearised in the coordinates and parameters."""

@@ -175,7 +175,8 @@ class MotionLimits:
     coordinates in rad or m, rates in the same per second.  ``start_rates`` bounds the initial rates
     (0: at rest), ``final_rates`` the final ones (inf: free) at the last ``final_samples`` samples,
     ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial states of the
-    modules' own.  The last state is that of the sample ``loop``, if there is one.
+    modules' own.  The last state is that of the sample ``loop``, if there is one, and farther by
+    ``turned`` (N,).
     """
 
     lower: Array
@@ -188,6 +189,7 @@ class MotionLimits:
     own_start: Array = field(default_factory=lambda: np.zeros(0))
     final_samples: int = 1
     loop: int | None = None
+    turned: Array | float = 0.0
 
     @property
     def joints(self) -> int:

@@ -192,6 +192,15 @@ def _loop(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Loop | None:
     size = 2 * len(model.dofs) + len(robot_states(model))
     if len(claim.loop.centre) != size:
         raise Refused(f"the set of the loop is not one of {size} states")
+    turns = claim.loop.turns
+    if turns is not None:
+        if len(turns) != len(model.dofs):
+            raise Refused(f"the turns of the loop are not those of {len(model.dofs)} joints")
+        for number, (turn, periodic) in enumerate(zip(turns, model.periodic, strict=True)):
+            if turn and not periodic:
+                raise Refused(
+                    f"joint {number + 1} has a range, or its angle is read: whole turns change it"
+                )
     try:
         return exact_loop(claim.loop)
     except ValueError as error:

@@ -37,6 +37,10 @@ def _c_lines(
     yield " */"
     yield from C_CHECKS.splitlines()
     yield ""
+    if controller.unwound:
+        yield f"#define HALF_TURN {HALF_TURN}{precision.suffix}"
+        yield f"#define WHOLE_TURN {WHOLE_TURN}{precision.suffix}"
+        yield ""
     yield f"extern const int {name}_samples;"
     yield f"extern const {kind} {name}_period;"
     yield f"int {_signature(controller, precision)};"
@@ -52,7 +56,9 @@ def _c_lines(
     yield f"int {_signature(controller, precision)}"
     n, m = len(controller.measured), len(controller.inputs)
     body, again = C_CLOSED if closed else C_OPEN, _c_again(controller)
-    yield from body.format(kind=kind, name=name, n=n, m=m, again=again).splitlines()
+    unwound = _c_unwound(controller)
+    text = body.format(kind=kind, name=name, n=n, m=m, again=again, unwound=unwound)
+    yield from text.splitlines()
 
 
 def _signature(controller: ExportedController, precision: Precision) -> str:
@@ -97,6 +103,30 @@ def _c_again(controller: ExportedController) -> str:
     return f"    if (sample >= {name}_samples) {{\n        sample = {turned};\n    }}\n"
 
 
+def _c_unwound(controller: ExportedController) -> str:
+    """Statements that bring deviations of joints that turn for ever to within half a turn."""
+    lines = list[str]()
+    for joint, most in controller.unwound.items():
+        for over, sign in ("> HALF_TURN", "-"), ("< -HALF_TURN", "+"):
+            lines.append(f"    for (i = 0; i < {most} && off[{joint}] {over}; i++) {{")
+            lines.append(f"        off[{joint}] = off[{joint}] {sign} WHOLE_TURN;")
+            lines.append("    }")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _python_unwound(controller: ExportedController) -> str:
+    """The same in Python."""
+    lines = list[str]()
+    for joint, most in controller.unwound.items():
+        lines.append(f"    for _ in range({most}):")
+        lines.append(f"        if off[{joint}] > {HALF_TURN}:")
+        lines.append(f"            off[{joint}] = off[{joint}] - {WHOLE_TURN}")
+        lines.append(f"    for _ in range({most}):")
+        lines.append(f"        if off[{joint}] < -{HALF_TURN}:")
+        lines.append(f"            off[{joint}] = off[{joint}] + {WHOLE_TURN}")
+    return "".join(f"{line}\n" for line in lines)
+
+
 def _python_again(controller: ExportedController) -> str:
     """The same in Python."""
     first = controller.loop
@@ -105,6 +135,9 @@ def _python_again(controller: ExportedController) -> str:
     turned = f"{first} + (sample - {first}) % (SAMPLES - {first})"
     return f"    if sample >= SAMPLES:\n        sample = {turned}\n"
 
+
+HALF_TURN, WHOLE_TURN = "3.141592653589793", "6.283185307179586"
+"""Rad, as doubles and single numbers read them to the nearest."""
 
 C_CHECKS = """\
 #include <float.h>
@@ -131,7 +164,7 @@ C_CLOSED = """\
     for (j = 0; j < {n}; j++) {{
         off[j] = measured[j] - reference[sample][j];
     }}
-    for (i = 0; i < {m}; i++) {{
+{unwound}    for (i = 0; i < {m}; i++) {{
         {kind} input = planned[sample][i];
 
         for (j = 0; j < {n}; j++) {{
@@ -201,7 +234,8 @@ def _python_lines(controller: ExportedController, notes: Sequence[str]) -> Itera
     for gain in controller.gains:
         yield f"    ({' '.join(_tuple(row) + ',' for row in gain)}),"
     yield ")"
-    yield from PYTHON_CLOSED.replace("@again@", _python_again(controller)).splitlines()
+    text = PYTHON_CLOSED.replace("@again@", _python_again(controller))
+    yield from text.replace("@unwound@", _python_unwound(controller)).splitlines()
 
 
 def _names(name: str, items: Sequence[Quantity]) -> Iterator[str]:
@@ -230,7 +264,7 @@ def controller(sample, measured):
     if len(measured) != len(MEASURED):
         raise ValueError(f"there are {len(MEASURED)} measured quantities, not {len(measured)}")
     off = [float(x) - planned for x, planned in zip(measured, REFERENCE[sample])]
-    inputs = []
+@unwound@    inputs = []
     for value, gains in zip(PLANNED[sample], GAINS[sample]):
         for gain, each in zip(gains, off):
             value = value - gain * each

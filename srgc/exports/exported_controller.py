@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from math import ceil, pi
 
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.state_and_input import robot_inputs
@@ -53,6 +54,22 @@ class ExportedController:
         """The first sample of a loop, which comes again after the last; None: the motion ends."""
         claim = self.design.claim.loop
         return None if claim is None else claim.first
+
+    @property
+    def unwound(self) -> dict[int, int]:
+        """The measured coordinates that whole turns are taken from or added to, and how many.
+
+        They are those of joints that come back by whole turns: so many bring every angle that is
+        between minus and plus a whole turn to within half a turn of the reference.
+        """
+        claim = self.design.claim.loop
+        if claim is None or claim.turns is None or self.reference is None:
+            return {}
+        return {
+            joint: ceil(max(abs(float(row[joint])) for row in self.reference) / (2 * pi)) + 1
+            for joint, turns in enumerate(claim.turns)
+            if turns
+        }
 
     @property
     def period(self) -> Fraction:
@@ -126,6 +143,9 @@ def described(controller: ExportedController) -> Iterator[str]:
     else:
         yield "computed from what is measured at that time, and held from that time on, without"
         yield "delay. Angles count turns: they are not reduced to an interval."
+        for joint in controller.unwound:
+            yield f"The {controller.measured[joint].name} may be: any angle from minus to plus a"
+            yield "whole turn does, as a joint that comes back by whole turns need not be counted."
         yield ""
         yield from _listed("measured", controller.measured)
     if controller.loop is not None:

@@ -94,7 +94,10 @@ def rounding_bounds(
             controller.design.claim.inputs, claim.reference, claim.gains, measured[:-1], strict=True
         )
         for planned, reference, gains, states in rows:
-            off = [_deviation(rounding, x, text) for x, text in zip(states, reference, strict=True)]
+            off = [
+                _deviation(rounding, x, text, controller.unwound.get(number, 0))
+                for number, (x, text) in enumerate(zip(states, reference, strict=True))
+            ]
             for i, (text, row) in enumerate(zip(planned, gains, strict=True)):
                 held = _held(rounding, text, row, off, largest)
                 found[i] = found[i].max(held)
@@ -110,11 +113,24 @@ class _Deviation:
     read: arb
 
 
-def _deviation(rounding: _Rounding, measured: arb, text: str) -> _Deviation:
-    read, planned = rounding.of(abs(measured).upper(), arb(0)), rounding.constant(text)
+def _deviation(rounding: _Rounding, measured: arb, text: str, turns: int) -> _Deviation:
+    """Of an angle that is given farther by up to ``turns``, which are taken off one by one.
+
+    Where the right number of them may not be seen, the error is infinite.
+    """
+    farther = 2 * arb.pi() * turns
+    read, planned = rounding.of((abs(measured) + farther).upper(), arb(0)), rounding.constant(text)
     true = abs(measured - ball(exact(text))).upper()
     error = read.error + planned.error
-    computed = rounding.of((true + error).upper(), error)
+    computed = rounding.of((true + farther + error).upper(), error)
+    if turns:
+        size, error = computed.size, computed.error
+        for _ in range(turns):
+            turned = rounding.of(size, error + rounding.unit * 2 * arb.pi())
+            error = turned.error
+        if not bool(true + error < arb.pi() - error):
+            error = arb("inf")
+        computed = _Rounded((true + error).upper(), error)
     return _Deviation(computed, true, read.size.max(planned.size))
 
 

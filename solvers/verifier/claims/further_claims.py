@@ -34,12 +34,15 @@ class LoopClaim:
     """The motion goes on for ever: behind the last step comes that of the sample ``first`` again.
 
     ``centre`` and the rows of ``generators`` state the set of states at that sample: coordinates
-    and rates of the joints, then the modules' own states.
+    and rates of the joints, then the modules' own states.  ``turns`` has one whole number per
+    joint: so many turns farther it is after a round, and the next is counted from there.  None: it
+    comes back without turns.
     """
 
     first: int
     centre: tuple[str, ...]
     generators: tuple[tuple[str, ...], ...]
+    turns: tuple[int, ...] | None = None
     kind: str = "loop"
 
 
@@ -74,6 +77,7 @@ def exact_loop(claim: LoopClaim) -> Loop:
         claim.first,
         tuple(exact_number(x) for x in claim.centre),
         tuple(tuple(exact_number(x) for x in row) for row in claim.generators),
+        claim.turns or (),
     )
 
 
@@ -112,9 +116,15 @@ def _controller(item: dict[str, Any]) -> ControllerClaim:
     return ControllerClaim(rows(fields["reference"]), gains, rounding)
 
 
-def _loop(item: object) -> LoopClaim:
-    (fields,) = objects([item], LoopClaim)
-    return LoopClaim(number(fields["first"]), texts(fields["centre"]), rows(fields["generators"]))
+def _loop(item: dict[str, Any]) -> LoopClaim:
+    (fields,) = objects([{"turns": None, **item}], LoopClaim)
+    turns = None
+    if "turns" in item:
+        if not isinstance(fields["turns"], list):
+            raise TypeError("a list of turns is due")
+        turns = tuple(map(number, fields["turns"]))
+    first, centre = number(fields["first"]), texts(fields["centre"])
+    return LoopClaim(first, centre, rows(fields["generators"]), turns)
 
 
 def claim_content(claim: FurtherClaim) -> dict[str, Any]:
@@ -122,9 +132,7 @@ def claim_content(claim: FurtherClaim) -> dict[str, Any]:
     if isinstance(claim, UnknownClaim):
         return dict(claim.content)
     content = asdict(claim)
-    if isinstance(claim, ControllerClaim) and claim.rounding is None:
-        del content["rounding"]
-    return content
+    return {key: value for key, value in content.items() if value is not None}
 
 
 def unknown_claims(claims: Sequence[FurtherClaim]) -> list[CheckedCondition]:

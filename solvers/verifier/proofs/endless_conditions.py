@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
+from flint import arb
+
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.formula_proof import FormulaProof
@@ -41,8 +43,8 @@ def endless_conditions(
     """
     prefix, once = reached
     found = [
-        _within(loop, prefix, ENTERED, float(task.step * loop.first)),
-        _within(loop, once, CLOSED, float(task.step * task.steps)),
+        _within(loop.farthest(prefix), ENTERED, float(task.step * loop.first)),
+        _within(loop.farthest(once, after=True), CLOSED, float(task.step * task.steps)),
     ]
     if task.reach is not None:
         verdict = formulas.verdict(reached_some_time(task.reach, effector))
@@ -69,9 +71,11 @@ def unless_open(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition
     ]
 
 
-def _within(loop: LoopSet, states: Zonotope, name: str, time: float) -> CheckedCondition:
-    """Whether a set of states is within that of the loop; the margin is a part of its size."""
-    farthest = loop.farthest(states)
+def _within(farthest: arb, name: str, time: float) -> CheckedCondition:
+    """Whether a set of states is within that of the loop; the margin is a part of its size.
+
+    ``farthest`` bounds how far they get from its centre, in its size.
+    """
     margin = float((1 - farthest).lower())
     if bool(farthest <= 1):
         return CheckedCondition(name, Status.HOLDS, max(margin, 0.0), "", time)

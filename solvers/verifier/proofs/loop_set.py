@@ -6,6 +6,10 @@ with G square and invertible, over coordinates and rates of the joints and the m
 If all motions of the prefix end in S, and all motions of one round that begin in S end in S, then
 every round begins in S (by induction), and what holds of all motions of one round holds of all
 rounds.  A state x is in S if and only if :math:`|G^{-1} (x - c)| \le 1` entry by entry.
+
+A joint of which a whole turn gives the same robot may come back by whole turns: a state x at the
+end of a round is then compared as :math:`x - 2 \pi t` with t whole, and the next round counts the
+joint's coordinate from there.
 """
 
 from __future__ import annotations
@@ -29,6 +33,7 @@ class Loop:
         first: the sample at which the loop begins; after the last step it begins again.
         centre: coordinates, then rates of the joints, then the modules' own states, (N,).
         generators: the rows of G, (N, N), which is invertible.
+        turns: by how many whole turns each joint is farther after a round, (n,); empty: by none.
 
     Raises:
         ValueError: the shapes do not agree, or G is singular.
@@ -37,11 +42,14 @@ class Loop:
     first: int
     centre: tuple[Fraction, ...]
     generators: tuple[tuple[Fraction, ...], ...]
+    turns: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         size = len(self.centre)
         if len(self.generators) != size or any(len(row) != size for row in self.generators):
             raise ValueError("the set of a loop needs as many generators as states")
+        if 2 * len(self.turns) > size:
+            raise ValueError("a loop turns no more joints than there are")
         if size and _matrix(self.generators).det() == 0:
             raise ValueError("the set of the loop is flat: its generators are not independent")
 
@@ -55,21 +63,26 @@ class LoopSet:
         initial: the set, with what states hold besides: inputs, and the factors of masses.
         to_unit: G^-1 diag(D, D, 1), which takes states to the unit box about ``centre``, (N, N).
         centre: G^-1 c, (N,).
+        turned: G^-1 (c + 2 pi t), (N,), with the whole turns t of a round.
     """
 
     first: int
     initial: InitialSet
     to_unit: arb_mat
     centre: tuple[arb, ...]
+    turned: tuple[arb, ...]
 
-    def farthest(self, states: Zonotope) -> arb:
-        """The largest entry of |G^-1 (x - c)| of all states x of a set: at most 1 if it is in S."""
-        size = len(self.centre)
+    def farthest(self, states: Zonotope, *, after: bool = False) -> arb:
+        """The largest entry of |G^-1 (x - c)| of all states x of a set: at most 1 if it is in S.
+
+        The states are those before a round, or ``after`` one: then x is less the turns of it.
+        """
+        size, centre = len(self.centre), self.turned if after else self.centre
         if not size:
             return arb(0)
         found = arb(0)
         middle = (self.to_unit * arb_mat([[x] for x in states.middle[:size]])).entries()
-        reach = [abs(m - c) for m, c in zip(middle, self.centre, strict=True)]
+        reach = [abs(m - c) for m, c in zip(middle, centre, strict=True)]
         if states.columns:
             columns = arb_mat([column[:size] for column in states.columns]).transpose()
             for i, row in enumerate((self.to_unit * columns).tolist()):
@@ -102,12 +115,15 @@ def loop_set(
     rows = tuple(tuple(column[i] for column in columns) for i in range(len(state)))
     whole = InitialSet(tuple(centre), rows if columns else (), tuple(radii))
     if not size:
-        return LoopSet(loop.first, whole, arb_mat(0, 0), ())
+        return LoopSet(loop.first, whole, arb_mat(0, 0), (), ())
     inverse = _matrix(loop.generators).inv()
-    turned = inverse * _matrix(_joint_rows(graph, size))
-    there = inverse * _matrix([[value] for value in loop.centre])
-    to_unit = arb_mat([[_ball(item) for item in row] for row in turned.tolist()])
-    return LoopSet(loop.first, whole, to_unit, tuple(_ball(item) for item in there.entries()))
+    by_graph = inverse * _matrix(_joint_rows(graph, size))
+    there = _balls(inverse * _matrix([[value] for value in loop.centre]))
+    turns = [Fraction(turn) for turn in loop.turns] + [Fraction(0)] * (size - len(loop.turns))
+    further = _balls(inverse * _matrix([[turn] for turn in turns]))
+    turned = [c + 2 * arb.pi() * t for c, t in zip(there, further, strict=True)]
+    to_unit = arb_mat([[arb(item) for item in row] for row in by_graph.tolist()])
+    return LoopSet(loop.first, whole, to_unit, tuple(there), tuple(turned))
 
 
 def _solved(graph: RobotGraph, values: Sequence[Fraction]) -> list[Fraction]:
@@ -131,5 +147,5 @@ def _matrix(rows: Sequence[Sequence[Fraction]]) -> fmpq_mat:
     return fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in rows])
 
 
-def _ball(value: fmpq) -> arb:
-    return arb(value)
+def _balls(column: fmpq_mat) -> list[arb]:
+    return [arb(value) for value in column.entries()]
