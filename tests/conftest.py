@@ -36,6 +36,7 @@ SPECS = {
     "closed": small_specs.CLOSED.encode(),
     "pair": small_specs.PAIR.encode(),
     "looped": small_specs.LOOPED.encode(),
+    "winding": small_specs.WINDING.encode(),
     "without_link": small_specs.WITHOUT_LINK.encode(),
     "too_short": small_specs.TOO_SHORT.encode(),
     "spatial": SPATIAL.encode(),

@@ -100,6 +100,14 @@ def change_lines(change: Reconfiguration) -> list[str]:
 # --- The outcome of a synthesis as plain text -----------------------------------------------------
 
 
+def _winding(turns: Sequence[int]) -> Iterator[str]:
+    """Which joints are whole turns farther after a round."""
+    for number, turn in enumerate(turns, 1):
+        if turn:
+            times = "once" if abs(turn) == 1 else f"{abs(turn)} times"
+            yield f"; joint {number} turns {times} a round"
+
+
 def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
     """What the motion uses of each bound on its inputs, and what it leaves."""
     used = used_inputs(design.model, task, design.inputs)
@@ -140,7 +148,9 @@ def synthesis_text(
             lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
         if design.loop is not None:
             begins = float(design.loop.first * task.step)
-            lines.append(f"repeats: from {begins:g} s to {ends:g} s again and again, for ever")
+            winding = "".join(_winding(design.loop.turns or ()))
+            again = f"from {begins:g} s to {ends:g} s again and again, for ever{winding}"
+            lines.append(f"repeats: {again}")
         lines += [
             f"formula: {condition.name}, robustness {condition.margin:.4g} m"
             for condition in design.conditions

@@ -208,3 +208,25 @@ LOOPED = replaced(
     "horizon 16 steps",
 )
 """The mass goes to and fro for ever."""
+
+WINDING = (
+    TURNER.replace(" in [-180, 180] deg; }", "; }")
+    .replace(
+        "accept contains EN and starts with B eps JO;", "accept matches B eps JO eps L eps EN;"
+    )
+    .replace("bounds box [-1, 3] x [-1, 3] m;", "bounds box [-3, 3] x [-3, 3] m;")
+    .replace(
+        "  obstacle O box [1.4, 2.5] x [1.4, 2.5] m;\n",
+        "  region W box [-1.9, -1.2] x [-0.3, 0.3] m;\n"
+        "  region D box [-0.3, 0.3] x [-1.9, -1.2] m;\n"
+        "  obstacle O polytope { 3*x + 4*y <= 3; 3*x + 4*y >= -3; 4*x - 3*y <= 3;"
+        " 4*x - 3*y >= -3; } m;\n",
+    )
+    .replace(
+        "  reach T;\n",
+        "  satisfy always (eventually T and eventually W and eventually D and eventually S);\n"
+        "  repeat;\n  robust start 0.2 deg, 0.2 deg/s;\n  robust effort 0.3 % of bound;\n",
+    )
+    .replace("horizon 10 steps of 0.2 s", "horizon 40 steps of 0.1 s")
+)
+"""One link that visits four regions about its base for ever: a joint without range winds."""

@@ -9,7 +9,7 @@ import pytest
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.result_files import read
-from tests.oracles.small_specs import MOTOR, SLIDER, TURNER, replaced
+from tests.oracles.small_specs import MOTOR, SLIDER, TURNER, WINDING, replaced
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
@@ -195,9 +195,10 @@ def test_a_robot_that_cannot_move_stays_for_ever(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_another_convex_solver_closes_loops_too(tmp_path: Path) -> None:
+@pytest.mark.parametrize("text", [asked(SLIDER, AGAIN), WINDING], ids=["slider", "winding"])
+def test_another_convex_solver_closes_loops_too(text: str, tmp_path: Path) -> None:
     path = tmp_path / "spec.srg"
-    path.write_text(asked(SLIDER, AGAIN), encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
     out = tmp_path / "out"
     assert run(["synth", str(path), "-q", "-o", str(out), "--solver", "CLARABEL"]) == 0
     assert verify_directory(out).outcome is Outcome.VALID
