@@ -9,7 +9,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import input_bounds, robot_inputs
+from compiler.robots.state_and_input import robot_inputs
 from compiler.tasks.specification import measurement_radii
 from grammar_lang import ir
 from solvers.search.path_task import WIDEST
@@ -18,6 +18,7 @@ from solvers.trajectory.disturbance_spread import disturbance_spread
 from solvers.trajectory.feedback import reference_motion
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.round_set import whole_turns
+from solvers.trajectory.rounding_allowance import rounding_allowance
 from solvers.trajectory.task_limits import input_groups
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.further_claims import ControllerClaim, LoopClaim
@@ -129,50 +130,11 @@ def controlled(
     turning = None
     if path_problem.loop is not None:
         turning = whole_turns(path_problem.model, motion, path_problem.loop) != 0
-    rounding = rounding_allowance(motion, gains[:, :, :size], path_problem.model, task, turning)
+    allowed = rounding_allowance(motion, gains[:, :, :size], path_problem.model, task, turning)
+    rounding = tuple(decimal(float(f"{value:.1e}")) for value in allowed.tolist())
     reference = tuple(tuple(decimal(value) for value in row[:size]) for row in motion.x[:-1])
     stated = tuple(tuple(tuple(decimal(x) for x in row[:size]) for row in gain) for gain in gains)
     return motion, gains, ControllerClaim(reference, stated, rounding)
-
-
-SINGLE, DOUBLE = 2.0**-24, 2.0**-53
-"""The part of a number by which single and double precision round it at most."""
-DEVIATION = 1.0
-"""A deviation from the reference for which rounding is estimated, in SI units."""
-ROUNDED_TWICE = 2.0
-MOST_ROUNDING = 1e-4
-"""Of half the range of an input; more would cost motions."""
-
-
-def rounding_allowance(
-    motion: Trajectory,
-    gains: Array,
-    model: RobotModel,
-    task: ir.Task,
-    turning: Array | None = None,
-) -> tuple[str, ...]:
-    """Per input how far rounding may take it from the law: enough for single precision, mostly.
-
-    Without disturbances it is enough for doubles alone: the tube is narrow there, and a wide one
-    takes several times as long.  ``gains`` are (k, m, 2n).  A rounded measurement and a rounded
-    reference count with the gain; the rest counts with the deviation.  The angles of ``turning``
-    joints (n,), None: of none, are given in any turn, and turns are taken off one by one.
-    """
-    size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
-    sizes = 2 * np.abs(motion.x[:-1, :size]) + DEVIATION
-    if turning is not None and turning.any():
-        angles = np.abs(motion.x[:-1, : len(turning)][:, turning])
-        turns = np.ceil(angles.max(axis=0) / (2 * np.pi)) + 1
-        sizes[:, : len(turning)][:, turning] += 2 * np.pi * turns * (turns + 2)
-    terms = np.abs(gains) @ sizes[:, :, None]
-    needed = ROUNDED_TWICE * unit * np.max(np.abs(motion.u) + terms[:, :, 0], axis=0, initial=0.0)
-    most = np.full(len(needed), np.inf)
-    for bound in input_bounds(model, task):
-        own = list(bound.inputs)
-        half = float(bound.upper if bound.norm2 else (bound.upper - bound.lower) / 2)
-        most[own] = np.minimum(most[own], half)
-    allowed = np.minimum(needed, MOST_ROUNDING * most)
-    return tuple(decimal(float(f"{value:.1e}")) for value in allowed.tolist())
 
 
 DIGITS = 8

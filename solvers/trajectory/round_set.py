@@ -24,6 +24,7 @@ from compiler.robots.robot import RobotModel
 from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
 from grammar_lang import ir
 from solvers.trajectory.disturbance_spread import heavier_masses
+from solvers.trajectory.rounding_allowance import rounding_allowance
 from solvers.trajectory.trajectory import Trajectory
 
 FLOOR = 1e-5
@@ -110,6 +111,8 @@ def _round_map(
     count = heavier.shape[2]
     noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
     step = numeric.step(motion.x[:-1], motion.u, motion.theta, float(task.step), substeps)
+    turning = whole_turns(model, motion, loop) != 0
+    rounding = np.diag(rounding_allowance(motion, gains[:, :, :width], model, task, turning))
     columns = np.zeros((size, width + count))
     columns[:width, :width] = np.diag([float(r) for r in disturbance_radii(task, model)])
     entering, by_state = columns, np.eye(size)
@@ -122,7 +125,7 @@ def _round_map(
         columns[:width, width : width + count] += heavier[k]
         pushed = by_u * (share * np.abs(u) + added)
         misread = by_u @ gains[k][:, :width] @ noise
-        columns = np.concatenate([columns, pushed, misread], axis=1)
+        columns = np.concatenate([columns, pushed, misread, by_u @ rounding], axis=1)
         if k >= loop:
             by_state = by_x @ by_state
     drift = (motion.x[-1] - motion.x[loop])[:, None]

@@ -22,23 +22,31 @@ from srgc.exports.xml_lines import plain_line
 # --- C99, one file --------------------------------------------------------------------------------
 
 
-def c_text(controller: ExportedController, precision: Precision, notes: Sequence[str] = ()) -> str:
-    """The file in a precision; ``notes`` are lines for a reader behind those that describe it."""
-    return "\n".join(_c_lines(controller, precision, notes)) + "\n"
+def c_text(
+    controller: ExportedController,
+    precision: Precision,
+    notes: Sequence[str] = (),
+    turns: int = 0,
+) -> str:
+    """The file in a precision; ``notes`` are lines for a reader behind those that describe it.
+
+    From up to ``turns`` whole turns away coordinates that wind may be given.
+    """
+    return "\n".join(_c_lines(controller, precision, notes, turns)) + "\n"
 
 
 def _c_lines(
-    controller: ExportedController, precision: Precision, notes: Sequence[str]
+    controller: ExportedController, precision: Precision, notes: Sequence[str], turns: int
 ) -> Iterator[str]:
     kind, name, closed = precision.name, controller.name, controller.gains is not None
     yield "/*"
-    for line in (*described(controller), *notes, "", *_c_use(controller, precision)):
+    for line in (*described(controller, turns), *notes, "", *_c_use(controller, precision)):
         yield f" * {_c_comment(line)}".rstrip()
     yield " */"
     yield from C_CHECKS.splitlines()
     yield ""
-    if controller.unwound:
-        yield f"#define HALF_TURN {HALF_TURN}{precision.suffix}"
+    if controller.winding:
+        yield f"#define HALF 0.5{precision.suffix}"
         yield f"#define WHOLE_TURN {WHOLE_TURN}{precision.suffix}"
         yield ""
     yield f"extern const int {name}_samples;"
@@ -56,8 +64,9 @@ def _c_lines(
     yield f"int {_signature(controller, precision)}"
     n, m = len(controller.measured), len(controller.inputs)
     body, again = C_CLOSED if closed else C_OPEN, _c_again(controller)
-    unwound = _c_unwound(controller)
-    text = body.format(kind=kind, name=name, n=n, m=m, again=again, unwound=unwound)
+    unwound = _c_unwound(controller, precision, turns)
+    extra = f"    {kind} turns;\n" if unwound else ""
+    text = body.format(kind=kind, name=name, n=n, m=m, again=again, unwound=unwound, extra=extra)
     yield from text.splitlines()
 
 
@@ -78,8 +87,9 @@ def _c_use(controller: ExportedController, precision: Precision) -> Iterator[str
     yield f"    extern const int {controller.name}_samples;"
     yield f"    extern const {precision.name} {controller.name}_period;"
     yield f"    int {_signature(controller, precision)};"
-    yield "The function returns 0. For a sample that there is none of it returns -1, and leaves"
-    yield "the inputs as they are. It allocates nothing and calls nothing."
+    farther = ", or a position that is too many turns away," if controller.winding else ""
+    yield f"The function returns 0. For a sample that there is none of{farther} it returns -1,"
+    yield "and leaves the inputs as they are. It allocates nothing and calls nothing."
     yield ""
     yield "Compile with -ffp-contract=off: sums have a fixed order, and no operation may be fused"
     yield "with another, reordered or done in another precision."
@@ -103,27 +113,35 @@ def _c_again(controller: ExportedController) -> str:
     return f"    if (sample >= {name}_samples) {{\n        sample = {turned};\n    }}\n"
 
 
-def _c_unwound(controller: ExportedController) -> str:
-    """Statements that bring deviations of joints that turn for ever to within half a turn."""
-    lines = list[str]()
-    for joint, most in controller.unwound.items():
-        for over, sign in ("> HALF_TURN", "-"), ("< -HALF_TURN", "+"):
-            lines.append(f"    for (i = 0; i < {most} && off[{joint}] {over}; i++) {{")
-            lines.append(f"        off[{joint}] = off[{joint}] {sign} WHOLE_TURN;")
-            lines.append("    }")
+def _c_unwound(controller: ExportedController, precision: Precision, turns: int) -> str:
+    """Statements that bring deviations of joints that wind to within half a turn."""
+    lines, suffix = list[str](), precision.suffix
+    most, zero = f"{turns + 1}.0{suffix}", f"0.0{suffix}"
+    for joint in controller.winding:
+        off = f"off[{joint}]"
+        lines += [
+            f"    turns = {off} / WHOLE_TURN;",
+            f"    if (!(turns < {most} && turns > -{most})) {{",
+            "        return -1;",
+            "    }",
+            f"    turns = turns + (turns < {zero} ? -HALF : HALF);",
+            f"    {off} = {off} - ({precision.name})(long)turns * WHOLE_TURN;",
+        ]
     return "".join(f"{line}\n" for line in lines)
 
 
-def _python_unwound(controller: ExportedController) -> str:
+def _python_unwound(controller: ExportedController, turns: int) -> str:
     """The same in Python."""
     lines = list[str]()
-    for joint, most in controller.unwound.items():
-        lines.append(f"    for _ in range({most}):")
-        lines.append(f"        if off[{joint}] > {HALF_TURN}:")
-        lines.append(f"            off[{joint}] = off[{joint}] - {WHOLE_TURN}")
-        lines.append(f"    for _ in range({most}):")
-        lines.append(f"        if off[{joint}] < -{HALF_TURN}:")
-        lines.append(f"            off[{joint}] = off[{joint}] + {WHOLE_TURN}")
+    for joint in controller.winding:
+        off = f"off[{joint}]"
+        lines += [
+            f"    turns = {off} / {WHOLE_TURN}",
+            f"    if not -{turns + 1}.0 < turns < {turns + 1}.0:",
+            f'        raise ValueError("measured[{joint}] is more than {turns} turns away")',
+            "    turns = turns + (-0.5 if turns < 0.0 else 0.5)",
+            f"    {off} = {off} - float(int(turns)) * {WHOLE_TURN}",
+        ]
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -136,8 +154,8 @@ def _python_again(controller: ExportedController) -> str:
     return f"    if sample >= SAMPLES:\n        sample = {turned}\n"
 
 
-HALF_TURN, WHOLE_TURN = "3.141592653589793", "6.283185307179586"
-"""Rad, as doubles and single numbers read them to the nearest."""
+WHOLE_TURN = "6.283185307179586"
+"""Rad: what is read is the nearest number to 2 pi in either precision."""
 
 C_CHECKS = """\
 #include <float.h>
@@ -156,7 +174,7 @@ C_CHECKS = """\
 C_CLOSED = """\
 {{
     {kind} off[{n}];
-    int i, j;
+{extra}    int i, j;
 
 {again}    if (sample < 0 || sample >= {name}_samples) {{
         return -1;
@@ -211,13 +229,15 @@ def _c_table(
 # --- A Python module ------------------------------------------------------------------------------
 
 
-def python_text(controller: ExportedController, notes: Sequence[str] = ()) -> str:
-    """The module; it needs no other."""
-    return "\n".join(_python_lines(controller, notes)) + "\n"
+def python_text(controller: ExportedController, notes: Sequence[str] = (), turns: int = 0) -> str:
+    """The module; it needs no other. ``turns`` and ``notes`` are as of :func:`c_text`."""
+    return "\n".join(_python_lines(controller, notes, turns)) + "\n"
 
 
-def _python_lines(controller: ExportedController, notes: Sequence[str]) -> Iterator[str]:
-    for line in (*described(controller), *notes):
+def _python_lines(
+    controller: ExportedController, notes: Sequence[str], turns: int
+) -> Iterator[str]:
+    for line in (*described(controller, turns), *notes):
         yield f"# {plain_line(line)}".rstrip()
     yield ""
     yield f"SAMPLES = {controller.samples}"
@@ -235,7 +255,7 @@ def _python_lines(controller: ExportedController, notes: Sequence[str]) -> Itera
         yield f"    ({' '.join(_tuple(row) + ',' for row in gain)}),"
     yield ")"
     text = PYTHON_CLOSED.replace("@again@", _python_again(controller))
-    yield from text.replace("@unwound@", _python_unwound(controller)).splitlines()
+    yield from text.replace("@unwound@", _python_unwound(controller, turns)).splitlines()
 
 
 def _names(name: str, items: Sequence[Quantity]) -> Iterator[str]:

@@ -13,12 +13,14 @@ from compiler.tasks.specification import measurement_radii
 from solvers.verifier.claims.certificate import exact
 from srgc.exports.controller_code import c_text, controller_arrays, python_text
 from srgc.exports.exported_controller import ExportedController, exported_controller, literal
-from srgc.exports.law_rounding import BITS, DOUBLE, SINGLE, rounding_bounds
+from srgc.exports.law_rounding import BITS, DOUBLE, SINGLE, Precision, rounding_bounds
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign, found_tube
 
 C, C_SINGLE, PYTHON, NPZ = "controller.c", "controller_single.c", "controller.py", "controller.npz"
 CONTROLLER_FILES = (C, C_SINGLE, PYTHON, NPZ)
+MOST_TURNS = (1_000_000, 100_000, 10_000, 1_000, 100, 10)
+"""From so many turns away a coordinate that winds may be given, if rounding allows for it."""
 UPWARDS = 1.05
 """Two digits of a number that is larger by this part are no less than the number."""
 
@@ -39,25 +41,47 @@ def controller_files(folder: Path, design: FoundDesign) -> tuple[dict[str, bytes
         return _encoded(controller, _open_loop_notes(controller)), ()
     allowed = _allowances(controller)
     measured = _measured(folder, design)
-    found = {kind: rounding_bounds(controller, measured, kind) for kind in (DOUBLE, SINGLE)}
-    excess = _excess(controller, found[DOUBLE], allowed)
+    turns, bounds, excess = _covered(controller, measured, DOUBLE, allowed)
     if excess is not None:
         raise UsageFault(f"no controller is covered by its proof: in doubles, {excess}")
-    stated = tuple(_rounding_notes(controller, found[DOUBLE], "double"))
-    excess = _excess(controller, found[SINGLE], allowed)
+    stated = tuple(_rounding_notes(controller, bounds, "double"))
+    fewer, bounds, excess = _covered(controller, measured, SINGLE, allowed)
     if excess is not None:
         why = f"no {C_SINGLE}: in single precision, {excess}"
-        return _encoded(controller, (*stated, f"There is {why}.")), (why,)
-    files = _encoded(controller, stated)
-    notes = tuple(_rounding_notes(controller, found[SINGLE], "float"))
-    return files | {C_SINGLE: c_text(controller, SINGLE, notes).encode()}, ()
+        return _encoded(controller, (*stated, f"There is {why}."), turns), (why,)
+    files = _encoded(controller, stated, turns)
+    notes = tuple(_rounding_notes(controller, bounds, "float"))
+    return files | {C_SINGLE: c_text(controller, SINGLE, notes, fewer).encode()}, ()
 
 
-def _encoded(controller: ExportedController, notes: Sequence[str]) -> dict[str, bytes]:
+def _covered(
+    controller: ExportedController,
+    measured: Sequence[Sequence[arb]],
+    precision: Precision,
+    allowed: Sequence[Fraction],
+) -> tuple[int, list[arb], str | None]:
+    """From how many turns away coordinates that wind may be given, bounds of rounding then (m,).
+
+    As many as the proof allows for; where it does not allow for the least, why, in words.
+    """
+    least = controller.least_turns
+    choices = [most for most in MOST_TURNS if most > least] if controller.winding else []
+    turns, bounds, excess = 0, list[arb](), None
+    for turns in (*choices, least):
+        bounds = rounding_bounds(controller, measured, precision, turns)
+        excess = _excess(controller, bounds, allowed)
+        if excess is None:
+            break
+    return turns, bounds, excess
+
+
+def _encoded(
+    controller: ExportedController, notes: Sequence[str], turns: int = 0
+) -> dict[str, bytes]:
     """The files in doubles."""
     return {
-        C: c_text(controller, DOUBLE, notes).encode(),
-        PYTHON: python_text(controller, notes).encode(),
+        C: c_text(controller, DOUBLE, notes, turns).encode(),
+        PYTHON: python_text(controller, notes, turns).encode(),
         NPZ: controller_arrays(controller),
     }
 

@@ -56,20 +56,24 @@ class ExportedController:
         return None if claim is None else claim.first
 
     @property
-    def unwound(self) -> dict[int, int]:
-        """The measured coordinates that whole turns are taken from or added to, and how many.
+    def winding(self) -> tuple[int, ...]:
+        """The measured coordinates of joints that come back by whole turns.
 
-        They are those of joints that come back by whole turns: so many bring every angle that is
-        between minus and plus a whole turn to within half a turn of the reference.
+        They may be given in any turn.
         """
         claim = self.design.claim.loop
         if claim is None or claim.turns is None or self.reference is None:
-            return {}
-        return {
-            joint: ceil(max(abs(float(row[joint])) for row in self.reference) / (2 * pi)) + 1
-            for joint, turns in enumerate(claim.turns)
-            if turns
-        }
+            return ()
+        return tuple(joint for joint, turns in enumerate(claim.turns) if turns)
+
+    @property
+    def least_turns(self) -> int:
+        """From so many turns away a sensor of one turn reads a coordinate that winds, at most."""
+        rows = self.reference or ()
+        return max(
+            (ceil(abs(float(row[joint])) / (2 * pi)) + 1 for row in rows for joint in self.winding),
+            default=0,
+        )
 
     @property
     def period(self) -> Fraction:
@@ -124,8 +128,11 @@ def literal(text: str) -> str:
     return text if "." in text else f"{text}.0"
 
 
-def described(controller: ExportedController) -> Iterator[str]:
-    """Lines for a reader: what the numbers are, of what, and when they are read and held."""
+def described(controller: ExportedController, turns: int = 0) -> Iterator[str]:
+    """Lines for a reader: what the numbers are, of what, and when they are read and held.
+
+    ``turns``: from so many whole turns away coordinates that wind may be given.
+    """
     period, last = decimal(float(controller.period)), controller.samples - 1
     if controller.gains is None:
         yield "The inputs of a robot, fixed in advance: an open loop. It measures nothing."
@@ -143,9 +150,10 @@ def described(controller: ExportedController) -> Iterator[str]:
     else:
         yield "computed from what is measured at that time, and held from that time on, without"
         yield "delay. Angles count turns: they are not reduced to an interval."
-        for joint in controller.unwound:
-            yield f"The {controller.measured[joint].name} may be: any angle from minus to plus a"
-            yield "whole turn does, as a joint that comes back by whole turns need not be counted."
+        for joint in controller.winding:
+            yield f"The {controller.measured[joint].name} is an exception: the joint comes back by"
+            yield "whole turns, so it may be counted or reduced to any interval of a turn, up to"
+            yield f"{turns} turns away from the reference. What is farther away is an error."
         yield ""
         yield from _listed("measured", controller.measured)
     if controller.loop is not None:

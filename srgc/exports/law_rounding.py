@@ -69,7 +69,10 @@ class _Rounding:
 
 
 def rounding_bounds(
-    controller: ExportedController, measured: Sequence[Sequence[arb]], precision: Precision
+    controller: ExportedController,
+    measured: Sequence[Sequence[arb]],
+    precision: Precision,
+    turns: int = 0,
 ) -> list[arb]:
     """Per input (m,) how far from the law what is held may be, in its unit.
 
@@ -78,6 +81,7 @@ def rounding_bounds(
         measured: per sample all that may be measured (2n,) as balls; the program gets the nearest
             numbers of the precision.
         precision: that of all constants and operations.
+        turns: from so many whole turns away coordinates that wind may be given.
 
     Raises:
         ValueError: the controller has no gains.
@@ -95,7 +99,7 @@ def rounding_bounds(
         )
         for planned, reference, gains, states in rows:
             off = [
-                _deviation(rounding, x, text, controller.unwound.get(number, 0))
+                _deviation(rounding, x, text, turns if number in controller.winding else 0)
                 for number, (x, text) in enumerate(zip(states, reference, strict=True))
             ]
             for i, (text, row) in enumerate(zip(planned, gains, strict=True)):
@@ -114,23 +118,22 @@ class _Deviation:
 
 
 def _deviation(rounding: _Rounding, measured: arb, text: str, turns: int) -> _Deviation:
-    """Of an angle that is given farther by up to ``turns``, which are taken off one by one.
+    """Of an angle that is given from up to ``turns`` whole turns away, which are taken off.
 
     Where the right number of them may not be seen, the error is infinite.
     """
-    farther = 2 * arb.pi() * turns
+    # Less than one turn more is not refused.
+    farther = 2 * arb.pi() * (turns + 1) if turns else arb(0)
     read, planned = rounding.of((abs(measured) + farther).upper(), arb(0)), rounding.constant(text)
     true = abs(measured - ball(exact(text))).upper()
     error = read.error + planned.error
     computed = rounding.of((true + farther + error).upper(), error)
     if turns:
-        size, error = computed.size, computed.error
-        for _ in range(turns):
-            turned = rounding.of(size, error + rounding.unit * 2 * arb.pi())
-            error = turned.error
-        if not bool(true + error < arb.pi() - error):
-            error = arb("inf")
-        computed = _Rounded((true + error).upper(), error)
+        # How many there are is rounded three times, and 2 pi; so is their product.
+        unsure = (computed.error + 4 * rounding.unit * (farther + arb.pi())).upper()
+        if not bool(true + unsure < arb.pi()):
+            unsure = arb("inf")
+        computed = rounding.of((true + unsure).upper(), unsure)
     return _Deviation(computed, true, read.size.max(planned.size))
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from grammar_lang import ir
 from grammar_lang.load import load_text
-from solvers.search.closed_loop import rounding_allowance
+from solvers.trajectory.rounding_allowance import rounding_allowance
 from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
 from tests.oracles.small_specs import CLOSED, replaced
@@ -37,7 +37,8 @@ def task(text: str = CLOSED) -> ir.Task:
 
 
 def allowed(gains: np.ndarray, of: ir.Task) -> list[float]:
-    return [float(text) for text in rounding_allowance(MOTION, gains, rod_chain(2), of)]
+    found: list[float] = rounding_allowance(MOTION, gains, rod_chain(2), of).tolist()
+    return found
 
 
 @pytest.mark.parametrize(("digits", "robust"), [(24, True), (53, False)])
@@ -54,6 +55,13 @@ def test_no_more_than_a_part_of_the_bound() -> None:
     assert allowed(1e4 * GAINS, task(norm)) == [4e-4, 4e-4]
 
 
-def test_a_decimal_for_every_input() -> None:
-    texts = rounding_allowance(MOTION, np.zeros_like(GAINS), rod_chain(2), task())
-    assert texts == ("0.00000048", "0.00000024")
+def test_without_gains_the_inputs_themselves_are_rounded() -> None:
+    assert allowed(np.zeros_like(GAINS), task()) == [2 * 4 * 2.0**-24, 2 * 2 * 2.0**-24]
+
+
+def test_turns_are_taken_off_an_angle_that_winds() -> None:
+    """The second joint is up to 3 rad away: one turn, and one more, and the last one it may be."""
+    found = rounding_allowance(MOTION, GAINS, rod_chain(2), task(), np.array([False, True]))
+    more = 6 * 2 * np.pi * (2 + 1)
+    needed = (max(4 + 10 * 3 + 2, 20 * (7 + more) + 2), max(1, 2 + 5))
+    assert found.tolist() == pytest.approx([2 * each * 2.0**-24 for each in needed])

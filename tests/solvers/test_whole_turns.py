@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from math import cos, pi, sin
@@ -20,7 +22,7 @@ from solvers.verifier.proofs.trajectory_proof import Motion, Scene, prove_motion
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles.altered_claims import Change, Content, claimed, judged
-from tests.oracles.exported_controllers import module
+from tests.oracles.exported_controllers import COMPILERS, compiled, module
 from tests.oracles.result_files import read
 from tests.oracles.small_specs import TURNER, replaced
 from tests.solvers.test_disturbed_proof import FAMILY, ONE, scene
@@ -204,6 +206,24 @@ def test_false_turns(
     assert reason in why
 
 
+@pytest.mark.parametrize("factor", [30, 1000])
+def test_a_set_that_is_too_large_proves_nothing_and_refutes_nothing(
+    result: Callable[[str], Path], factor: int
+) -> None:
+    """The second round's reference is a whole turn farther: nothing jumps there."""
+    folder = result("winding")
+    (folder / "design.json").unlink()
+
+    def wider(content: Content) -> None:
+        found = claimed(content, "loop")
+        found["generators"] = [
+            [str(factor * Decimal(x)) for x in row] for row in found["generators"]
+        ]
+
+    outcome, why = judged(folder, wider)
+    assert outcome is Outcome.UNDECIDED, why
+
+
 def test_a_load_on_a_rail_does_not_turn(result: Callable[[str], Path]) -> None:
     folder = result("looped")
     (folder / "design.json").unlink()
@@ -216,44 +236,70 @@ def test_a_load_on_a_rail_does_not_turn(result: Callable[[str], Path]) -> None:
 # --- The controller, with a sensor that knows no turns --------------------------------------------
 
 
-def test_five_rounds_with_an_angle_within_one_turn(
-    made: Callable[[str], Path], tmp_path: Path
-) -> None:
-    """The rod is I q'' = u; it begins each round in the set, and visits its regions in it."""
+@pytest.fixture(scope="module")
+def exported(made: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     from srgc.cli import run
 
-    folder, target = made("winding") / "out", tmp_path / "controller"
-    assert run(["export", str(folder), "--to", "controller", "-o", str(target)]) == 0
-    controller, claim = module(target / "controller.py"), read(folder)
+    target = tmp_path_factory.mktemp("winding") / "controller"
+    folder = str(made("winding") / "out")
+    assert run(["export", folder, "--to", "controller", "-o", str(target)]) == 0
+    return target
+
+
+def test_five_rounds_with_an_angle_in_any_turn(made: Callable[[str], Path], exported: Path) -> None:
+    """The rod is I q'' = u; it begins each round in the set, with a counted angle, or one turn."""
+    controller, claim = module(exported / "controller.py"), read(made("winding") / "out")
     loop, length = claimed(claim, "loop"), float(claim["parameters"][0]["value"])
     into = np.linalg.inv(np.array(loop["generators"], float))
     state, inertia = np.array(claim["start"], float) + 0.003, length**3 / 3
     rng, dt, count = np.random.default_rng(3), float(Fraction(claim["step"])), len(claim["inputs"])
     for sample in range(5 * count):
-        wrapped = {
-            "counted": state[0],
-            "positive": state[0] % (2 * pi),
-            "centred": (state[0] + pi) % (2 * pi) - pi,
-        }
-        held = [controller.controller(sample, [angle, state[1]])[0] for angle in wrapped.values()]
-        if sample < count:
-            assert held == pytest.approx([held[1]] * 3, abs=1e-9)
-        off = np.array([wrapped["centred"], state[1]]) - np.array(loop["centre"], float)
+        centred = (state[0] + pi) % (2 * pi) - pi
+        angles = state[0], state[0] % (2 * pi), centred, centred + 2e5 * pi
+        held = [controller.controller(sample, [angle, state[1]])[0] for angle in angles]
+        assert held == pytest.approx([held[0]] * len(held), abs=1e-6)
+        off = np.array([centred, state[1]]) - np.array(loop["centre"], float)
         off[0] = (off[0] + pi) % (2 * pi) - pi
         assert sample % count or np.abs(into @ off).max() <= 1
-        u = held[1 + sample % 2] + 0.03 * rng.choice((-1, 1))
+        u = held[sample % len(held)] + 0.03 * rng.choice((-1, 1))
         state += np.array([dt * state[1] + dt**2 / 2 * u / inertia, dt * u / inertia])
     assert abs(state[0] - float(claim["start"][0])) > 9 * pi
 
 
-def test_what_was_measured_beyond_all_turns_is_no_endless_loop(
-    made: Callable[[str], Path], tmp_path: Path
+@pytest.mark.parametrize("kind", ["controller.c", "controller_single.c"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_c_takes_off_whole_turns(
+    made: Callable[[str], Path], exported: Path, compiler: str, kind: str
 ) -> None:
-    from srgc.cli import run
+    """By exact rationals; an angle that is too many turns away, or no number, is an error."""
+    claim = read(made("winding") / "out")
+    law = claimed(claim, "controller")
+    source = exported / kind
+    run = compiled(compiler, source, claim["task"], (2, 1))
+    (most,) = {int(x) for x in re.findall(r"(\d+) turns away from the ref", source.read_text())}
+    (stated,) = re.findall(r"inputs\[0\]: (\S+) N", source.read_text())
+    assert most >= 2
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        k, turns = int(rng.integers(40)), int(rng.integers(-most, most + 1))
+        state = np.array(law["reference"][k], float) + rng.uniform(-0.01, 0.01, 2)
+        given = float(state[0]) + 2 * pi * turns
+        given = float(np.float32(given)) if "single" in kind else given
+        found = run(k, [given, float(state[1])])
+        assert found is not None
+        exact = float(claim["inputs"][k][0]) - sum(
+            float(gain) * (x - float(y))
+            for gain, x, y in zip(law["gains"][k][0], state, law["reference"][k], strict=True)
+        )
+        # What the reading was rounded by is not the program's.
+        read_off = abs(float(law["gains"][k][0][0]) * (given - 2 * pi * turns - state[0]))
+        assert found[0] == pytest.approx(exact, abs=1.1 * float(stated) + read_off + 1e-9)
+    for angle in (2 * pi * (most + 2), -2 * pi * (most + 2), float("inf"), float("nan")):
+        assert run(0, [angle, 0.0]) is None
 
-    target = tmp_path / "controller"
-    folder = made("winding") / "out"
-    assert run(["export", str(folder), "--to", "controller", "-o", str(target)]) == 0
-    controller = module(target / "controller.py")
-    assert abs(controller.controller(0, [float("inf"), 0.0])[0]) == float("inf")
-    assert np.isfinite(controller.controller(0, [1e9, 0.0])[0])
+
+def test_python_refuses_what_is_too_far_away(exported: Path) -> None:
+    controller = module(exported / "controller.py")
+    for angle in (1e9, -1e9, float("inf"), float("nan")):
+        with pytest.raises(ValueError, match="turns away"):
+            controller.controller(0, [angle, 0.0])

@@ -31,11 +31,18 @@ class ControlLaw:
         reference: the planned coordinates and rates of the joints, (k, 2n), in SI units.
         gains: the inputs that a deviation of these takes away, (k, m, 2n), in SI units.
         rounding: how far what is held may be from that, (m,), in SI units; empty: not at all.
+        turns: whole turns by which planned coordinates are farther than in ``reference``, (k, n);
+            empty: by none.
     """
 
     reference: tuple[tuple[Fraction, ...], ...]
     gains: tuple[tuple[tuple[Fraction, ...], ...], ...]
     rounding: tuple[Fraction, ...] = ()
+    turns: tuple[tuple[int, ...], ...] = ()
+
+    def turned(self, step: int) -> tuple[int, ...]:
+        """The whole turns of a step, (n,), or none."""
+        return self.turns[step] if self.turns else ()
 
 
 def open_loop(inputs: Sequence[Sequence[Fraction]], size: int) -> ControlLaw:
@@ -153,7 +160,7 @@ def sampled_law(
         for number, bound in enumerate(rounding)
         if bound
     )
-    for reference, gain in zip(law.reference, law.gains, strict=True):
+    for step, (reference, gain) in enumerate(zip(law.reference, law.gains, strict=True)):
         turned = [
             [
                 ball(sum((row[part + i] * rows[i][j] for i in range(n)), Fraction(0)))
@@ -163,12 +170,7 @@ def sampled_law(
             for row in gain
         ]
         gains.append(arb_mat(len(gain), 2 * n, [item for row in turned for item in row]))
-        offsets.append(
-            tuple(
-                ball(sum((k * x for k, x in zip(row, reference, strict=True)), Fraction(0)))
-                for row in gain
-            )
-        )
+        offsets.append(tuple(_product(row, reference, law.turned(step)) for row in gain))
         errors.append(
             tuple(
                 tuple(ball(row[i] * bound) for row in gain)
@@ -179,3 +181,10 @@ def sampled_law(
         )
     planned = tuple(tuple(ball(value) for value in row) for row in inputs)
     return SampledLaw(planned, tuple(gains), tuple(offsets), tuple(errors), 2 * n + own)
+
+
+def _product(row: Sequence[Fraction], reference: Sequence[Fraction], turns: Sequence[int]) -> arb:
+    """A row of K times x*, the first entries of which are whole turns farther."""
+    planned = sum((k * x for k, x in zip(row, reference, strict=True)), Fraction(0))
+    farther = sum((k * turn for k, turn in zip(row, turns, strict=False)), Fraction(0))
+    return ball(planned) + 2 * arb.pi() * ball(farther) if farther else ball(planned)

@@ -101,16 +101,26 @@ def law_of(motion: Motion) -> ControlLaw:
 
 def unrolled(motion: Motion) -> Motion:
     """The planned motion with a law, as long as it is followed: some rounds of a loop."""
-    law = law_of(motion)
+    law, loop = law_of(motion), motion.loop
     steps = list(range(len(motion.inputs)))
-    if motion.loop is not None:
-        steps += (MOST_ROUNDS - 1) * steps[motion.loop.first :]
-    return replace(
-        motion,
-        inputs=tuple(motion.inputs[k] for k in steps),
-        law=ControlLaw(tuple(law.reference[k] for k in steps), tuple(law.gains[k] for k in steps)),
-        loop=None,
+    turns = list[tuple[int, ...]]()
+    if loop is not None:
+        again = steps[loop.first :]
+        steps += (MOST_ROUNDS - 1) * again
+        if loop.turns:
+            turns = [(0,) * len(loop.turns)] * loop.first
+            turns += [
+                tuple(rounds * turn for turn in loop.turns)
+                for rounds in range(MOST_ROUNDS)
+                for _ in again
+            ]
+    unrolled_law = ControlLaw(
+        tuple(law.reference[k] for k in steps),
+        tuple(law.gains[k] for k in steps),
+        turns=tuple(turns),
     )
+    inputs = tuple(motion.inputs[k] for k in steps)
+    return replace(motion, inputs=inputs, law=unrolled_law, loop=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +160,7 @@ def disturbed(motion: Motion, sizes: ErrorSizes, signs: Disturbance) -> Disturbe
         motion,
         state=tuple(x + e for x, e in state),
         inputs=inputs,
-        law=ControlLaw(reference, gains),
+        law=replace(law, reference=reference, gains=gains),
     )
     masses = tuple(1 + e for e in _times(signs.masses, sizes.masses))
     return DisturbedMotion(signs, moved, masses, factor, added)

@@ -189,6 +189,8 @@ def course(scene: Scene, of: DisturbedMotion, sizes: ErrorSizes) -> Course:
         for k in range(steps):
             gain = np.array(law.gains[k], float).reshape(m, 2 * n)
             deviation = turn @ z[: 2 * n] - np.array(law.reference[k], float)
+            turns = law.turned(k)
+            deviation[: len(turns)] -= 2 * np.pi * np.array(turns)
             factor = np.array(of.factor[k], float)
             z, spread = z.copy(), spread.copy()
             z[held] = np.array(of.motion.inputs[k], float) - gain @ deviation
