@@ -218,6 +218,7 @@ def test_an_arm_turns_by_the_momentum_that_its_first_drive_gives(tenths, rest, r
     assert (half_a_turn(tenths, rest) is not None) is refuted
 
 
+@pytest.mark.slow
 def test_the_other_drive_has_no_part_in_the_momentum():
     strong = [ARM[0], Segment(0.7, axis="-z", limits=LIMITED)]
     assert half_a_turn(14, segments=strong) is not None

@@ -14,7 +14,6 @@ from solvers.verifier.proofs.trajectory_proof import ACCURACIES, Motion, Scene, 
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.tube_proof import Followed, driven_robot, follow
 from solvers.verifier.proofs.zonotope import InitialSet
-from tests.oracles.some_cases import some
 from tests.solvers.test_disturbed_proof import TWO, scene, spec
 
 STATE = tuple(map(Fraction, ("0.2", "0.7", "0", "0")))
@@ -36,7 +35,8 @@ def followed(where: Scene, motion: Motion) -> Iterator[Followed]:
         yield tube
 
 
-@pytest.mark.parametrize("growth", some([3, 6], 1))
+@pytest.mark.slow
+@pytest.mark.parametrize("growth", [3, 6])
 def test_the_time_is_that_of_the_tube_that_got_farthest(growth: int) -> None:
     where, motion = driven(growth, "")
     tubes = list(followed(where, motion))

@@ -121,6 +121,7 @@ def outcomes(folder: Path, seeds: range) -> Counter[str]:
     return Counter(trial(folder, good, text, seed) for seed in seeds)
 
 
+@pytest.mark.slow
 def test_spoilt_proofs(result):
     seen = outcomes(result("beyond_reach"), range(SHORT))
     assert seen["field refused"] >= 5

@@ -34,6 +34,7 @@ from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.violating_motion import conditions_of, with_violation
 from solvers.verifier.proofs.worst_disturbance import harmful
 from tests.oracles.planar_chain import chain_dynamics
+from tests.oracles.some_cases import examples
 
 STEPS, FINE, CORNERS = 6, 6, 12
 CLOSE = 1e-8
@@ -274,7 +275,7 @@ def still(loop: RandomLoop) -> Disturbance:
 
 def test_a_disturbance_is_the_motion_that_is_meant(tmp_path: Path) -> None:
     """Its law is that of the planned motion, and its errors are added to what the law reads."""
-    for seed in range(4):
+    for seed in range(examples(2, 4)):
         loop, wide = RandomLoop(seed), Limits()
         scene = loop.scene(tmp_path, wide)
         whole, sizes = unrolled(loop.motion), error_sizes(scene)

@@ -93,7 +93,8 @@ def steps_of(folder):
     return [json.loads(line)[0] for line in lines]
 
 
-@pytest.mark.parametrize("jobs", [pytest.param("1", marks=pytest.mark.slow), "2"])
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", ["1", "2"])
 def test_no_evaluation_is_made_twice(tmp_path, keys, whole, jobs):
     path, cut = tmp_path / "turner.srg", tmp_path / "cut"
     folder, expected = whole
