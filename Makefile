@@ -8,7 +8,9 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: demo quick test timings test-slow coverage docs editor pictures golden grammar fmt lint types
 .PHONY: dist hooks bench lock clean
 
-.venv/installed: requirements/dev.lock pyproject.toml
+KERNEL := compiler/expressions/machine/ball_kernel.c
+
+.venv/installed: requirements/dev.lock pyproject.toml $(KERNEL)
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/dev.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .

@@ -79,7 +79,7 @@ class Tape:
     def evaluate(self, inputs: Sequence[Value], evaluator: Evaluator[Value]) -> list[Value]:
         """The outputs at the inputs."""
         check_time()
-        plan = self._plan
+        plan = self.plan
         # Values of unknown type within the loop: sin_cos makes two of them.
         values: list[Any] = [inputs[i] for i in plan.used]
         values += [evaluator.constant(constant) for constant in plan.constants]
@@ -95,7 +95,8 @@ class Tape:
         return [values[i] for i in plan.outputs]
 
     @cached_property
-    def _plan(self) -> _Plan:
+    def plan(self) -> Plan:
+        """The operations that outputs need, in order."""
         return _plan(self.nodes, self.results)
 
 
@@ -155,7 +156,7 @@ def _exact(value: float) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class _Plan:
+class Plan:
     """Operations with the numbers of their arguments, and the numbers of the outputs.
 
     ``used`` are the inputs that occur, ``names`` the operations.  A step is the place of its name,
@@ -170,7 +171,7 @@ class _Plan:
     outputs: tuple[int, ...]
 
 
-def _plan(nodes: Sequence[Node], outputs: Sequence[int]) -> _Plan:
+def _plan(nodes: Sequence[Node], outputs: Sequence[int]) -> Plan:
     needed = _needed(nodes, outputs)
     first = [i for i in needed if nodes[i][0] == "input"]
     second = [i for i in needed if nodes[i][0] == "constant"]
@@ -197,7 +198,7 @@ def _plan(nodes: Sequence[Node], outputs: Sequence[int]) -> _Plan:
         count += 1
     names = sorted({name for name, _ in steps})
     places = {name: place for place, name in enumerate(names)}
-    return _Plan(
+    return Plan(
         tuple(nodes[i][1][0] for i in first),
         tuple(nodes[i][1][0] for i in second),
         tuple(names),

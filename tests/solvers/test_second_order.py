@@ -14,12 +14,13 @@ from flint import arb, arb_mat
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.dynamics.kinematics import absolute_angles
 from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.expressions.tape import tape
 from compiler.robots.robot import WORLD, RobotModel
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, tube
 from solvers.verifier.proofs.second_derivatives import mean_derivatives
 from solvers.verifier.proofs.second_order import range_of_forms
-from solvers.verifier.proofs.vector_field import Curvature
+from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
 from tests.oracles.robots import Builder, rod_chain
@@ -126,7 +127,8 @@ def test_second_derivatives_of_large_robots_are_not_made(joints: int, made: bool
 
 
 @pytest.mark.parametrize("model", [rod_chain(2), arm_in_space(3)], ids=["plane", "space"])
-def test_means_hold_second_derivatives_on_the_way(model: RobotModel) -> None:
+@pytest.mark.parametrize("in_machine", [False, True])
+def test_means_hold_second_derivatives_on_the_way(model: RobotModel, in_machine: bool) -> None:
     """Against quadrature with the weight 2 (1 - h), and natural enclosures part by part."""
     rng = np.random.default_rng(8)
     pull = (Fraction(1, 3), Fraction(-3), Fraction(2))[: model.dimension]
@@ -140,10 +142,11 @@ def test_means_hold_second_derivatives_on_the_way(model: RobotModel) -> None:
     k = [float(c.value) for c in graph.constants]
     u, p = rng.uniform(-1, 1, m), rng.uniform(-1, 1, 3 * n)
     most = 0.05 * rng.uniform(0.5, 2, 3 * n)
-    tail = [arb(x) for x in [*u, *theta, *k]]
+    tail, inputs = tuple(arb(x) for x in [*theta, *k]), [arb(x) for x in u]
     point, reach = [arb(x) for x in p], [arb(x) for x in most]
-    near = mean_derivatives(curvature, point, tail, reach)
-    parts = mean_derivatives(replace(curvature, slopes=None), point, tail, reach)
+    field = VectorField(tape(graph.balance), tape(graph.variation), n, tail, in_machine=in_machine)
+    near = mean_derivatives(field, curvature, point, inputs, reach)
+    parts = mean_derivatives(field, replace(curvature, slopes=None), point, inputs, reach)
     places, weights = np.polynomial.legendre.leggauss(12)
     places, weights = (places + 1) / 2, weights / 2
     for _ in range(30):

@@ -17,7 +17,8 @@ from compiler.expressions.evaluators.balls import (
     rows,
     stacked,
 )
-from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, Path, VectorField
+from solvers.verifier.proofs.path import Path
+from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, VectorField
 
 # --- A box that no solution leaves, by the comparison of deviations -------------------------------
 #
@@ -277,9 +278,9 @@ def _series(
         if length == 0:
             found.append(Linearisation([], []))
             continue
-        series = expansion.widened(radii).series(length)
+        near_by = expansion.widened(radii).entries
         slopes = expansion.slopes(field.dofs, field.dofs, length)
-        found.append(field.linearise(series, slopes, near.drive.all, length))
+        found.append(field.linearise(near_by, slopes, near.drive.all, length))
     return found[0], found[1]
 
 

@@ -10,9 +10,10 @@ from flint import arb, arb_mat
 from compiler.expressions.evaluators.balls import SIGNS
 from solvers.verifier.proofs.a_priori import Deviation, NearPath, narrowed
 from solvers.verifier.proofs.deviation_flow import Flow, flow
+from solvers.verifier.proofs.path import Path
 from solvers.verifier.proofs.second_order import Added, added_by_forms
 from solvers.verifier.proofs.step_control import WIDE
-from solvers.verifier.proofs.vector_field import Path, VectorField
+from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope, exactly
 
 SLICES = 4

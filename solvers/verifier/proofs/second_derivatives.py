@@ -19,12 +19,12 @@ from flint import arb, arb_mat
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import (
     SIGNS,
-    SMOOTH_BALLS,
     UncertainSignError,
     absolute,
 )
 from solvers.verifier.proofs.a_priori import Drive
-from solvers.verifier.proofs.vector_field import Curvature, Expansion, VectorField
+from solvers.verifier.proofs.path import Expansion
+from solvers.verifier.proofs.vector_field import Curvature, VectorField
 
 PARTS = 8
 """The parts of the way from the path to a solution on which second derivatives are enclosed."""
@@ -56,16 +56,15 @@ def hessians_about(
 ) -> list[Hessian] | None:
     """Of each entry of F ``about`` a path, for z within ``most`` (N,); None: F is not smooth."""
     n, side = field.dofs, field.size + field.dofs
-    over = about.entries
-    tail = [*drive.all, *field.tail]
+    over, inputs = about.entries, drive.all
     still = [entry[0] for entry in over]
     still += [entry[1] if len(entry) > 1 else arb(0) for entry in over[n : 2 * n]]
     try:
         if field.has_kinks:
             # Where a slope jumps there is no second derivative, whatever the graph's says.
             z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
-            field.balance.evaluate([*z[: field.size], *tail], SMOOTH_BALLS)
-        means = mean_derivatives(curvature, still, tail, most)
+            field.smooth_values(field.balance, z[: field.size], inputs)
+        means = mean_derivatives(field, curvature, still, inputs, most)
     except UncertainSignError:
         return None
     if not all(value.is_finite() for value in means):
@@ -77,14 +76,19 @@ def hessians_about(
 
 
 def mean_derivatives(
-    curvature: Curvature, still: Sequence[arb], tail: Sequence[arb], most: Sequence[arb]
+    field: VectorField,
+    curvature: Curvature,
+    still: Sequence[arb],
+    inputs: Sequence[arb],
+    most: Sequence[arb],
 ) -> list[arb]:
     """Enclosures of second derivatives, their mean on the way from points to those z away.
 
     Args:
+        field: the equations of motion.
         curvature: the derivatives.
         still: the points (N,).
-        tail: inputs, parameters and constants.
+        inputs: the inputs (m,).
         most: bounds of |z| (N,).
 
     Raises:
@@ -93,9 +97,9 @@ def mean_derivatives(
     if curvature.slopes is not None:
         # |H(p + h z) - H(p)| <= h |slopes| |z|, and the mean of h is a third.
         z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
-        near = curvature.tape.evaluate([*still, *tail], SMOOTH_BALLS)
+        near = field.smooth_values(curvature.tape, still, inputs)
         off = [arb(0)] * len(near)
-        slopes = curvature.slopes.evaluate([*z, *tail], SMOOTH_BALLS)
+        slopes = field.smooth_values(curvature.slopes, z, inputs)
         for (value, entry), slope in zip(curvature.slope_places, slopes, strict=True):
             off[value] = off[value] + slope.abs_upper() * most[entry]
         return [x + SIGNS * (r / 3).upper() for x, r in zip(near, off, strict=True)]
@@ -103,7 +107,7 @@ def mean_derivatives(
     for part in range(PARTS):
         share = SIGNS * (arb(part + 1) / PARTS)
         z = [x + share * r for x, r in zip(still, most, strict=True)]
-        values = curvature.tape.evaluate([*z, *tail], SMOOTH_BALLS)
+        values = field.smooth_values(curvature.tape, z, inputs)
         # Twice the integral of 1 - h over the part.
         weight = arb(2 * (PARTS - part) - 1) / PARTS**2
         means = [m + weight * v for m, v in zip(means, values, strict=True)]

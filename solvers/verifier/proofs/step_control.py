@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil
+from typing import SupportsFloat
 
 from flint import arb
 
@@ -113,7 +114,7 @@ class StepControl:
         return Fraction(parts, GRID) if parts >= least else None
 
 
-def good_length(rates: Sequence[Sequence[arb]], tolerance: float) -> float:
+def good_length(rates: Sequence[Sequence[SupportsFloat]], tolerance: float) -> float:
     """Seconds over which the first coefficient left out is about as large as the tolerance.
 
     ``rates`` are the Taylor coefficients of what is integrated.
@@ -163,7 +164,7 @@ class OrderChoice:
         """The order that the polynomial has got."""
         return LEAST_ORDER + max(0, len(self.paces) - 1)
 
-    def __call__(self, x: Sequence[Sequence[arb]]) -> bool:
+    def __call__(self, x: Sequence[Sequence[SupportsFloat]]) -> bool:
         """Whether another order is not worth its work."""
         order = len(x[0]) - 1
         if order < LEAST_ORDER:

@@ -154,15 +154,11 @@ class Zonotope:
         middle = [item.mid() for item in to]
         rest = [abs(t - m) + a for t, m, a in zip(to, middle, added, strict=True)]
         columns: list[Column] = []
-        if self.columns:
-            image = matrix * self.matrix
-            for i, row in enumerate(image.tolist()):
-                rest[i] = sum((item.rad() for item in row), rest[i])
-            columns = [list(column) for column in image.mid().transpose().tolist()]
-        if steady is not None:
-            for i, row in enumerate(steady.tolist()):
-                rest[i] = sum((item.rad() for item in row), rest[i])
-            columns += [list(column) for column in steady.mid().transpose().tolist()]
+        images = [matrix * self.matrix] if self.columns else []
+        for image in images if steady is None else [*images, steady]:
+            near, off = _rounded(image)
+            columns += near
+            rest = [r + o for r, o in zip(rest, off, strict=True)]
         return Zonotope(middle, _reduced([*columns, *_box(rest)], len(middle), LIMITS))
 
 
@@ -180,6 +176,12 @@ def zonotope(initial: InitialSet) -> Zonotope:
 
 def _matrix(columns: Sequence[Column]) -> arb_mat:
     return arb_mat(columns).transpose()
+
+
+def _rounded(matrix: arb_mat) -> tuple[list[Column], list[arb]]:
+    """Exact columns near those of a matrix, and bounds of what all are off together, row by row."""
+    near = matrix.mid()
+    return [list(each) for each in near.transpose().tolist()], _sums(matrix - near)
 
 
 def _sizes(columns: Sequence[Column], size: int) -> list[arb]:
@@ -252,5 +254,5 @@ def _aligned_box(columns: Sequence[Column], shares: Array, scales: Array) -> lis
         )
     except (ArithmeticError, ValueError):
         return _box(_sizes(columns, size))
-    rest = [sum((item.rad() for item in row), arb(0)) for row in found.tolist()]
-    return [*(list(each) for each in found.mid().transpose().tolist()), *_box(rest)]
+    near, off = _rounded(found)
+    return [*near, *_box(off)]

@@ -1,0 +1,1 @@
+"""Expression graphs in balls of doubles, by one compiled loop."""

@@ -1,0 +1,170 @@
+"""The vector field of a robot in balls of doubles, in machine code.
+
+It has the same programs as the field in balls of any precision (``vector_field.py``), so that both
+are about the same robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import SupportsFloat
+
+import numpy as np
+from flint import arb, arb_mat
+
+from compiler.arrays import Array
+from compiler.expressions.machine.ball_array import BallArray
+from compiler.expressions.machine.program import MachineProgram
+from compiler.expressions.tape import Node, Tape
+from solvers.verifier.proofs.vector_field import Coefficients, Linearisation, VectorField
+
+
+class MachineField:
+    """The field of a robot; its arguments and results are those of ``VectorField``."""
+
+    def __init__(self, field: VectorField) -> None:
+        self.field = field
+        self._tail = BallArray.of(field.tail)
+        self._balance = MachineProgram(field.balance, field.size)
+        # By their addresses: the field keeps the tapes.
+        self._programs: dict[int, MachineProgram] = {}
+
+    @cached_property
+    def _defect(self) -> MachineProgram:
+        """(b - M a, d) of (q, v, s, a, u)."""
+        field = self.field
+        return MachineProgram(
+            residual(field.balance, field.dofs, field.size), field.size + field.dofs
+        )
+
+    @cached_property
+    def _variation(self) -> MachineProgram:
+        return MachineProgram(self.field.variation, self.field.size + self.field.dofs)
+
+    @cached_property
+    def _mass(self) -> MachineProgram:
+        return MachineProgram(self.field.balance.first(self.field.dofs**2), self.field.size)
+
+    def _inputs(self, moving: Sequence[Coefficients], u: Sequence[arb], length: int) -> BallArray:
+        """All inputs as series: those that depend on time, u, theta and k."""
+        series = BallArray.series([*moving, *([item] for item in u)], length)
+        still = BallArray.zeros(len(self._tail.middle), length)
+        still.middle[:, 0], still.radius[:, 0] = self._tail.middle, self._tail.radius
+        return BallArray(
+            np.concatenate([series.middle, still.middle]),
+            np.concatenate([series.radius, still.radius]),
+        )
+
+    def balance_at(self, state: Sequence[arb], u: Sequence[arb]) -> list[arb]:
+        """M, b and d on a box."""
+        return self._balance.evaluate(self._inputs([[x] for x in state], u, 1)).balls()
+
+    def smooth_values(self, program: Tape, moving: Sequence[arb], u: Sequence[arb]) -> list[arb]:
+        """The outputs of another program on a box, every absolute value being smooth there."""
+        known = self._programs.get(id(program))
+        if known is None:
+            known = self._programs[id(program)] = MachineProgram(program, 0)
+        return known.evaluate(self._inputs([[x] for x in moving], u, 1), smooth=True).balls()
+
+    def taylor(
+        self,
+        state: Sequence[arb],
+        u: Sequence[arb],
+        order: int,
+        enough: Callable[[Sequence[Sequence[SupportsFloat]]], bool],
+    ) -> list[list[float]]:
+        """Taylor coefficients near those of the solution, in doubles: they prove nothing.
+
+        Raises:
+            ZeroDivisionError: M is singular there.
+            UncertainSignError: an absolute value has its kink there.
+        """
+        field, n = self.field, self.field.dofs
+        inputs = self._inputs([[item] for item in state], u, order)
+        run = self._balance.started(inputs)
+        x = np.zeros((field.size, order + 1))
+        x[:, 0] = inputs.middle[: field.size, 0]
+        masses, pulls = list[Array](), list[Array]()
+        rows: list[list[float]] = [[value] for value in x[:, 0].tolist()]
+        for k in range(order):
+            if k:
+                run.enter(k, x[:, k])
+            flat = run.advanced(k, k + 1).middle[:, 0]
+            masses.append(flat[: n * n].reshape(n, n))
+            right = flat[n * n : n * n + n]
+            for m in range(1, k + 1):
+                right = right - masses[m] @ pulls[k - m]
+            try:
+                pulls.append(np.asarray(np.linalg.solve(masses[0], right), dtype=np.float64))
+            except np.linalg.LinAlgError:
+                raise ZeroDivisionError("the mass matrix is singular") from None
+            x[:n, k + 1] = x[n : 2 * n, k] / (k + 1)
+            x[n : 2 * n, k + 1] = pulls[k] / (k + 1)
+            x[2 * n :, k + 1] = flat[n * n + n :] / (k + 1)
+            rows = x[:, : k + 2].tolist()
+            if enough(rows):
+                break
+        return rows
+
+    def defect(
+        self, x: Sequence[Coefficients], u: Sequence[arb], length: int
+    ) -> list[Coefficients]:
+        """The series of (b - M v', d - s') along a path with q' = v."""
+        n = self.field.dofs
+        rates = [[j * c for j, c in enumerate(row[1 : length + 1], 1)] for row in x[n:]]
+        inputs = self._inputs([*(row[:length] for row in x), *rates[:n]], u, length)
+        found = self._defect.evaluate(inputs)
+        rows = [found.at(i).balls() for i in range(len(found.middle))]
+        for row, rate in zip(rows[n:], rates[n:], strict=True):
+            for k, item in enumerate(rate):
+                row[k] = row[k] - item
+        return rows
+
+    def linearise(
+        self, x: Sequence[Coefficients], a: Sequence[Coefficients], u: Sequence[arb], length: int
+    ) -> Linearisation:
+        """The linearisation along a path with accelerations a, to ``length`` coefficients."""
+        field, n = self.field, self.field.dofs
+        size, height = field.size, n + field.own
+        masses = self._mass.evaluate(self._inputs(x, u, length))
+        slopes = self._variation.evaluate(self._inputs([*x, *a], u, length))
+        square, wide = (n, n, length), (size, height, length)
+        inertia = BallArray.zeros(height, height, length)
+        inertia.middle[range(n, height), range(n, height), 0] = 1
+        inertia.middle[:n, :n] = masses.middle.reshape(square)
+        inertia.radius[:n, :n] = masses.radius.reshape(square)
+        rates = BallArray(
+            slopes.middle.reshape(wide).transpose(1, 0, 2),
+            slopes.radius.reshape(wide).transpose(1, 0, 2),
+        )
+        return Linearisation(
+            *(
+                [_matrix(each.at(slice(None), slice(None), m)) for m in range(length)]
+                for each in (inertia, rates)
+            )
+        )
+
+
+def _matrix(balls: BallArray) -> arb_mat:
+    height, width = balls.middle.shape
+    return arb_mat(height, width, balls.balls())
+
+
+def residual(balance: Tape, dofs: int, size: int) -> Tape:
+    """The program of (b - M a, d) with inputs (q, v, s, a, u, theta, k) by that of (M, b, d)."""
+    nodes: list[Node] = [
+        (name, (number[0] + dofs * (number[0] >= size),)) if name == "input" else (name, number)
+        for name, number in balance.nodes
+    ]
+    first, results = len(nodes), list(balance.results)
+    nodes += [("input", (size + j,)) for j in range(dofs)]
+    found = []
+    for i in range(dofs):
+        total = results[dofs * dofs + i]
+        for j in range(dofs):
+            nodes.append(("mul", (results[j * dofs + i], first + j)))
+            nodes.append(("sub", (total, len(nodes) - 1)))
+            total = len(nodes) - 1
+        found.append(total)
+    return Tape(tuple(nodes), (*found, *results[dofs * dofs + dofs :]))
