@@ -81,6 +81,11 @@ BENCHMARKS = {
         "Verification against synthesis, and how it grows with links and steps.",
         "benchmarks/verify.py",
     ),
+    "proofs": Benchmark(
+        "Arithmetic of proofs",
+        "Proofs about arms in space, in balls of doubles in machine code and in Arb's balls alone.",
+        "benchmarks/proofs.py",
+    ),
     "disturbed": Benchmark(
         "Disturbed motions",
         "Motions with feedback in MuJoCo, under disturbances at random and at corners, against the "

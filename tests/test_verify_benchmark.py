@@ -47,3 +47,27 @@ def test_the_benchmark_runs():
     line = next(x for x in ran.stdout.splitlines() if x.startswith("right_linear"))
     synth, verify, ratio, *_ = (float(x) for x in line.split()[1:])
     assert abs(ratio - verify / synth) < 1e-3
+
+
+@pytest.mark.slow
+def test_both_arithmetics_are_measured():
+    command = [sys.executable, "benchmarks/proofs.py", "--rounds", "1", "--joints", "2", "4"]
+    ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    rows = [line.split() for line in ran.stdout.splitlines() if line[:6].strip().isdigit()]
+    assert [row[0] for row in rows] == ["2", "4"]
+    for _, arb, doubles, ratio, *_ in rows:
+        assert abs(float(ratio) - float(arb) / float(doubles)) < 0.05
+
+
+def test_spatial_arms_are_claimed_rightly(tmp_path, monkeypatch):
+    """Their proofs go through in either arithmetic; torques add up to nothing in four steps."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    import proofs
+
+    folder = proofs.claimed_arm(tmp_path, 3)
+    proofs.check(folder)
+    with proofs.arb_alone():
+        proofs.check(folder)
+    inputs = np.array(result_files.read(folder)["inputs"], float)
+    assert np.abs(inputs.reshape(-1, 4, 3).sum(axis=1)).max() == 0
+    assert (np.abs(inputs).max(axis=0) > 0.2).all()
