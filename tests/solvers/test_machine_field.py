@@ -15,7 +15,7 @@ from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from solvers.verifier.proofs.control_law import InputError
-from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, tube
+from solvers.verifier.proofs.enclosure import Accuracy, tube
 from solvers.verifier.proofs.vector_field import Coefficients, VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, box
 from tests.oracles.driven_robots import driven
@@ -154,10 +154,10 @@ def ends(
     return [found[number] for number in sorted(found)]
 
 
-def contained(name: str, seed: int) -> bool:
-    """Whether there is a tube: a motion from a point of its start, with errors, is then in it."""
+def contained(name: str, seed: int, *, in_machine: bool = True) -> None:
+    """A motion from a point of a start is in the tube from all of it, inputs being off, too."""
     twins = Twins(MODELS[name], seed)
-    field = twins.doubles
+    field = twins.doubles if in_machine else twins.precise
     start = twins.points(field.size, 0.7)
     rows = [twins.points(twins.inputs, 2.0) for _ in range(3)]
     radius = float(twins.rng.choice([0.0, 1e-9, 1e-4]))
@@ -170,11 +170,7 @@ def contained(name: str, seed: int) -> bool:
         [u + Fraction(off * s) for u, s in zip(row, part, strict=True)]
         for row, part in zip(rows, signs, strict=True)
     ]
-    try:
-        found = ends(field, wide, rows, ROUGH, error)
-    except EnclosureFailure:
-        # Torques that throw a light link about.
-        return False
+    found = ends(field, wide, rows, ROUGH, error)
     with working_precision(FINE.bits):
         point = box([ball(x) for x in start])
     exact = ends(twins.precise, point, given, FINE)
@@ -186,16 +182,23 @@ def contained(name: str, seed: int) -> bool:
                 narrow = float(y.rad()) < 1e-15
                 held = x.contains(y) if narrow else x.overlaps(y)
                 assert held, (name, seed)
-    return True
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_some_tubes_hold_motions_of_high_precision(name: str) -> None:
-    assert all(contained(name, seed) for seed in range(2))
+    for seed in range(2):
+        contained(name, seed)
+
+
+@pytest.mark.parametrize("in_machine", [False, True])
+def test_from_an_exact_start_disturbed_motions_spread(in_machine: bool) -> None:
+    """A point has no columns; its tube is soon so wide that what is of second order counts."""
+    contained("space", 107, in_machine=in_machine)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("part", range(5))
 @pytest.mark.parametrize("name", MODELS)
 def test_a_thousand_tubes_hold_motions_of_high_precision(name: str, part: int) -> None:
-    assert sum(contained(name, seed) for seed in range(100 + 55 * part, 155 + 55 * part)) >= 45
+    for seed in range(100 + 50 * part, 150 + 50 * part):
+        contained(name, seed)

@@ -108,8 +108,8 @@ class Zonotope:
 
     @cached_property
     def matrix(self) -> arb_mat:
-        """G (size, c), of a set that is not a point."""
-        return _matrix(self.columns)
+        """G (size, c); a point has no columns."""
+        return _matrix(self.columns) if self.columns else arb_mat(len(self.middle), 0)
 
     @cached_property
     def radii(self) -> list[arb]:
