@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import ctypes
+import platform
 import random
+import shutil
+import subprocess
+import sys
+import sysconfig
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -224,6 +231,26 @@ def test_what_has_no_value_is_not_finite(tape: Tape, ball: tuple[float, float]) 
     assert not all(item.is_finite() for item in found.balls())
 
 
+DOWNWARD, UPWARD, TOWARDS_ZERO = 0x400, 0x800, 0xC00
+"""As the C library has them on x86."""
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="other numbers")
+@pytest.mark.skipif(sys.platform != "linux", reason="another C library")
+@pytest.mark.parametrize("way", [DOWNWARD, UPWARD, TOWARDS_ZERO])
+def test_where_rounding_is_not_to_nearest_nothing_has_a_value(way: int) -> None:
+    run = MachineProgram(program("sq"), 1).started(BallArray(np.ones((1, 1)), np.zeros((1, 1))))
+    library = ctypes.CDLL("libm.so.6")
+    before = library.fegetround()
+    assert library.fesetround(way) == 0
+    try:
+        found = run.advanced(0, 1)
+    finally:
+        assert library.fesetround(before) == 0
+    assert not np.isfinite(found.radius).any()
+    assert run.advanced(0, 1).balls()[0].contains(arb(1))
+
+
 def test_a_root_of_zero_is_zero_and_its_slope_has_no_value() -> None:
     assert on(program("sqrt"), [[(0.0, 0.0)]]).balls() == [arb(0)]
     assert not np.isfinite(on(program("sqrt"), [[(0.0, 0.0), (1.0, 0.0)]]).radius).all()
@@ -308,3 +335,19 @@ def test_arrays_that_do_not_fit_are_refused() -> None:
     for arguments in wrong:
         with pytest.raises(ValueError, match="do not fit together"):
             ball_kernel.coefficients(*arguments)
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_the_kernel_compiles_without_a_warning(compiler: str) -> None:
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    source = Path(__file__).parents[2] / "compiler" / "expressions" / "machine" / "ball_kernel.c"
+    include = sysconfig.get_path("include")
+    if not (Path(include) / "Python.h").exists():
+        pytest.skip("Python has no headers")
+    command = [compiler, "-std=c99", "-O2", "-Wall", "-Wextra", "-Wshadow", "-Wconversion"]
+    command += ["-Wno-sign-conversion", "-pedantic", "-Werror", "-fsyntax-only", f"-I{include}"]
+    ran = subprocess.run([*command, source], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    fast = subprocess.run([*command, "-ffast-math", source], capture_output=True, check=False)
+    assert fast.returncode != 0

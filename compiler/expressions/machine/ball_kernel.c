@@ -9,6 +9,8 @@
  * negative, of fewer than 100 operations: what rounding takes from them, the factor GROW gives back,
  * and LEAST what is lost where numbers are too small to have all their bits.
  *
+ * Where a thread rounds in another way (see fesetround), nothing has a value.
+ *
  * No operation may be reassociated, and numbers have no more bits than doubles have; that one
  * operation is fused with another makes errors smaller only. An overflow makes a middle or a radius
  * infinite or no number, which whoever asks has to look for.
@@ -304,12 +306,24 @@ static int carry_out(const Values *v, Step s, int k, int smooth)
     }
 }
 
+/* Whether this thread rounds to nearest, and does not take tiny numbers for zero. */
+static int rounds_to_nearest(void)
+{
+    volatile double one = 1, half = 0x1p-53, more = 0x1.8p-53, tiny = 0x1p-1060;
+
+    return one + half == one && one + more > one && -one - more < -one && tiny * half == 0 &&
+           tiny / 2 > 0 && tiny / 2 + tiny / 2 == tiny;
+}
+
 static int coefficients(const Values *v, const Step *code, Py_ssize_t count, int first, int last,
                         int smooth)
 {
     Py_ssize_t i;
     int k;
 
+    if (!rounds_to_nearest()) {
+        return UNDEFINED;
+    }
     for (i = 0; i < count; i++) {
         int end = v->fixed[code[i].o] && last > 1 ? 1 : last;
 
