@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from compiler.expressions.evaluators.balls import working_precision
 from solvers.verifier.proofs.a_priori import LinearPart, Steady, comparison
 from solvers.verifier.proofs.disturbance_response import THIRD, linear_slices, response
-from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation
+from solvers.verifier.proofs.linearisation import InertiaMatrix, Linearisation
 
 DEGREE = 6
 BOUNDS = (0.3, 1.2)

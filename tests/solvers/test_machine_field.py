@@ -16,7 +16,8 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, tube
-from solvers.verifier.proofs.vector_field import Coefficients, VectorField
+from solvers.verifier.proofs.linearisation import Coefficients
+from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, box
 from tests.oracles.driven_robots import driven
 from tests.oracles.robots import rod_chain

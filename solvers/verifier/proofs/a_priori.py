@@ -17,8 +17,9 @@ from compiler.expressions.evaluators.balls import (
     rows,
     stacked,
 )
+from solvers.verifier.proofs.linearisation import InertiaMatrix, Linearisation
 from solvers.verifier.proofs.path import Path
-from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, VectorField
+from solvers.verifier.proofs.vector_field import VectorField
 
 # --- A box that no solution leaves, by the comparison of deviations -------------------------------
 #

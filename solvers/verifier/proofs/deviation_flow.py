@@ -31,7 +31,8 @@ from compiler.expressions.evaluators.balls import (
     stacked,
 )
 from solvers.verifier.proofs.a_priori import LinearPart, comparison
-from solvers.verifier.proofs.vector_field import InertiaMatrix, Linearisation, VectorField
+from solvers.verifier.proofs.linearisation import InertiaMatrix, Linearisation
+from solvers.verifier.proofs.vector_field import VectorField
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ from compiler.expressions.evaluators.balls import (
     stacked,
 )
 from solvers.verifier.proofs.a_priori import LinearPart, Steady, steady_part
-from solvers.verifier.proofs.vector_field import InertiaMatrix
+from solvers.verifier.proofs.linearisation import InertiaMatrix
 
 THIRD = 31
 """d(u) on 0 <= u <= 1, |d| <= 1, times (v^2 - 1/12) / 2 for v = 1/2 - u has no integral beyond

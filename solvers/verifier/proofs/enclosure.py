@@ -30,6 +30,7 @@ from compiler.expressions.evaluators.balls import (
 )
 from solvers.verifier.proofs.a_priori import Drive, NearPath, deviation
 from solvers.verifier.proofs.control_law import HoldingLaw, InputError
+from solvers.verifier.proofs.linearisation import Coefficients
 from solvers.verifier.proofs.moved_set import MovedSet, Spread, moved_set
 from solvers.verifier.proofs.path import Path, defect, path_on, taylor_polynomials
 from solvers.verifier.proofs.step_control import (
@@ -39,7 +40,7 @@ from solvers.verifier.proofs.step_control import (
     StepControl,
     good_length,
 )
-from solvers.verifier.proofs.vector_field import Coefficients, VectorField
+from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, box, zonotope
 
 KINK_REMAINDER = 3e-7

@@ -17,34 +17,35 @@ from compiler.arrays import Array
 from compiler.expressions.machine.ball_array import BallArray
 from compiler.expressions.machine.program import MachineProgram
 from compiler.expressions.tape import Node, Tape
-from solvers.verifier.proofs.vector_field import Coefficients, Linearisation, VectorField
+from solvers.verifier.proofs.linearisation import Coefficients, Linearisation
 
 
 class MachineField:
-    """The field of a robot; its arguments and results are those of ``VectorField``."""
+    """The field of a robot; arguments, results and attributes are those of ``VectorField``."""
 
-    def __init__(self, field: VectorField) -> None:
-        self.field = field
-        self._tail = BallArray.of(field.tail)
-        self._balance = MachineProgram(field.balance, field.size)
-        # By their addresses: the field keeps the tapes.
-        self._programs: dict[int, MachineProgram] = {}
+    def __init__(
+        self, balance: Tape, variation: Tape, dofs: int, own: int, tail: Sequence[arb]
+    ) -> None:
+        self._tapes = balance, variation
+        self.dofs, self.own, self.size = dofs, own, 2 * dofs + own
+        self._tail = BallArray.of(tail)
+        self._balance = MachineProgram(balance, self.size)
+        # By the addresses of tapes, which stay in memory with their programs.
+        self._programs: dict[int, tuple[Tape, MachineProgram]] = {}
 
     @cached_property
     def _defect(self) -> MachineProgram:
         """(b - M a, d) of (q, v, s, a, u)."""
-        field = self.field
-        return MachineProgram(
-            residual(field.balance, field.dofs, field.size), field.size + field.dofs
-        )
+        tape = residual(self._tapes[0], self.dofs, self.size)
+        return MachineProgram(tape, self.size + self.dofs)
 
     @cached_property
     def _variation(self) -> MachineProgram:
-        return MachineProgram(self.field.variation, self.field.size + self.field.dofs)
+        return MachineProgram(self._tapes[1], self.size + self.dofs)
 
     @cached_property
     def _mass(self) -> MachineProgram:
-        return MachineProgram(self.field.balance.first(self.field.dofs**2), self.field.size)
+        return MachineProgram(self._tapes[0].first(self.dofs**2), self.size)
 
     def _inputs(self, moving: Sequence[Coefficients], u: Sequence[arb], length: int) -> BallArray:
         """All inputs as series: those that depend on time, u, theta and k."""
@@ -62,9 +63,9 @@ class MachineField:
 
     def smooth_values(self, program: Tape, moving: Sequence[arb], u: Sequence[arb]) -> list[arb]:
         """The outputs of another program on a box, every absolute value being smooth there."""
-        known = self._programs.get(id(program))
-        if known is None:
-            known = self._programs[id(program)] = MachineProgram(program, 0)
+        if id(program) not in self._programs:
+            self._programs[id(program)] = program, MachineProgram(program, 0)
+        known = self._programs[id(program)][1]
         return known.evaluate(self._inputs([[x] for x in moving], u, 1), smooth=True).balls()
 
     def taylor(
@@ -80,11 +81,11 @@ class MachineField:
             ZeroDivisionError: M is singular there.
             UncertainSignError: an absolute value has its kink there.
         """
-        field, n = self.field, self.field.dofs
+        n, size = self.dofs, self.size
         inputs = self._inputs([[item] for item in state], u, order)
         run = self._balance.started(inputs)
-        x = np.zeros((field.size, order + 1))
-        x[:, 0] = inputs.middle[: field.size, 0]
+        x = np.zeros((size, order + 1))
+        x[:, 0] = inputs.middle[:size, 0]
         masses, pulls = list[Array](), list[Array]()
         rows: list[list[float]] = [[value] for value in x[:, 0].tolist()]
         for k in range(order):
@@ -111,7 +112,7 @@ class MachineField:
         self, x: Sequence[Coefficients], u: Sequence[arb], length: int
     ) -> list[Coefficients]:
         """The series of (b - M v', d - s') along a path with q' = v."""
-        n = self.field.dofs
+        n = self.dofs
         rates = [[j * c for j, c in enumerate(row[1 : length + 1], 1)] for row in x[n:]]
         inputs = self._inputs([*(row[:length] for row in x), *rates[:n]], u, length)
         found = self._defect.evaluate(inputs)
@@ -125,8 +126,7 @@ class MachineField:
         self, x: Sequence[Coefficients], a: Sequence[Coefficients], u: Sequence[arb], length: int
     ) -> Linearisation:
         """The linearisation along a path with accelerations a, to ``length`` coefficients."""
-        field, n = self.field, self.field.dofs
-        size, height = field.size, n + field.own
+        n, size, height = self.dofs, self.size, self.dofs + self.own
         masses = self._mass.evaluate(self._inputs(x, u, length))
         slopes = self._variation.evaluate(self._inputs([*x, *a], u, length))
         square, wide = (n, n, length), (size, height, length)

@@ -9,7 +9,8 @@ from typing import SupportsFloat
 from flint import arb, arb_poly
 
 from compiler.expressions.evaluators.balls import SIGNS
-from solvers.verifier.proofs.vector_field import Coefficients, VectorField
+from solvers.verifier.proofs.linearisation import Coefficients
+from solvers.verifier.proofs.vector_field import VectorField
 
 # --- A polynomial path near a solution, and how far it is from being one --------------------------
 #

@@ -12,6 +12,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import BALLS, SERIES, SMOOTH_BALLS
 from compiler.expressions.tape import Tape, tape
+from solvers.verifier.proofs.linearisation import Coefficients, InertiaMatrix, Linearisation
 
 if TYPE_CHECKING:
     from solvers.verifier.proofs.machine_field import MachineField
@@ -25,21 +26,8 @@ if TYPE_CHECKING:
 # far tighter than eliminating in series.
 
 
-Coefficients = list[arb]
-
 MACHINE_BITS = 96
 """Up to this working precision the digits of doubles are enough, where they may be used."""
-
-
-@dataclass(frozen=True, slots=True)
-class Linearisation:
-    """Series of N and R in time: N(t) de_w/dt = R(t) e for small deviations e of the state.
-
-    N = diag(M, 1), shape (n + r, n + r), and R, shape (n + r, 2n + r), one matrix per power.
-    """
-
-    inertia: list[arb_mat]
-    slopes: list[arb_mat]
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +100,7 @@ class VectorField:
         except ImportError:
             # It was installed where there is no compiler: slower, and as sound.
             return None
-        return MachineField(self)
+        return MachineField(self.balance, self.variation, self.dofs, self.own, self.tail)
 
     def smooth_values(self, program: Tape, moving: Sequence[arb], u: Sequence[arb]) -> list[arb]:
         """The outputs of a program of (``moving``, u, theta, k) on a box.
@@ -265,15 +253,3 @@ class VectorField:
                 for i in range(height)
             ]
         )
-
-
-class InertiaMatrix:
-    """Solves systems with one interval matrix, preconditioned by the inverse of its midpoint."""
-
-    def __init__(self, matrix: arb_mat) -> None:
-        self._inverse = matrix.mid().inv().mid()
-        self._near_identity = self._inverse * matrix
-
-    def solve(self, right: arb_mat) -> arb_mat:
-        """An enclosure of all solutions; ZeroDivisionError if the matrix may be singular."""
-        return self._near_identity.solve(self._inverse * right, algorithm="lu")
