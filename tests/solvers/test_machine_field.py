@@ -21,6 +21,7 @@ from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, box
 from tests.oracles.driven_robots import driven
 from tests.oracles.robots import rod_chain
+from tests.oracles.some_cases import examples, some
 from tests.solvers.test_enclosure_sets import field_of
 from tests.solvers.test_second_order import arm_in_space
 
@@ -187,11 +188,11 @@ def contained(name: str, seed: int, *, in_machine: bool = True) -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_some_tubes_hold_motions_of_high_precision(name: str) -> None:
-    for seed in range(2):
+    for seed in range(examples(1, 4)):
         contained(name, seed)
 
 
-@pytest.mark.parametrize("in_machine", [False, True])
+@pytest.mark.parametrize("in_machine", some([True, False], 1))
 def test_from_an_exact_start_disturbed_motions_spread(in_machine: bool) -> None:
     """A point has no columns; its tube is soon so wide that what is of second order counts."""
     contained("space", 107, in_machine=in_machine)
