@@ -63,8 +63,8 @@ BENCHMARKS = {
     ),
     "search": Benchmark(
         "Search of parameters",
-        "Evaluations until a good design, of six methods.",
-        "benchmarks/search.py --seeds 5",
+        "Evaluations until a good design, of six methods, with intervals over 20 seeds.",
+        "benchmarks/search.py --grid 41 13",
     ),
     "control": Benchmark(
         "Control synthesis",

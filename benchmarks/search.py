@@ -35,6 +35,8 @@ SMALL = (13, 5)
 """Lengths per link of the tables that are made unless others are asked for."""
 CLAIM = (0.30, 0.40)
 """The paper: so many fewer evaluations than Nelder-Mead's."""
+RESAMPLES, INTERVAL = 10_000, (2.5, 97.5)
+"""A saving's interval: percentiles of a bootstrap over seeds, which both methods share."""
 FUNCTIONS = (("Rastrigin", rastrigin), ("Ackley", ackley))
 
 
@@ -66,27 +68,48 @@ def evaluations_to(target: float, values: Array) -> int:
     return int(reached[0]) + 1 if len(reached) else len(values) + 1
 
 
-def fewer(ours: Sequence[int], theirs: Sequence[int]) -> float:
-    """By which part the mean number of evaluations is smaller."""
-    return 1 - float(np.mean(ours)) / float(np.mean(theirs))
+@dataclass(frozen=True)
+class Saving:
+    """By which part a mean number of evaluations is smaller; the same of each resample."""
+
+    part: float
+    resampled: Array
+
+    @property
+    def text(self) -> str:
+        """In per cent, with the interval."""
+        return _interval(self.part, self.resampled)
 
 
-def report(objective: Objective, curves: Mapping[str, Array]) -> dict[str, float]:
+def _interval(part: float, resampled: Array) -> str:
+    low, high = 100 * np.percentile(resampled, INTERVAL)
+    return f"{100 * part:.0f} ({low:.0f} to {high:.0f})"
+
+
+def saving(ours: Sequence[int], theirs: Sequence[int]) -> Saving:
+    """The saving of evaluations, by seeds that both have in common."""
+    both = np.array([ours, theirs], dtype=np.float64)
+    drawn = np.random.default_rng(0).integers(0, both.shape[1], (RESAMPLES, both.shape[1]))
+    means = both[:, drawn].mean(axis=2)
+    return Saving(1 - float(both[0].mean() / both[1].mean()), 1 - means[0] / means[1])
+
+
+def report(objective: Objective, curves: Mapping[str, Array]) -> dict[str, Saving]:
     """Print the lines of a function; GP-ACB's saving of evaluations by the other method."""
     counts = {
         method: [evaluations_to(objective.target, run) for run in runs]
         for method, runs in curves.items()
     }
     print(f"\n{objective.name}: best {objective.best:.4g}, to reach {objective.target:.4g}")
-    saved: dict[str, float] = {}
+    saved: dict[str, Saving] = {}
     for method, needed in counts.items():
         low, middle, high = (_count(q, objective.budget, needed) for q in (25, 50, 75))
         reached = sum(count <= objective.budget for count in needed)
         regret = float(np.median(objective.best - curves[method][:, -1]))
         note = ""
         if method != "gp-acb" and "gp-acb" in counts:
-            saved[method] = fewer(counts["gp-acb"], needed)
-            note = f"{100 * saved[method]:>9.0f} %"
+            saved[method] = saving(counts["gp-acb"], needed)
+            note = f"{saved[method].text:>18} %"
         share = f"{reached}/{len(needed)}"
         print(f"  {method:<22}{low:>6}{middle:>8}{high:>6}{share:>9}{regret:>12.4g}{note}")
     return saved
@@ -124,14 +147,15 @@ def main() -> None:
     )
     if options.only != "functions":
         print("The robustness is the multilinear interpolation of a table of real evaluations.")
-    print(f"  {'':<22}{'25 %':>6}{'median':>8}{'75 %':>6}{'there':>9}{'regret':>12}   acb fewer")
+    head = f"{'25 %':>6}{'median':>8}{'75 %':>6}{'there':>9}{'regret':>12}{'acb fewer':>20}"
+    print(f"  {'':<22}{head}")
     methods = [name for name in COMPARED if not options.methods or name in options.methods]
     asked = objectives(options)
     runs = [Run(o, m, s) for o in asked for m in methods for s in range(options.seeds)]
     with ProcessPoolExecutor(options.jobs) as pool:
         curves = list(pool.map(values_of, runs))
     regrets: dict[str, dict[str, Array]] = {}
-    savings: list[dict[str, float]] = []
+    savings: list[dict[str, Saving]] = []
     for objective in asked:
         by_method = {
             method: np.array(
@@ -150,21 +174,28 @@ def main() -> None:
         draw(regrets, options.curves)
 
 
-def _claim(savings: list[dict[str, float]]) -> None:
+def _claim(savings: list[dict[str, Saving]]) -> None:
     """What is true of the paper's comparison."""
     print()
     for other in ("nelder-mead", "gp-ucb"):
-        parts = [100 * saved[other] for saved in savings if other in saved]
-        if parts:
-            listed = ", ".join(f"{part:.0f}" for part in parts)
-            print(f"gp-acb against {other}, fewer evaluations in %: {listed}; mean ", end="")
-            print(f"{np.mean(parts):.0f}")
-    parts = [saved["nelder-mead"] for saved in savings if "nelder-mead" in saved]
-    if parts:
+        found = [saved[other] for saved in savings if other in saved]
+        if found:
+            part = float(np.mean([each.part for each in found]))
+            resampled = np.mean([each.resampled for each in found], axis=0)
+            print(f"gp-acb against {other}, fewer evaluations in %, and 95 % intervals: ", end="")
+            print(", ".join(each.text for each in found), end="; ")
+            print(f"mean {_interval(part, resampled)}")
+    found = [saved["nelder-mead"] for saved in savings if "nelder-mead" in saved]
+    if found:
         low, high = (100 * part for part in CLAIM)
-        held = sum(part >= CLAIM[0] for part in parts)
-        print(f"the paper claims {low:.0f} to {high:.0f} % fewer than Nelder-Mead: ", end="")
-        print(f"so many or more on {held} of {len(parts)}")
+        lows, highs = zip(*(np.percentile(f.resampled, INTERVAL) for f in found), strict=True)
+        print(
+            f"the paper claims {low:.0f} to {high:.0f} % fewer than Nelder-Mead. Of {len(found)} "
+            f"intervals {sum(x > CLAIM[1] for x in lows)} lie above that, "
+            f"{sum(x < CLAIM[0] for x in highs)} below, "
+            f"{sum(x <= CLAIM[1] and y >= CLAIM[0] for x, y in zip(lows, highs, strict=True))} "
+            f"meet it; {sum(x > 0 for x in lows)} lie above 0"
+        )
 
 
 def _options() -> argparse.Namespace:
