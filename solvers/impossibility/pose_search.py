@@ -22,13 +22,8 @@ from compiler.expressions.evaluators.balls import closed_ball
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
-from solvers.trajectory.body_clearance import (
-    Avoidances,
-    BodyClearance,
-    ConvexSet,
-    body_clearance,
-    convex_set,
-)
+from solvers.trajectory.body_clearance import Avoidances, BodyClearance, body_clearance
+from solvers.trajectory.convex_set import ConvexSet, convex_set
 from solvers.trajectory.inverse_kinematics import Pool, pool, poses_in
 from solvers.trajectory.task_limits import state_limits
 

@@ -38,7 +38,9 @@ POLISHING_PROXIMAL = 100.0
 """The price of moves in a polishing step."""
 FUNNEL = 0.05
 """Defects up to this part of the effort bound are taken for good steps' own."""
-LEVEL_DECAY = 0.7
+LEVEL_DECAY, LEVEL_GROWTH = 0.7, 2.0
+STEADY = 0.7
+"""A gain of more than this part of the last one shows that the way is long: steps are too short."""
 SMALL = 1e-4
 """Gains below this part of the effort bound are small."""
 PRICES = ((0.2, 0.25), (1.0, 0.5), (4.0, 2.0))
@@ -88,8 +90,9 @@ class _Iteration:
     quiet: int = 0
     level: float = FUNNEL
     conceded: float = np.inf
+    gained: float = 0.0
+    """What the last step gained, and what it was worth."""
     best: float = -np.inf
-    """What the last step was worth."""
 
     def run(self) -> None:
         """Iterate until nothing is gained, nothing helps or the iterations are used up."""
@@ -149,10 +152,13 @@ class _Iteration:
     def adapt(self, after: MeasuredMotion, gained: float) -> None:
         """Price moves so that their defects come down to a level that sinks as gains get small.
 
-        A step that loses was too long.
+        It rises where gains do not get smaller.  A step that loses was too long.
         """
-        if gained < SMALL:
+        if self.gained > 0 and gained > max(STEADY * self.gained, SMALL):
+            self.level = min(FUNNEL, LEVEL_GROWTH * self.level)
+        elif gained < SMALL:
             self.level = max(DEFECT, LEVEL_DECAY * self.level)
+        self.gained = gained
         level = self.level
         caused = after.infeasibility(self.problem.scale)
         factor = next((f for times, f in PRICES if caused <= times * level), PROXIMAL_GROWTH)

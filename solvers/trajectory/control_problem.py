@@ -155,8 +155,12 @@ class MeasuredMotion:
         return float(np.max(self.fictitious, initial=0.0)) / scale + self.excess
 
 
+STEEPEST = 1e8
+"""A step with larger derivatives says nothing of where it leads: rates are absurd there."""
+
+
 def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion | None:
-    """Linearise about a trajectory and measure its defects; None where that is not finite."""
+    """Linearise about a trajectory and measure its defects; None where that has no use."""
     numeric = problem.numeric
     x, u, theta = trajectory.x, trajectory.u, trajectory.theta
     if not (np.isfinite(x).all() and np.isfinite(u).all() and np.isfinite(theta).all()):
@@ -174,6 +178,8 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
             return None
     parts = (dynamics.value, dynamics.state, dynamics.input, dynamics.parameter, needed)
     if not all(np.isfinite(part).all() for part in (*parts, points.value, points.by_q)):
+        return None
+    if np.max(np.abs(dynamics.state)) > STEEPEST:
         return None
     rows = problem.rows_of(points.value)
     return MeasuredMotion(

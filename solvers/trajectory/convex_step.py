@@ -22,7 +22,9 @@ from functools import partial
 from typing import Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
 from solvers.backends.clarabel import Clarabel
 from solvers.backends.conic import (
@@ -34,9 +36,15 @@ from solvers.backends.conic import (
     credible,
 )
 from solvers.backends.piqp import ProximalInteriorPoint
-from solvers.trajectory.linear_model import Model, PositionRows
+from solvers.trajectory.linear_model import LinearRows, Model, PositionRows
 from solvers.trajectory.step_program import StepProgram
-from solvers.trajectory.subproblem import StepLayout, StepResult, SubproblemSpec, TrustRegion
+from solvers.trajectory.subproblem import (
+    Indices,
+    StepLayout,
+    StepResult,
+    SubproblemSpec,
+    TrustRegion,
+)
 from solvers.trajectory.trajectory import Trajectory
 
 # --------------------------------------------------------------------------------------------------
@@ -88,16 +96,36 @@ def _guarded(solver: ConvexSolver, program: ConvexProgram, tolerance: float) -> 
         return NotSolved(Status.FAILED, f"{type(error).__name__}: {error}")
 
 
+# --------------------------------------------------------------------------------------------------
+# The convex steps of one question, one after the other.
+#
+# Most half-planes are far from what moves.  Of a great many, a program has those of a working set;
+# if its optimum keeps to the others as well, it is that of all, else what it breaks joins the set.
+# The set only grows, so that its pattern, and with it the solver's symbolic work, soon stays.
+
+
+FEW = 800
+"""With fewer half-planes a program has all of them."""
+CLOSE = 0.05
+"""Half-planes closer than this part of what the trust region allows belong to the working set."""
+BROKEN = 10.0
+"""Others are broken from so many times the accuracy on."""
+
+
 @dataclass(slots=True)
 class ConvexStep:
-    """The convex steps of one question, one after the other.
-
-    ``solver`` is asked; programs of one structure differ in their numbers only.
-    """
+    """Convex steps by ``solver``; programs of one structure differ in their numbers only."""
 
     question: SubproblemSpec
     solver: ConvexSolver = field(default_factory=SolverPortfolio)
     _programs: dict[bool, StepProgram] = field(default_factory=dict[bool, StepProgram])
+    _samples: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    _working: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+
+    @property
+    def working(self) -> int:
+        """How many half-planes the last program had."""
+        return int(np.count_nonzero(self._working))
 
     def solve(
         self,
@@ -112,23 +140,40 @@ class ConvexStep:
 
         Without ``fictitious`` inputs V is 0: what is then infeasible may be feasible with them.
         """
-        program = self._program(model, rows, fictitious=fictitious)
-        optimum = self.solver.solve(program.program(model, rows, region), accuracy)
-        if isinstance(optimum, NotSolved):
-            return optimum
-        z, layout = optimum.point, program.layout
-        about = model.about
-        theta = about.theta + z[layout.theta] if layout.p else about.theta
-        found = Trajectory(about.x + z[layout.x], z[layout.u], theta)
+        every, about = LinearRows.of(model, rows), model.about
+        reach = CLOSE * region.radius * np.sum(np.abs(every.by_q), axis=1)
+        self._begin(every, reach)
+        while True:
+            # What is infeasible with some of the half-planes is infeasible with all.
+            working = np.flatnonzero(self._working)
+            program = self._program(model, every.sample[working], fictitious=fictitious)
+            convex = program.program(model, every.taken(working), region)
+            optimum = self.solver.solve(convex, accuracy)
+            if isinstance(optimum, NotSolved):
+                return optimum
+            z, layout = optimum.point, program.layout
+            moved = z[layout.theta] if layout.p else np.zeros_like(about.theta)
+            slack = max(0.0, float(z[layout.sigma]))
+            left = every.left(z[layout.x[:, : layout.n]], moved) + slack
+            if np.all(self._working | (left >= -BROKEN * accuracy)):
+                break
+            self._working |= left < reach
+        found = Trajectory(about.x + z[layout.x], z[layout.u], about.theta + moved)
         v = z[layout.v] if fictitious else np.zeros_like(found.x[1:])
         largest = float(np.max(np.abs(v), initial=0.0)) if fictitious else 0.0
-        slack = max(0.0, float(z[layout.sigma]))
         return StepResult(found, v, largest, slack, float(z[layout.rho]))
 
-    def _program(self, model: Model, rows: PositionRows, *, fictitious: bool) -> StepProgram:
+    def _begin(self, every: LinearRows, reach: Array) -> None:
+        """The working set for half-planes: the last one, if it still fits, and what is close."""
+        close = every.slack < reach if len(reach) > FEW else np.ones(len(reach), dtype=np.bool_)
+        if np.array_equal(self._samples, every.sample):
+            close |= self._working
+        self._samples, self._working = every.sample, close
+
+    def _program(self, model: Model, samples: Indices, *, fictitious: bool) -> StepProgram:
         """The structure for these rows: the last one, if it still fits."""
         known = self._programs.get(fictitious)
-        if known is not None and np.array_equal(known.samples, rows.sample):
+        if known is not None and np.array_equal(known.samples, samples):
             return known
         question, about = self.question, model.about
         k, m = about.u.shape
@@ -137,7 +182,7 @@ class ConvexStep:
             p=0 if question.theta_box is None else len(about.theta),
             fictitious=fictitious, slacks=question.epsilon is not None,
         )  # fmt: skip
-        self._programs[fictitious] = StepProgram(question, layout, rows.sample)
+        self._programs[fictitious] = StepProgram(question, layout, samples)
         return self._programs[fictitious]
 
 

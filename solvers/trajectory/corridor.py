@@ -22,15 +22,10 @@ from compiler.time_limits.time_limit import check_time
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
-from solvers.trajectory.body_clearance import (
-    Avoidances,
-    BodyClearance,
-    ConvexSet,
-    Dwell,
-    Separation,
-    convex_set,
-)
+from solvers.trajectory.body_clearance import Avoidances, BodyClearance
+from solvers.trajectory.convex_set import ConvexSet, convex_set
 from solvers.trajectory.inverse_kinematics import Pool, pool
+from solvers.trajectory.position_plan import Dwell, Separation
 
 Entries: TypeAlias = tuple[int, ...]
 """The sample at which each cell of a path is entered; the first is 0."""

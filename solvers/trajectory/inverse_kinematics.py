@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from solvers.trajectory.body_clearance import ConvexSet
+from solvers.trajectory.convex_set import ConvexSet
 
 ROUNDS = 60
 DAMPING = 1e-3

@@ -45,6 +45,38 @@ class Model:
     mobility: Mobility | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class LinearRows:
+    """Position rows linearised about a trajectory: by_q . dq + by_theta . dtheta <= slack, metres.
+
+    Shapes: sample, slack (R,), by_q (R, n), by_theta (R, p).
+    """
+
+    sample: Indices
+    by_q: Array
+    by_theta: Array
+    slack: Array
+
+    @staticmethod
+    def of(model: Model, rows: PositionRows) -> LinearRows:
+        """Those of a model."""
+        points, pick, normal = model.points, (rows.sample, rows.point), rows.normal[:, None, :]
+        by_q, by_theta = (
+            np.matmul(normal, slopes[pick])[:, 0, :] for slopes in (points.by_q, points.by_theta)
+        )
+        slack = rows.offset - np.einsum("rd,rd->r", rows.normal, points.value[pick])
+        return LinearRows(rows.sample, by_q, by_theta, slack)
+
+    def taken(self, some: Indices) -> LinearRows:
+        """Some of the rows, by their numbers (w,)."""
+        return LinearRows(self.sample[some], self.by_q[some], self.by_theta[some], self.slack[some])
+
+    def left(self, moves: Array, parameters: Array) -> Array:
+        """The slack (R,) after moves (k + 1, n) of coordinates and (p,) of parameters."""
+        used = np.einsum("rn,rn->r", self.by_q, moves[self.sample])
+        return np.asarray(self.slack - used - self.by_theta @ parameters)
+
+
 def fictitious_inputs(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Array:
     """B' of C.2 in Definition 7, (k, N, N): a unit slack is the effort that causes it in a step.
 

@@ -14,9 +14,10 @@ from compiler.robots.robot import RobotModel
 from compiler.tasks.word_formula import Obligation, SampledFormula, Word, holds, obligations
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
-from solvers.trajectory.body_clearance import PositionPlan, body_clearance, convex_set
+from solvers.trajectory.body_clearance import body_clearance
 from solvers.trajectory.control import WORST, synthesise_control
 from solvers.trajectory.control_problem import FULL, ControlOutcome, ControlProblem, IterationBudget
+from solvers.trajectory.convex_set import convex_set
 from solvers.trajectory.convex_step import step_maker
 from solvers.trajectory.corridor import (
     Corridor,
@@ -32,6 +33,7 @@ from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance
 from solvers.trajectory.feedback import closed_spread, input_scales, spread_cost
 from solvers.trajectory.inverse_kinematics import branches
 from solvers.trajectory.mobility import joint_errors
+from solvers.trajectory.position_plan import PositionPlan
 from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets, whole_turns
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (

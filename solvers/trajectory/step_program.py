@@ -18,7 +18,7 @@ from scipy.sparse import csc_matrix
 
 from compiler.arrays import Array
 from solvers.backends.conic import Cones, ConvexProgram
-from solvers.trajectory.linear_model import Model, PositionRows
+from solvers.trajectory.linear_model import LinearRows, Model
 from solvers.trajectory.subproblem import LEAST, Indices, StepLayout, SubproblemSpec, TrustRegion
 from solvers.trajectory.task_limits import MotionLimits
 
@@ -148,17 +148,18 @@ class StepProgram:
 
     # --- numbers --------------------------------------------------------------------------------
 
-    def program(self, model: Model, rows: PositionRows, region: TrustRegion) -> ConvexProgram:
+    def program(self, model: Model, rows: LinearRows, region: TrustRegion) -> ConvexProgram:
         """The program about a trajectory."""
         values, right = self._dynamics(model)
-        row_values, row_right = self._positions(model, rows)
+        row_values = [rows.by_q.ravel(), *([rows.by_theta.ravel()] if self.layout.p else [])]
+        row_values.append(np.full(len(rows.slack), -1.0))
         lower, upper = self._bounds(model, region.radius)
         quadratic, linear = self._objective(model, region.proximal)
         return ConvexProgram(
             quadratic, linear,
             self._equal.matrix(values), right,
             self._less.matrix([*row_values, self._less_tail]),
-            np.concatenate([row_right, self._less_right]),
+            np.concatenate([rows.slack, self._less_right]),
             lower, upper, self._cones, self,
         )  # fmt: skip
 
@@ -180,19 +181,6 @@ class StepProgram:
         values += [np.ones(layout.width), np.full(layout.width, -1.0)]
         back = about.x[limits.loop] + limits.turned - about.x[-1]
         return values, np.concatenate([known.ravel(), given, back])
-
-    def _positions(self, model: Model, wanted: PositionRows) -> tuple[list[Array], Array]:
-        """C.1: half-planes on positions linearised in the coordinates and parameters."""
-        points = model.points
-        pick = (wanted.sample, wanted.point)
-        normal = wanted.normal[:, None, :]
-        by_q = np.matmul(normal, points.by_q[pick])[:, 0, :]
-        right = wanted.offset - np.einsum("rd,rd->r", wanted.normal, points.value[pick])
-        values = [by_q.ravel()]
-        if self.layout.p:
-            by_theta = np.matmul(normal, points.by_theta[pick])[:, 0, :]
-            values.append(by_theta.ravel())
-        return [*values, np.full(len(right), -1.0)], right
 
     def _bounds(self, model: Model, radius: float) -> tuple[Array, Array]:
         """Limits and trust region together; a centre outside the limits is moved onto them."""

@@ -12,7 +12,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.backends.conic import NotSolved, Status
-from solvers.trajectory.convex_step import ConvexStep
+from solvers.trajectory.convex_step import FEW, ConvexStep
 from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
 from solvers.trajectory.mobility import mobility
 from solvers.trajectory.reference_step import ReferenceStep
@@ -315,6 +315,48 @@ def test_slacks_by_step_under_c6(epsilon: float) -> None:
         assert found is not None
         assert np.abs(found.trajectory.u).max() <= 0.5 + 1e-6
         assert value(case, model, found) < -1
+
+
+def crowded(model: Model, rows: PositionRows, count: int) -> PositionRows:
+    """With many more half-planes, most far away: what points could reach is cut off by some."""
+    rng = np.random.default_rng(count)
+    samples, points = model.points.value.shape[:2]
+    sample, point = rng.integers(0, samples, count), rng.integers(0, points, count)
+    angle = rng.uniform(0, 2 * np.pi, count)
+    normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    at = np.einsum("rd,rd->r", normal, model.points.value[sample, point])
+    offset = at + rng.uniform(0.02, 2.0, count)
+    return PositionRows(
+        np.concatenate([rows.sample, sample]),
+        np.concatenate([rows.point, point]),
+        np.concatenate([rows.normal, normal]),
+        np.concatenate([rows.offset, offset]),
+    )
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_a_great_many_half_planes_are_all_kept(*, free: bool) -> None:
+    """The optimum with a working set of them is that of all, about one trajectory after another."""
+    case = Case(offset=0.2, radius=0.4, box=BOX if free else None, proximal=0.01)
+    step, reference = ConvexStep(case.question), ReferenceStep(case.question)
+    fewer, bound = 0, 0
+    for seed in range(2):
+        model = linearised(seed)
+        rows = crowded(model, end_in(model, case.offset), 2 * FEW)
+        found, wanted, loose = (
+            each.solve(model, some, case.region, ACCURACY)
+            for each, some in ((step, rows), (reference, rows),
+                               (reference, end_in(model, case.offset)))
+        )  # fmt: skip
+        assert isinstance(found, StepResult)
+        assert isinstance(wanted, StepResult)
+        assert isinstance(loose, StepResult)
+        expected = value(case, model, wanted)
+        assert value(case, model, found) == pytest.approx(expected, abs=1e-6 * (1 + abs(expected)))
+        fewer += step.working < len(rows.sample) / 2
+        bound += value(case, model, loose) > expected + 1e-4
+    assert fewer
+    assert bound
 
 
 def test_a_contradiction_is_not_an_optimum() -> None:

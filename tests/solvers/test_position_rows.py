@@ -11,13 +11,9 @@ from scipy.spatial import ConvexHull
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Points
-from solvers.trajectory.body_clearance import (
-    ConvexSet,
-    Dwell,
-    PositionPlan,
-    Separation,
-    separating_planes,
-)
+from solvers.trajectory.convex_set import ConvexSet
+from solvers.trajectory.position_plan import Dwell, PositionPlan, Separation
+from solvers.trajectory.separating_planes import Obstacles, separating_planes
 from tests.oracles.some_cases import some
 
 
@@ -80,7 +76,7 @@ def test_planes_separate_exactly_what_is_apart(width: int) -> None:
         obstacle = polygon(rng, np.zeros(2), 1.0)
         points = rng.uniform(-2, 2, 2) + rng.uniform(-1, 1, (width, 2))
         exact = distance(points, obstacle)
-        normals, support = separating_planes(points[None], obstacle)
+        normals, support = separating_planes(points[None], Obstacles((obstacle,)))
         np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1)
         assert np.max(obstacle.vertices @ normals[0]) == pytest.approx(support[0])
         gap = float(np.min(points @ normals[0]) - support[0])
@@ -99,7 +95,7 @@ def test_a_facet_shows_the_whole_distance_where_it_is_the_nearest() -> None:
     swept = np.array(
         [[[0.2, 1.3], [0.7, 1.6]], [[1.4, 0.1], [1.6, 0.9]], [[0.5, -0.3], [0.5, -0.3]]]
     )
-    normals, support = separating_planes(swept, box)
+    normals, support = separating_planes(swept, Obstacles((box,)))
     gaps = np.min(np.einsum("kwd,kd->kw", swept, normals), axis=1) - support
     np.testing.assert_allclose(gaps, [0.3, 0.4, 0.3])
     np.testing.assert_allclose(normals, [[0, 1], [1, 0], [0, -1]], atol=1e-12)
@@ -108,7 +104,7 @@ def test_a_facet_shows_the_whole_distance_where_it_is_the_nearest() -> None:
 def test_planes_in_space_come_from_the_facets() -> None:
     cube = convex_set(np.array(list(product([0.0, 1.0], repeat=3))))
     swept = np.array([[[0.5, 0.5, 1.25], [0.9, 0.1, 2.0]]])
-    normals, support = separating_planes(swept, cube)
+    normals, support = separating_planes(swept, Obstacles((cube,)))
     np.testing.assert_allclose(normals[0], [0, 0, 1], atol=1e-12)
     assert support[0] == pytest.approx(1.0)
 
@@ -130,7 +126,7 @@ def test_planes_in_space_separate_exactly_what_is_apart(width: int) -> None:
         obstacle = convex_set(corners if number % 2 else rng.uniform(0, 1, (7, 3)))
         points = rng.uniform(-0.2, 1.2, 3) + (width > 1) * rng.uniform(-1, 1, (width, 3))
         exact = space_distance(points, obstacle.vertices)
-        normals, support = separating_planes(points[None], obstacle)
+        normals, support = separating_planes(points[None], Obstacles((obstacle,)))
         gap = float(np.min(points @ normals[0]) - support[0])
         assert gap <= exact + 1e-4
         if exact > 1e-3:
@@ -146,7 +142,7 @@ def test_a_bar_past_an_edge_of_a_box_in_space() -> None:
     """No facet separates them: only the plane along both edges does."""
     cube = convex_set(np.array(list(product([0.0, 1.0], repeat=3))))
     bar = np.array([[[1.6, 0.5, 0.6], [0.6, 0.5, 1.6]]])
-    normals, support = separating_planes(bar, cube)
+    normals, support = separating_planes(bar, Obstacles((cube,)))
     assert np.min(bar[0] @ normals[0]) - support[0] == pytest.approx(0.2 / np.sqrt(2))
 
 
@@ -310,3 +306,29 @@ def test_far_separations_are_left_out_where_there_are_many() -> None:
     assert len(rows.offset) < 20 * 10 * 2 * 0.6
     # Nothing nearer than what counts as near is lost: the half-plane of the nearest box is there.
     assert rows.excess(Points(positions, np.zeros(0), np.zeros(0))).max() == pytest.approx(-1.0)
+
+
+def test_rows_of_separations_of_many_kinds_are_those_of_each_in_order() -> None:
+    """Sets with three, four and five corners, one, two and three points, near and far."""
+    rng = np.random.default_rng(11)
+    angles = [np.sort(rng.uniform(0, 2 * np.pi / n, n) + 2 * np.pi * np.arange(n) / n)
+              for n in (4, 3, 5, 4, 3)]  # fmt: skip
+    centres = rng.uniform(1, 4, (5, 2))
+    centres[3] = 40.0, -30.0
+    sets = [
+        convex_set(centre + 0.5 * np.stack([np.cos(angle), np.sin(angle)], axis=1))
+        for centre, angle in zip(centres, angles, strict=True)
+    ]
+    groups = ((0, 2), (1,), (0, 1, 2), (0, 2), (2, 1))
+    pairs = zip(groups, sets, strict=True)
+    wanted = tuple(Separation(g, s, 0.01 * i, i % 3) for i, (g, s) in enumerate(pairs))
+    positions = around(rng, 9)
+    found = PositionPlan(9, (), wanted, 0.01).rows(positions)
+    alone = [PositionPlan(9, (), (each,), 0.01).rows(positions) for each in wanted]
+    for name in ("sample", "point", "normal", "offset"):
+        parts = np.concatenate([getattr(rows, name) for rows in alone])
+        np.testing.assert_array_equal(getattr(found, name), parts)
+    # Rows of the far set are those of its facets, and valid.
+    far = alone[3].normal
+    assert all(np.abs(sets[3].normals + row).sum(axis=1).min() < 1e-12 for row in far)
+    assert np.all((far @ sets[3].vertices.T).min(axis=1) >= alone[3].offset)

@@ -14,7 +14,8 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
-from solvers.trajectory.body_clearance import Avoidances, body_clearance, convex_set
+from solvers.trajectory.body_clearance import Avoidances, body_clearance
+from solvers.trajectory.convex_set import convex_set
 from solvers.trajectory.corridor import STRAY, Corridor
 from solvers.trajectory.seed_motions import (
     JointPath,
