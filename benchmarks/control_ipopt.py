@@ -84,7 +84,7 @@ def ipopt_problem(
     u = ca.MX.sym("u", numeric.m, steps)
     rho = ca.MX.sym("rho")
     theta = ca.MX.sym("theta", numeric.p if given is None else 0)
-    step, places = _step(problem, given), _places(problem, given)
+    step, places = step_function(problem, given), place_function(problem, given)
     after = step.map("steps", "serial", steps, [2], [])(x[:, :-1], u, theta)
     at = places.map("all", "serial", steps + 1, [1], [])(x[: numeric.n, :], theta)
     halves = _half_planes(rows, numeric.d, at)
@@ -111,7 +111,7 @@ def ipopt_problem(
     return IpoptProblem(problem, steps, given, solver, bounds)
 
 
-def _step(problem: ControlProblem, given: Array | None) -> ca.Function:
+def step_function(problem: ControlProblem, given: Array | None) -> ca.Function:
     """(x, u, theta) to the state after a step: the classical Runge-Kutta method with substeps."""
     graph, n = problem.numeric.graph, problem.numeric.n
     constants = ca.DM(problem.numeric.constants)
@@ -140,7 +140,7 @@ def _parameters(problem: ControlProblem, given: Array | None) -> tuple[ca.SX, ca
     return free, free
 
 
-def _places(problem: ControlProblem, given: Array | None) -> ca.Function:
+def place_function(problem: ControlProblem, given: Array | None) -> ca.Function:
     """(q, theta) to the positions of all points, in a column."""
     numeric, pose = problem.numeric, ca.SX.sym("q", problem.numeric.n)
     free, theta = _parameters(problem, given)
@@ -158,10 +158,8 @@ def _half_planes(rows: PositionRows, dimension: int, at: ca.MX) -> ca.MX:
     return total
 
 
-def _bounds(
-    problem: ControlProblem, steps: int, parameters: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Bounds of all unknowns."""
+def unknown_bounds(problem: ControlProblem, steps: int) -> tuple[Array, Array]:
+    """Bounds of all states, (k + 1, N) each."""
     limits, n, size = problem.limits, problem.numeric.n, problem.numeric.size
     lower, upper = np.full((steps + 1, size), -np.inf), np.full((steps + 1, size), np.inf)
     lower[:, :n], upper[:, :n] = limits.lower, limits.upper
@@ -171,6 +169,14 @@ def _bounds(
             lower[sample, n : 2 * n] = upper[sample, n : 2 * n] = 0.0
     if limits.start_values is not None:
         lower[0, :n] = upper[0, :n] = limits.start_values
+    return lower, upper
+
+
+def _bounds(
+    problem: ControlProblem, steps: int, parameters: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """Bounds of all unknowns."""
+    lower, upper = unknown_bounds(problem, steps)
     inputs = np.full(steps * problem.numeric.m, np.inf)
     widest = min(group.widest_margin for group in problem.groups)
     return (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -46,6 +47,23 @@ def test_ipopt_and_our_control_synthesis_have_the_same_optimum(shared: Shared) -
     places = problem.numeric.points(at.x[:, : problem.numeric.n], at.theta)
     assert np.max(rows.excess(places)) < 1e-6
     assert problem.scale - np.max(np.abs(at.u)) == pytest.approx(answer.margin, abs=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["fatrop", "ipopt"])
+def test_the_problem_stage_by_stage_has_the_same_optimum(
+    shared: Shared, solver: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    stages = importlib.import_module("control_stages")
+    one, problem, rows, rho = shared
+    answer = stages.staged_problem(problem, rows, STEPS, one.theta, solver).solve(one.seed)
+    assert answer.solved
+    assert answer.margin == pytest.approx(rho, rel=AGREEMENT)
+    at = answer.trajectory
+    after = problem.numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
+    assert np.max(np.abs(after - at.x[1:])) < 1e-6
+    places = problem.numeric.points(at.x[:, : problem.numeric.n], at.theta)
+    assert np.max(rows.excess(places)) < 1e-6
 
 
 def test_the_optimum_depends_on_the_half_planes(shared: Shared) -> None:
