@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -33,7 +34,13 @@ CLEAR = 1e-9
 NEAR = 2e-9
 """A motion from a given pose may start near it: the verifier's tolerance, and a bit more."""
 MOST_IN_BATCH = 256
-"""More boxes are read in blocks."""
+"""More boxes are read in blocks,"""
+MOST_NORMALS = 256
+"""and more half-spaces of obstacles."""
+
+
+_Kind: TypeAlias = tuple[tuple[int, ...], tuple[tuple[int, int], ...], int]
+"""The points and the segments of an obstacle, and the number of its half-spaces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,38 +86,46 @@ class _Region:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Avoided:
-    """A region whose interior its points and the segments between some of them stay out of."""
+    """Regions whose interiors the same points and the segments between some of them stay out of.
 
-    region: _Region
+    All have equally many normals, which are one after the other in ``regions``.
+    """
+
+    regions: _Region
+    count: int
     single: Numbers
     first: Numbers
     last: Numbers
 
     def judged(self, placed: Placed) -> tuple[Flags, Flags]:
         """Which boxes violate this all over, and which nowhere, (K,) each."""
-        region = self.region
-        found = placed.along(region.normals, region.points)
-        below = found.high - region.offsets
-        deep: Flags = below[:, self.single] < -region.slack
-        inside = np.any(np.all(deep, axis=2), axis=1)
-        crossed = np.any(_crossed(below[:, self.first], below[:, self.last], region.slack), axis=1)
-        above: Flags = found.low >= region.offsets
-        apart = np.all(np.any(above[:, self.single], axis=2), axis=1)
+        found = placed.along(self.regions.normals, self.regions.points)
+        shape = *found.low.shape[:2], self.count, len(self.regions.offsets) // self.count
+        offsets, slack = (
+            each.reshape(shape[2:]) for each in (self.regions.offsets, self.regions.slack)
+        )
+        low, high = (end.reshape(shape) for end in _ends(found))
+        below = high - offsets
+        deep: Flags = below[:, self.single] < -slack
+        inside = np.any(np.all(deep, axis=3), axis=(1, 2))
+        crossed = np.any(_crossed(below[:, self.first], below[:, self.last], slack), axis=(1, 2))
+        above: Flags = low >= offsets
+        apart = np.all(np.any(above[:, self.single], axis=3), axis=(1, 2))
         beside: Flags = above[:, self.first] & above[:, self.last]
-        missed = np.all(np.any(beside, axis=2), axis=1)
+        missed = np.all(np.any(beside, axis=3), axis=(1, 2))
         return np.asarray(inside | crossed), np.asarray(apart & missed)
 
 
 def _crossed(first: Array, last: Array, slack: Array) -> Flags:
-    """Which segments (K, s) have a common point surely inside, by heights of their ends (K, s, r).
+    """Which segments have a common point surely inside, by heights of their ends (..., r).
 
     The fraction is chosen as the verifier chooses it, which is to come to the same answer.
     """
     at = first / (first - last)
-    low = np.where((first >= 0) & (last < 0), at, 0.0).max(axis=2, initial=0.0)
-    high = np.where((first < 0) & (last >= 0), at, 1.0).min(axis=2, initial=1.0)
+    low = np.where((first >= 0) & (last < 0), at, 0.0).max(axis=-1, initial=0.0)
+    high = np.where((first < 0) & (last >= 0), at, 1.0).min(axis=-1, initial=1.0)
     fraction = (np.round((low + high) / 2 * FRACTIONS) / FRACTIONS)[..., None]
-    return np.asarray(((1 - fraction) * first + fraction * last < -slack).all(axis=2))
+    return np.asarray(((1 - fraction) * first + fraction * last < -slack).all(axis=-1))
 
 
 class BoxConditions:
@@ -133,7 +148,7 @@ class BoxConditions:
         self._points = BoxPoints(graph, used)
         self._passages = passages
         self._bounds = _region(demands.bounds, [place[point] for point in demands.bounded])
-        self._obstacles = [_avoided(o, place) for o in demands.obstacles if _has_interior(o)]
+        self._obstacles = _avoided([o for o in demands.obstacles if _has_interior(o)], place)
         self._goals = [_region(p.goal.rows, [place[p.goal.point]]) for p in passages]
         self._starts = [
             _given(p.start, circles) if isinstance(p.start, GivenPose)
@@ -217,17 +232,31 @@ def _has_interior(obstacle: Obstacle) -> bool:
     return all(any(row.normal) or row.offset >= 0 for row in obstacle.rows)
 
 
-def _avoided(obstacle: Obstacle, place: Mapping[int, int]) -> _Avoided:
-    ends = [point for segment in obstacle.segments for point in segment]
-    points = list(dict.fromkeys([*obstacle.points, *ends]))
-    at = {point: i for i, point in enumerate(points)}
-    rows = [row for row in obstacle.rows if any(row.normal)]
-    return _Avoided(
-        _region(rows, [place[point] for point in points]),
-        _numbers([at[point] for point in obstacle.points]),
-        _numbers([at[first] for first, _ in obstacle.segments]),
-        _numbers([at[last] for _, last in obstacle.segments]),
-    )
+def _avoided(obstacles: Sequence[Obstacle], place: Mapping[int, int]) -> list[_Avoided]:
+    """The obstacles, those together that are alike."""
+    alike: dict[_Kind, list[list[ir.HalfSpace]]] = {}
+    for obstacle in obstacles:
+        rows = [row for row in obstacle.rows if any(row.normal)]
+        kind = tuple(obstacle.points), tuple(obstacle.segments), len(rows)
+        alike.setdefault(kind, []).append(rows)
+    found = []
+    for (points, segments, size), regions in alike.items():
+        ends = [point for segment in segments for point in segment]
+        used = list(dict.fromkeys([*points, *ends]))
+        at = {point: i for i, point in enumerate(used)}
+        most = max(1, MOST_NORMALS // max(1, size))
+        for begin in range(0, len(regions), most):
+            some = regions[begin : begin + most]
+            found.append(
+                _Avoided(
+                    _region([row for rows in some for row in rows], [place[i] for i in used]),
+                    len(some),
+                    _numbers([at[point] for point in points]),
+                    _numbers([at[first] for first, _ in segments]),
+                    _numbers([at[last] for _, last in segments]),
+                )
+            )
+    return found
 
 
 def _numbers(values: Sequence[int]) -> Numbers:

@@ -13,10 +13,9 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.robot import Body, RodBody
 from compiler.time_limits.time_limit import check_time
-from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
-from solvers.trajectory.convex_set import ConvexSet, convex_set
+from solvers.trajectory.convex_set import ConvexSet, region_set
 from solvers.trajectory.position_plan import Dwell, Separation
 from solvers.trajectory.separating_planes import Obstacles, separating_planes
 
@@ -94,12 +93,12 @@ class Avoidances:
 
     def region(self, name: str) -> ConvexSet:
         """A region of the workspace."""
-        return convex_set(polytope_of(self.workspace.region(name).shape, self.workspace.dimension))
+        return region_set(self.workspace.region(name).shape, self.workspace.dimension)
 
     @property
     def bounds(self) -> ConvexSet:
         """The bounds of the workspace."""
-        return convex_set(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
+        return region_set(self.workspace.bounds.shape, self.workspace.dimension)
 
     def separations(self) -> Iterator[Separation]:
         """What every ``avoid`` keeps apart."""

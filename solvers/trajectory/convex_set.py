@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations
 
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.workspaces.polytope import Polytope
+from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 
 FAR = Fraction(1000)
@@ -52,6 +52,12 @@ class ConvexSet:
             if all(np.linalg.norm(np.cross(direction, other)) > PARALLEL for other in found):
                 found.append(direction)
         return np.array(found).reshape(-1, 3)
+
+
+@lru_cache(maxsize=4096)
+def region_set(shape: ir.Inequalities | ir.Hull, dimension: int) -> ConvexSet:
+    """A set of a workspace in floats, made once: searches ask for the same ones again and again."""
+    return convex_set(polytope_of(shape, dimension))
 
 
 def convex_set(polytope: Polytope) -> ConvexSet:

@@ -20,10 +20,9 @@ from compiler.robots.robot import RobotModel
 from compiler.tasks.word_formula import Obligation, Word
 from compiler.time_limits.time_limit import check_time
 from compiler.workspaces.abstraction import Abstraction
-from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from solvers.trajectory.body_clearance import Avoidances, BodyClearance
-from solvers.trajectory.convex_set import ConvexSet, convex_set
+from solvers.trajectory.convex_set import ConvexSet, convex_set, region_set
 from solvers.trajectory.inverse_kinematics import Pool, pool
 from solvers.trajectory.position_plan import Dwell, Separation
 
@@ -345,7 +344,7 @@ class MotionConstraints:
         time, and of disturbed motions.
         """
         region = convex_set(self.abstraction.cells[cell].polytope)
-        bounds = convex_set(polytope_of(self.workspace.bounds.shape, self.workspace.dimension))
+        bounds = region_set(self.workspace.bounds.shape, self.workspace.dimension)
         alike = region.normals @ bounds.normals.T > 1 - ON_FACET
         level = np.abs(region.offsets[:, None] - bounds.offsets) < ON_FACET
         bounding = np.any(alike & level, axis=1)
