@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,7 @@ from srgc.faults import REFUSED, UNEXPECTED, UNKNOWN, UsageFault
 
 if TYPE_CHECKING:
     from solvers.verdict import Claimed
+    from solvers.verifier.proofs.scene import Each
 
 
 @click.command(
@@ -43,6 +46,13 @@ if TYPE_CHECKING:
     "--expect", type=click.Choice(["found", "impossible"]), help="It has to have this verdict."
 )
 @click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="Processes that check structures of an impossibility.",
+)
 @QUIET
 @click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
 def verify(
@@ -51,6 +61,7 @@ def verify(
     task: str | None,
     expect: Claimed | None,
     trust: str | None,
+    jobs: int,
     quiet: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
 ) -> int:
@@ -58,7 +69,8 @@ def verify(
 
     Every condition of the certificate is proved again, with its margin, from the copy of the spec
     in FOLDER.  No solver and no searcher is loaded for that.  With --task and --expect a
-    certificate about anything else is not judged, and the status is 6.
+    certificate about anything else is not judged, and the status is 6.  The report is the same,
+    whatever --jobs.
     """
     from solvers.verifier.proofs.scene import Watch
     from solvers.verifier.verification import Expected, Outcome, verify_directory
@@ -70,10 +82,26 @@ def verify(
         raise no_folder(folder)
     if spec is not None and not spec.is_file():
         raise UsageFault(f"{spec} is not a file")
-    with progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display:
-        report = verify_directory(
-            folder, spec, trust, Watch(part=display.part), Expected(task, expect)
-        )
+    with (
+        _each(jobs) as each,
+        progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display,
+    ):
+        watch = Watch(part=display.part, each=each)
+        report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
     click.echo(verification_json(report) if as_json else verification_text(report))
     statuses = {Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED}
     return statuses.get(report.outcome, UNKNOWN)
+
+
+@contextmanager
+def _each(jobs: int) -> Iterator[Each]:
+    """What does independent parts; processes are imported for only where there are several."""
+    from solvers.verifier.proofs.scene import in_turn
+
+    if jobs == 1:
+        yield in_turn
+        return
+    from srgc.search_options import workers_for
+
+    with workers_for(jobs) as workers:
+        yield workers.map

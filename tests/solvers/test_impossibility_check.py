@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import pickle
 import shutil
 
 import pytest
 
 from solvers.verdict import Reason, Unknown
+from solvers.verifier.proofs.scene import Watch
 from solvers.verifier.refutations import impossibility_check
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
@@ -72,6 +74,59 @@ def test_what_z3_does_not_decide_is_neither_valid_nor_refuted(srgc_run, result, 
     status, out = srgc_run("verify", folder, "--trust", "z3")
     assert status == 4
     assert out.startswith("undecided: z3 does not decide the script of structure 0: within 1 z3 ")
+
+
+def eagerly(function, jobs):
+    """As processes do it: jobs are drawn long before their results are asked for, and pickled."""
+    return (pickle.loads(job)[0](pickle.loads(job)[1]) for job in
+            [pickle.dumps((function, job)) for job in jobs])  # fmt: skip
+
+
+def spoilt(certificate):
+    """Structure 4 is another one, and there is one too many; the third has lost its evidence."""
+    structures = certificate["structures"]
+    structures[4]["word"] = structures[5]["word"]
+    structures[2].update(boxes=None, evidence=None)
+    structures.append(structures[0])
+
+
+def too_many(certificate):
+    certificate["structures"].append(certificate["structures"][0])
+
+
+def too_few(certificate):
+    certificate["structures"].pop()
+
+
+FAULTS = [
+    (None, None),
+    (spoilt, "structure 2 has no evidence"),
+    (too_many, "the claim lists structures that the family does not have"),
+    (too_few, "structure 5 is missing: B eps JO eps EN eps EN"),
+]
+
+
+@pytest.mark.parametrize(("change", "said"), FAULTS)
+@pytest.mark.parametrize("at_once", [1, 2, 8])
+def test_the_first_fault_is_named_however_many_are_checked_at_once(
+    result, monkeypatch, change, said, at_once
+):
+    folder = result("beyond_reach")
+    if change is not None:
+        alter(folder, change, sign=True)
+    monkeypatch.setattr(impossibility_check, "AT_ONCE", at_once)
+    done: list[int] = []
+    watch = Watch(part=lambda number, _count: done.append(number), each=eagerly)
+    report = verify_directory(folder, watch=watch)
+    assert report == verify_directory(folder)
+    assert report.outcome is (Outcome.VALID if said is None else Outcome.REFUTED)
+    assert said is None or said in str(report.reason)
+    assert done == sorted(done)
+
+
+def test_several_processes_give_the_same_report(srgc_run, made):
+    folder = made("beyond_reach") / "out"
+    assert srgc_run("verify", folder, "--jobs", "2") == srgc_run("verify", folder)
 
 
 @pytest.mark.parametrize("field", ["evidence", "boxes"])

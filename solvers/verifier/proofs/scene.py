@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Protocol, TypeVar
 
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.dynamics.rigid_bodies import coordinates_for_intervals
@@ -20,6 +21,25 @@ from solvers.verifier.proofs.loop_set import Loop
 # --- Who watches a long proof: told how far it has come, and able to end it -----------------------
 
 
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+
+class Each(Protocol):
+    """Does each of some jobs."""
+
+    def __call__(
+        self, function: Callable[[Job], Result], jobs: Iterable[Job], /
+    ) -> Iterator[Result]:
+        """The results in the order of the jobs."""
+        ...
+
+
+def in_turn(function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
+    """One job after the other, when its result is asked for."""
+    return map(function, jobs)
+
+
 @dataclass(frozen=True, slots=True)
 class Watch:
     """What a proof calls as it goes on.
@@ -28,10 +48,13 @@ class Watch:
         tick: called again and again; what it raises ends the proof.
         part: told how many of all parts of the work are done: of the steps of a motion, or of the
             structures of a family.  Work that is done again begins at none.
+        each: does parts that do not depend on each other, perhaps in several processes: a function
+            found by its name in a module, and jobs that can be pickled.  Results are in order.
     """
 
     tick: Callable[[], None] = lambda: None
     part: Callable[[int, int], None] = lambda _done, _count: None
+    each: Each = field(default_factory=lambda: in_turn)
 
 
 UNWATCHED = Watch()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from textwrap import shorten
 
@@ -235,8 +235,9 @@ def follow(
                 robot.field, start, robot.inputs, ball(step), accuracy, error, robot.law, steps
             ):
                 watch.tick()
-                _check(found, segment)
                 last = last if segment.last is None else segment.last
+                # Conditions keep segments for their margins, whose sets of states are large.
+                _check(found, replace(segment, last=None))
                 if segment.steps[1].denominator == 1:
                     ends[int(segment.steps[1])] = segment.end
                     watch.part(int(segment.steps[1]), scene.task.steps)

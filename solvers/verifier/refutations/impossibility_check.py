@@ -12,13 +12,13 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from compiler.encodings.body_smt import body_script, body_scripts
 from compiler.encodings.pose_questions import body_conditions, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.candidate import candidates
+from compiler.robots.candidate import Candidate, candidates
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
@@ -36,6 +36,8 @@ from solvers.verifier.report import Outcome, Refused
 
 MOST_SHOWN = 80
 """Characters of a name in a message."""
+AT_ONCE = 8
+"""So many structures are checked in one go."""
 
 
 class FalseClaim(Exception):
@@ -112,29 +114,99 @@ def _structures(
     watch: Watch,
 ) -> list[bool]:
     """For each structure whether it is refuted by boxes."""
-    keys: list[str] = []
+    listed = _Listed(evidence, claim, candidates(family, bound, evidence.task.origin))
     proved: list[bool] = []
-    number = -1
-    for candidate in candidates(family, bound, evidence.task.origin):
+    for part in watch.each(_refuted, listed.parts()):
+        for by_boxes in part:
+            watch.tick()
+            # Structures that are robots met before have no job of their own.
+            listed.add_repeated(proved)
+            watch.part(len(proved), len(claim.structures))
+            proved.append(by_boxes)
+    listed.add_repeated(proved)
+    if listed.fault is not None:
+        raise listed.fault
+    if len(proved) != len(claim.structures):
+        raise FalseClaim("the claim lists structures that the family does not have")
+    return proved
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """A structure with evidence of its own."""
+
+    number: int
+    claimed: StructureClaim
+    model: RobotModel
+
+
+def _refuted(part: tuple[Evidence, list[_Question]]) -> list[bool]:
+    """Whether boxes refute each of some structures; see ``Evidence.refutes``."""
+    evidence, questions = part
+    return [evidence.refutes(q.number, q.claimed, q.model) for q in questions]
+
+
+@dataclass(slots=True)
+class _Listed:
+    """The structures of a claim, held against those of the family, in their order.
+
+    What is wrong with the list is a ``fault``, which counts once the evidence of all structures
+    before it has been checked: the same is said, however many of these are checked at once.
+    """
+
+    evidence: Evidence
+    claim: ImpossibleClaim
+    family: Iterator[Candidate]
+    first: list[int | None] = field(default_factory=list[int | None])
+    """For each structure the earlier one that is the same robot."""
+    keys: list[str] = field(default_factory=list[str])
+    fault: FalseClaim | None = None
+
+    def parts(self) -> Iterator[tuple[Evidence, list[_Question]]]:
+        """The structures that have evidence of their own, some at a time."""
+        some: list[_Question] = []
+        try:
+            for candidate in self.family:
+                question = self._question(candidate)
+                if question is not None:
+                    some.append(question)
+                if len(some) == AT_ONCE:
+                    yield self.evidence, some
+                    some = []
+        except FalseClaim as fault:
+            self.fault = fault
+        if some:
+            yield self.evidence, some
+
+    def add_repeated(self, proved: list[bool]) -> None:
+        """Append what is known of structures that come next and are robots met before."""
+        while len(proved) < len(self.first):
+            first = self.first[len(proved)]
+            if first is None:
+                break
+            proved.append(proved[first])
+
+    def _question(self, candidate: Candidate) -> _Question | None:
+        """What has to be checked of a structure; None where that was done.
+
+        Raises:
+            FalseClaim: the claim does not have it, or has another one in its place.
+        """
         number, derivation = candidate.number, candidate.derivation
-        if number >= len(claim.structures):
+        if number >= len(self.claim.structures):
             raise FalseClaim(f"structure {number} is missing: {' '.join(derivation.word)}")
-        watch.tick()
-        watch.part(number, len(claim.structures))
-        claimed = claim.structures[number]
+        claimed = self.claim.structures[number]
         if (claimed.word, claimed.derivation) != (derivation.word, derivation.labels):
             raise FalseClaim(f"structure {number} is not {' '.join(derivation.word)}")
         model = candidate.model
         if model is None:
             raise FalseClaim(f"structure {number} is no robot: {candidate.fault}")
-        keys.append(robot_key_in_task(model, evidence.task))
+        self.keys.append(robot_key_in_task(model, self.evidence.task))
         if claimed.same_robot_as is not None:
-            proved.append(proved[_same(number, claim, keys)])
-        else:
-            proved.append(evidence.refutes(number, claimed, model))
-    if number + 1 != len(claim.structures):
-        raise FalseClaim("the claim lists structures that the family does not have")
-    return proved
+            self.first.append(_same(number, self.claim, self.keys))
+            return None
+        self.first.append(None)
+        return _Question(number, claimed, model)
 
 
 def _same(number: int, claim: ImpossibleClaim, keys: list[str]) -> int:
