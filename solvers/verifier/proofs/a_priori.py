@@ -42,6 +42,9 @@ from solvers.verifier.proofs.vector_field import VectorField
 
 MOST_TRIALS = 6
 COMPARISON_TERMS = 8
+MOST_RATIO = 0.5
+"""Terms of a series that is cut off get smaller by this factor at least."""
+LEAST_WEIGHT, WEIGHT_ROUNDS = arb(2) ** -60, 3
 FIRST_INFLATION, FURTHER_INFLATION = arb(1.25), arb(1.125)
 DEFECT_INFLATION = 16
 LEAST_INFLATION = arb(2) ** -200
@@ -126,24 +129,44 @@ def comparison(rates: arb_mat, push: Sequence[arb], start: Sequence[arb], time: 
     """Bounds of y(time), y' = J y + k, y(0) = start, all entries being non-negative.
 
     The Taylor terms y_j of y obey y_{j+1} = J y_j / (j + 1) from the second on; the tail of the
-    series is at most the geometric one in the norm of the largest entry.
+    series is at most the geometric one in the norm max |y_i| / w_i, whatever w > 0: w = 1, or where
+    entries differ by orders of magnitude, as those of a shoulder and a wrist, about y itself.
 
     Raises:
         ZeroDivisionError: J time is too large for the series to be cut off.
     """
-    size = len(push)
     scaled = rates * time
     term = scaled * column(start) + column(push) * time
     total = column(start) + term
     for j in range(2, COMPARISON_TERMS + 1):
         term = scaled * term * (arb(1) / j)
         total = total + term
-    row_sums = [sum((abs(scaled[i, j]) for j in range(size)), arb(0)) for i in range(size)]
-    ratio = _largest(row_sums) / (COMPARISON_TERMS + 1)
-    if not ratio < 0.5:
+    weights = [arb(1)] * len(push)
+    ratio = _growth(scaled, weights)
+    if not ratio < MOST_RATIO:
+        weights = _weights(scaled, total)
+        ratio = _growth(scaled, weights)
+    if not ratio < MOST_RATIO:
         raise ZeroDivisionError("the comparison system grows too fast")
-    tail = _largest([abs(term[i, 0]) for i in range(size)]) * ratio / (1 - ratio)
-    return [(total[i, 0] + tail).upper() for i in range(size)]
+    sizes = [abs(x) / w for x, w in zip(term.entries(), weights, strict=True)]
+    tail = _largest(sizes) * ratio / (1 - ratio)
+    return [(x + w * tail).upper() for x, w in zip(total.entries(), weights, strict=True)]
+
+
+def _growth(scaled: arb_mat, weights: Sequence[arb]) -> arb:
+    """By how much the term after the last one may be larger, in the norm with these weights."""
+    moved = absolute(scaled) * column(weights)
+    ratios = [x / w for x, w in zip(moved.entries(), weights, strict=True)]
+    return _largest(ratios) / (COMPARISON_TERMS + 1)
+
+
+def _weights(scaled: arb_mat, total: arb_mat) -> list[arb]:
+    """Weights in which what a matrix adds to an entry is no larger than that by orders."""
+    least = _largest(total.entries()) * LEAST_WEIGHT
+    weights = column([item.upper().max(least) for item in total.entries()])
+    for _ in range(WEIGHT_ROUNDS):
+        weights = (weights + absolute(scaled) * weights).mid()
+    return [item if item > 0 else arb(1) for item in weights.entries()]
 
 
 def _largest(values: Sequence[arb]) -> arb:
