@@ -151,7 +151,7 @@ KINDS: Mapping[str, Kind] = {
     "obstacles": Kind(obstacles, (30, 100, 300, 1000), (("check", "{spec}"), SYNTH, VERIFY)),
     "pixels": Kind(pixels, (1000, 5000, 20000), (("check", "{spec}"), SYNTH, VERIFY)),
     "steps": Kind(steps, (60, 200, 600, 2000, 6000), (SYNTH, VERIFY)),
-    "modules": Kind(modules, (6, 7, 8, 9, 10), (SYNTH, VERIFY)),
+    "modules": Kind(modules, (6, 7, 8, 9), (SYNTH, VERIFY)),
 }
 
 

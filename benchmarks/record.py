@@ -61,6 +61,11 @@ BENCHMARKS = {
         "Random rectangles into cells with adjacency, against TuLiP's library of polytopes.",
         "benchmarks/partition.py",
     ),
+    "outgrown": Benchmark(
+        "What users may outgrow",
+        "Whole processes on up to 1,000 obstacles, 20,000 pixels, 6,000 steps, 3,025 structures.",
+        "benchmarks/outgrown.py",
+    ),
     "search": Benchmark(
         "Search of parameters",
         "Evaluations until a good design, of six methods, with intervals over 20 seeds.",
@@ -68,7 +73,7 @@ BENCHMARKS = {
     ),
     "control": Benchmark(
         "Control synthesis",
-        "The robustness of one arm on one path, against IPOPT and cvxpy.",
+        "The robustness of one arm on one path, against IPOPT, FATROP and cvxpy.",
         "benchmarks/control.py -o out/control/growth.svg",
     ),
     "codesign": Benchmark(
