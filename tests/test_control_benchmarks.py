@@ -20,6 +20,7 @@ from solvers.parameters.parameter_search import parameter_space
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlProblem
 from solvers.trajectory.convex_step import PositionRows
+from solvers.trajectory.trajectory import Trajectory
 
 ROOT = Path(__file__).resolve().parents[1]
 STEPS = 21
@@ -35,18 +36,21 @@ def shared() -> Shared:
     return one, problem, rows, synthesise_control(problem, one.seed).robustness
 
 
+def is_kept(problem: ControlProblem, rows: PositionRows, at: Trajectory, margin: float) -> None:
+    """The motion is one of our robot, within the same bounds."""
+    after = problem.numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
+    assert np.max(np.abs(after - at.x[1:])) < 1e-6
+    places = problem.numeric.points(at.x[:, : problem.numeric.n], at.theta)
+    assert np.max(rows.excess(places)) < 1e-6
+    assert problem.scale - np.max(np.abs(at.u)) == pytest.approx(margin, abs=1e-6)
+
+
 def test_ipopt_and_our_control_synthesis_have_the_same_optimum(shared: Shared) -> None:
     one, problem, rows, rho = shared
     answer = ipopt_problem(problem, rows, STEPS, one.theta).solve(one.seed)
     assert answer.solved
     assert answer.margin == pytest.approx(rho, rel=AGREEMENT)
-    # Its motion is one of our robot, within the same bounds.
-    at = answer.trajectory
-    after = problem.numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
-    assert np.max(np.abs(after - at.x[1:])) < 1e-6
-    places = problem.numeric.points(at.x[:, : problem.numeric.n], at.theta)
-    assert np.max(rows.excess(places)) < 1e-6
-    assert problem.scale - np.max(np.abs(at.u)) == pytest.approx(answer.margin, abs=1e-6)
+    is_kept(problem, rows, answer.trajectory, answer.margin)
 
 
 @pytest.mark.parametrize("solver", ["fatrop", "ipopt"])
@@ -59,11 +63,7 @@ def test_the_problem_stage_by_stage_has_the_same_optimum(
     answer = stages.staged_problem(problem, rows, STEPS, one.theta, solver).solve(one.seed)
     assert answer.solved
     assert answer.margin == pytest.approx(rho, rel=AGREEMENT)
-    at = answer.trajectory
-    after = problem.numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
-    assert np.max(np.abs(after - at.x[1:])) < 1e-6
-    places = problem.numeric.points(at.x[:, : problem.numeric.n], at.theta)
-    assert np.max(rows.excess(places)) < 1e-6
+    is_kept(problem, rows, answer.trajectory, answer.margin)
 
 
 def test_the_optimum_depends_on_the_half_planes(shared: Shared) -> None:

@@ -14,7 +14,7 @@ import pytest
 from compiler.workspaces.abstraction import abstract
 from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, from_text, to_text
-from solvers.verifier.refutations.impossibility_check import misstated_separation
+from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.formulas import TWO_ARMS, program, spec

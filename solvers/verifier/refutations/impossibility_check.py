@@ -22,9 +22,8 @@ from compiler.robots.candidate import Candidate, candidates
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
-from compiler.tasks.necessary import stops, task_avoidance
 from compiler.words.structures import InfiniteAmbiguityError
-from compiler.workspaces.abstraction import Abstraction, PassableCells, abstract
+from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
 from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
@@ -32,6 +31,7 @@ from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim
 from solvers.verifier.claims.spec_copy import evidence_bytes
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.refutations.box_check import why_not
+from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.report import Outcome, Refused
 
 MOST_SHOWN = 80
@@ -116,14 +116,21 @@ def _structures(
     """For each structure whether it is refuted by boxes."""
     listed = _Listed(evidence, claim, candidates(family, bound, evidence.task.origin))
     proved: list[bool] = []
+
+    def add(by_boxes: bool) -> None:  # noqa: FBT001
+        watch.tick()
+        watch.part(len(proved), len(claim.structures))
+        proved.append(by_boxes)
+
+    def add_repeated() -> None:
+        while (first := listed.earlier(len(proved))) is not None:
+            add(proved[first])
+
     for part in watch.each(_refuted, listed.parts()):
         for by_boxes in part:
-            watch.tick()
-            # Structures that are robots met before have no job of their own.
-            listed.add_repeated(proved)
-            watch.part(len(proved), len(claim.structures))
-            proved.append(by_boxes)
-    listed.add_repeated(proved)
+            add_repeated()
+            add(by_boxes)
+    add_repeated()
     if listed.fault is not None:
         raise listed.fault
     if len(proved) != len(claim.structures):
@@ -178,13 +185,9 @@ class _Listed:
         if some:
             yield self.evidence, some
 
-    def add_repeated(self, proved: list[bool]) -> None:
-        """Append what is known of structures that come next and are robots met before."""
-        while len(proved) < len(self.first):
-            first = self.first[len(proved)]
-            if first is None:
-                break
-            proved.append(proved[first])
+    def earlier(self, number: int) -> int | None:
+        """The structure before one that is the same robot; None if it has evidence of its own."""
+        return self.first[number] if number < len(self.first) else None
 
     def _question(self, candidate: Candidate) -> _Question | None:
         """What has to be checked of a structure; None where that was done.
@@ -294,44 +297,6 @@ class Evidence:
 def _shown(name: str) -> str:
     """A name of a file as a message has it: a certificate may name anything."""
     return visible(name[:MOST_SHOWN]) or "``"
-
-
-# --- The check that two places are cut off from each other by cells, for every robot --------------
-
-
-def misstated_separation(
-    program: ir.Program, task: ir.Task, abstraction: Abstraction, claim: SeparationClaim
-) -> str | None:
-    """Why a claim that two places are cut off is refused, or None: then it is proved.
-
-    Args:
-        program: the program.
-        task: the task.
-        abstraction: the cells of its workspace, without cuts.
-        claim: the claim; its cells have to be closed under touching, beside avoided ones.
-    """
-    found = [stop.region for stop in stops(program, task) if stop.effector == claim.effector]
-    if {claim.source, claim.target} - set(found):
-        return "the task does not bring one effector into both regions of the separation"
-    avoided = task_avoidance(task, claim.effector)
-    if set(claim.avoided) - set(avoided):
-        return "the separation names a region that the task does not avoid"
-    known = {cell.name: i for i, cell in enumerate(abstraction.cells)}
-    if set(claim.cells) - set(known):
-        return "the separation names an unknown cell"
-    space = PassableCells(abstraction, program.workspaces[task.workspace])
-    free, cells = space.free(claim.avoided), frozenset(known[name] for name in claim.cells)
-    if not cells <= free:
-        return "the separation has an avoided cell"
-    if not space.meeting(claim.source) & free <= cells:
-        return f"a cell that meets `{claim.source}` is missing from the separation"
-    if cells & space.meeting(claim.target):
-        return f"a cell of the separation meets `{claim.target}`"
-    if any(
-        (i in cells) != (j in cells) and i in free and j in free for i, j in abstraction.touches
-    ):
-        return "a cell that touches one of the separation is missing from it"
-    return None
 
 
 # --- z3 on the text of an SMT-LIB 2 script in a process of its own --------------------------------
