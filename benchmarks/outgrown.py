@@ -208,7 +208,7 @@ def main() -> None:
                     found = run(filled, options.seconds)
                     took = f"{found.seconds:.2f}" if found.status >= 0 else f"> {found.seconds:.0f}"
                     print(f"  {size:>6} {command[0]:<7}{took:>9} s {found.mebibytes:>6.0f} MiB  "
-                          f"{found.line[:90]}", flush=True)  # fmt: skip
+                          f"{found.line.replace(f'{scratch}/', '')[:90]}", flush=True)  # fmt: skip
                     if found.status < 0:
                         break
                     times.setdefault(command[0], []).append((size, found.seconds))
