@@ -18,6 +18,7 @@ from compiler.dynamics.kinematics import (
     own_coordinates,
     own_motion,
 )
+from compiler.dynamics.spatial_inertia import inertia_tensor
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluator import evaluate_expression
 from compiler.robots.robot import (
@@ -60,15 +61,7 @@ def inertia_of(
         case PointBody(frame, mass_scalar):
             return at.scalars[mass_scalar], at.origins[frame], ca.SX.zeros(3, 3)
         case SolidBody(frame, mass_scalar, com_local, inertia):
-            local = ca.SX.zeros(3, 3)
-            items = [at.scalars[i] for i in inertia]
-            if len(items) == 1:
-                local[2, 2] = items[0]
-            else:
-                places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
-                for (row, column), item in zip(places, items, strict=True):
-                    local[row, column] = item
-                    local[column, row] = item
+            local = inertia_tensor([at.scalars[i] for i in inertia])
             turn = at.orientations[frame].matrix()
             return at.scalars[mass_scalar], at.point(frame, com_local), turn @ local @ turn.T
 

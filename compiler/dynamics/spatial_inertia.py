@@ -98,13 +98,13 @@ def spatial_inertia(body: Body, at: Kinematics, constants: SymbolicEvaluator) ->
         case SolidBody(_, mass_scalar, com, inertia):
             mass = at.scalars[mass_scalar]
             centre = ca.vertcat(*(constants.unfolded(at.scalars[i]) for i in com))
-            own = _inertia([at.scalars[i] for i in inertia])
+            own = inertia_tensor([at.scalars[i] for i in inertia])
             about = mass * _about(centre @ centre.T)
             return SpatialInertia(mass, mass * centre, own + about)
 
 
-def _inertia(items: list[ca.SX]) -> ca.SX:
-    """The tensor of one number in the plane, or of six in space."""
+def inertia_tensor(items: list[ca.SX]) -> ca.SX:
+    """The tensor (3, 3) of one number in the plane, or of six in space."""
     tensor = ca.SX(3, 3)
     if len(items) == 1:
         tensor[2, 2] = items[0]

@@ -155,7 +155,7 @@ def comparison(rates: arb_mat, push: Sequence[arb], start: Sequence[arb], time: 
 
 def _growth(scaled: arb_mat, weights: Sequence[arb]) -> arb:
     """By how much the term after the last one may be larger, in the norm with these weights."""
-    moved = absolute(scaled) * column(weights)
+    moved = scaled * column(weights)
     ratios = [x / w for x, w in zip(moved.entries(), weights, strict=True)]
     return _largest(ratios) / (COMPARISON_TERMS + 1)
 
@@ -165,7 +165,7 @@ def _weights(scaled: arb_mat, total: arb_mat) -> list[arb]:
     least = _largest(total.entries()) * LEAST_WEIGHT
     weights = column([item.upper().max(least) for item in total.entries()])
     for _ in range(WEIGHT_ROUNDS):
-        weights = (weights + absolute(scaled) * weights).mid()
+        weights = (weights + scaled * weights).mid()
     return [item if item > 0 else arb(1) for item in weights.entries()]
 
 

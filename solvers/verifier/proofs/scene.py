@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol, TypeVar
 
@@ -54,7 +54,7 @@ class Watch:
 
     tick: Callable[[], None] = lambda: None
     part: Callable[[int, int], None] = lambda _done, _count: None
-    each: Each = field(default_factory=lambda: in_turn)
+    each: Each = in_turn
 
 
 UNWATCHED = Watch()
