@@ -2,28 +2,38 @@
 
 Arms of two to seven joints, about z and y in turn, with solid links of which nothing is aligned,
 swing for one second.  Either proof is made in this process, in turn; only their arithmetic differs.
+Then arms that one can buy (``arms``), with the motions that ``srgc synth`` finds for them.
 
-    python benchmarks/proofs.py --joints 2 4 6
+    python benchmarks/proofs.py --joints 2 4 6 --arms ur5
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
 from statistics import median
 
 from control_curves import exponent
-from timing import machine, seconds
+from timing import ROOT, SRGC, machine, process, seconds
 
 from compiler.expressions.exact_numbers import exact_decimal
 from solvers.verifier.claims.certificate import FoundClaim, spec_digest, to_text
 from solvers.verifier.proofs import tube_proof
 from solvers.verifier.verification import Outcome, verify_directory
 
+ARMS: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "timor": ("timor", {}),
+    "ur5": ("ur5", {}),
+    "timor_six": (
+        "timor",
+        {"count(Turn) == 4": "count(Turn) == 6", "modules <= 7": "modules <= 9"},
+    ),
+}
+"""Arms of four, six and six joints: a file in ``arms``, and what is changed in it."""
 STEPS, DT, BOUND = 20, Fraction(1, 20), 40
 SPEC = """\
 module B {{ role base; }}
@@ -127,10 +137,35 @@ def measured(folder: Path, rounds: int) -> tuple[float, float, float]:
     return arb, doubles, median(a / b for a, b in pairs)
 
 
+def print_arms(names: Sequence[str], rounds: int, scratch: Path) -> None:
+    """A line for each of the arms in ``arms``: its proof, and whole cold processes."""
+    print(f"\n{'arm':<11}{'arb s':>10}{'doubles s':>11}{'ratio':>8}{'synth s':>9}{'verify s':>10}")
+    for name in names:
+        folder, spec = scratch / name, _arm(name, scratch)
+        synth = process([*SRGC, "synth", str(spec), "-o", str(folder)]).cpu
+        check(folder)
+        arb, doubles, ratio = measured(folder, rounds)
+        verify = median(process([*SRGC, "verify", str(folder)]).cpu for _ in range(rounds))
+        times = f"{arb:>10.3f}{doubles:>11.3f}{ratio:>8.2f}{synth:>9.2f}{verify:>10.2f}"
+        print(f"{name:<11}{times}", flush=True)
+
+
+def _arm(name: str, scratch: Path) -> Path:
+    """The file of an arm."""
+    file, changes = ARMS[name]
+    text = (ROOT / "benchmarks" / "arms" / f"{file}.srg").read_text(encoding="utf-8")
+    for before, after in changes.items():
+        text = text.replace(before, after)
+    found = scratch / f"{name}.srg"
+    found.write_text(text, encoding="utf-8")
+    return found
+
+
 def main() -> None:
-    """Measure and print a table."""
+    """Measure and print tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--joints", type=int, nargs="+", default=[2, 3, 4, 5, 6, 7])
+    parser.add_argument("--arms", nargs="*", choices=tuple(ARMS), default=tuple(ARMS))
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
     print(machine())
@@ -144,8 +179,10 @@ def main() -> None:
             times.append(doubles)
             step = 1000 * doubles / STEPS
             print(f"{joints:>6}{arb:>10.3f}{doubles:>11.3f}{ratio:>8.2f}{step:>11.1f}", flush=True)
-    if len(times) > 1:
-        print(f"exponent of the time in doubles {exponent(options.joints, times)[0]:.2f}")
+        if len(times) > 1:
+            print(f"exponent of the time in doubles {exponent(options.joints, times)[0]:.2f}")
+        if options.arms:
+            print_arms(options.arms, options.rounds, Path(made))
 
 
 if __name__ == "__main__":

@@ -52,7 +52,11 @@ def test_the_benchmark_runs():
 @pytest.mark.slow
 def test_both_arithmetics_are_measured():
     command = [sys.executable, "benchmarks/proofs.py", "--rounds", "1", "--joints", "2", "4"]
+    command += ["--arms", "timor"]
     ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    arm = next(line.split() for line in ran.stdout.splitlines() if line.startswith("timor"))
+    assert float(arm[1]) > float(arm[2]) > 0
+    assert float(arm[4]) > float(arm[2])
     rows = [line.split() for line in ran.stdout.splitlines() if line[:6].strip().isdigit()]
     assert [row[0] for row in rows] == ["2", "4"]
     for _, arb, doubles, ratio, *_ in rows:
