@@ -59,7 +59,7 @@ def result(task: GravityTask, tree: Path, folder: Path, limit: int) -> dict[str,
         "seed": task.seed,
         "text_sha256": hashlib.sha256(task.text.encode()).hexdigest(),
         "links": sum(length > 0 for length in task.arm.lengths),
-        "space": task.arm.height > 0,
+        "space": task.arm.base[2] > 0,
         "verdict": VERDICTS.get(status, "out of time" if status < 0 else f"exit status {status}"),
         "cpu_seconds": round(seconds, 1),
     }

@@ -14,15 +14,13 @@ from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.generated_gravity_tasks import (
     EFFORT_SHARE,
-    FINE,
     MARGIN,
-    PAYLOAD,
     GravityTask,
-    RodArm,
     gravity_task,
 )
 from tests.oracles.hand_arms import HandArm, SimulatedArm
 from tests.oracles.hand_motions import sampled_motion
+from tests.oracles.rod_chains import FINE, RodChain
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results" / "gravity"
 QUICK_SEEDS = (3, 7, 10)
@@ -30,23 +28,27 @@ FOUND_SEEDS = (3, 6, 9)
 made = cache(gravity_task)
 
 
-def simulated(arm: RodArm) -> SimulatedArm:
+def simulated(arm: RodChain) -> SimulatedArm:
     """The same arm for MuJoCo."""
-    built = HandArm().move(z=arm.height)
+    built = HandArm().move(*arm.base)
     for i, (axis, length) in enumerate(zip(arm.axes, arm.lengths, strict=True)):
-        built.joint(i, "xyz".index(axis))
+        slides = axis.isupper()
+        built.joint(i, "xyz".index(axis.lower()), "slide" if slides else "hinge")
+        if slides:
+            built.point(arm.carriage)
         mass = arm.density * length
         if length:
             moment = mass * length**2 / 12
             built.solid(mass, (length / 2, 0, 0), (0, moment, moment)).move(length)
-    return SimulatedArm(built.point(PAYLOAD).effector(), arm.down)
+    return SimulatedArm(built.point(arm.payload).effector(), arm.down)
 
 
-@pytest.mark.parametrize("axes", ["zz", "zzzz", "zyy"])
+@pytest.mark.parametrize("axes", ["zz", "zzzz", "zyy", "XY", "zXy", "XzYyZ", "zxyZz"])
 def test_accelerations_are_those_of_mujoco(axes: str) -> None:
-    lengths = (0.4, 0.7, 0.3, 0.5)[: len(axes)]
-    down = (0.0, 0.0, -9.81) if "y" in axes else (0.0, -9.81, 0.0)
-    arm = RodArm(axes, (0.0, *lengths[1:]) if "y" in axes else lengths, 1.3, 0.5, down)
+    lengths = (0.4, 0.7, 0.3, 0.5, 0.6)[: len(axes)]
+    down = (0.0, -9.81, 0.0) if axes in ("zz", "zzzz") else (0.3, 0.2, -9.81)
+    rods = (0.0, *lengths[1:]) if "y" in axes else lengths
+    arm = RodChain(axes, rods, 1.3, (0.1, 0.0, 0.5), down, carriage=0.7)
     other, rng = simulated(arm), np.random.default_rng(1)
     for _ in range(10):
         state, u = rng.normal(size=2 * len(axes)), rng.normal(size=len(axes)) * 10
@@ -66,7 +68,7 @@ def test_a_reference_motion_keeps_its_task(seed: int) -> None:
     assert (np.abs(motion.states[:, :count]) < task.ranges).all()
     tips = motion.tips[:, 0]
     for spot, (low, high) in ((tips[0], task.home), (tips[-1], task.goal)):
-        assert ((low + 0.02 < spot) & (spot < high - 0.02))[: 3 if task.arm.height else 2].all()
+        assert ((low + 0.02 < spot) & (spot < high - 0.02))[: 3 if task.arm.base[2] else 2].all()
     for block in task.blocks:
         assert block.distances(tips).min() > MARGIN
         if task.body:
