@@ -78,7 +78,8 @@ class PathSamples:
 class Configuration:
     """The best outcome for a path: its entry steps and its cells.
 
-    ``samples`` are all parameters that were evaluated, in order.  ``calm`` says that rates had a
+    ``samples`` are all parameters that were evaluated, in order.  Where it is not ``bound`` to its
+    cells, the motion keeps to those at its ends alone.  ``calm`` says that rates had a
     price; ``calmed``, that such a motion was looked for, whether or not there is one.
     """
 
@@ -86,6 +87,7 @@ class Configuration:
     entries: Entries
     cells: tuple[int, ...]
     samples: tuple[Sample, ...] = ()
+    bound: bool = True
     calm: bool = False
     calmed: bool = False
 
@@ -108,6 +110,13 @@ def search_configuration(
     entries = path_problem.waypoints()[1]
     ranked = sorted(search.polished(entries), key=lambda outcome: -search.worth(outcome))
     samples, calm = tuple(search.samples), path_problem.rates > 0
+    if not path_problem.in_joints and not any(each.feasible for each in ranked):
+        # Tracking a line through cells may lead nowhere, where a way in joint space does.
+        other = replace(path_problem, in_joints=True)
+        found = search_configuration(other, f"{label}|joints", context, evaluations)
+        if found.outcome.robustness > ranked[0].robustness:
+            return replace(found, samples=samples + found.samples)
+        samples += found.samples
     regulated = [each.regulated for each in ranked if each.feasible]
     closed = path_problem.task.control != "open loop" and bool(regulated) and all(regulated)
     if closed and not calm:
@@ -116,8 +125,9 @@ def search_configuration(
             return replace(slower, samples=samples + slower.samples)
         samples += slower.samples
     top = _best(ranked, path_problem, entries, context)
+    bound = top.path_problem.bound
     return Configuration(
-        top.outcome, top.entries, top.path_problem.cells, samples, calm, closed or calm
+        top.outcome, top.entries, top.path_problem.cells, samples, bound, calm, closed or calm
     )
 
 
@@ -146,12 +156,18 @@ def searched_further(
 def _best(
     ranked: list[ControlOutcome], path_problem: PathProblem, entries: Entries, context: RunContext
 ) -> Timed:
-    """The first of ranked outcomes that keeps to its cells; else the first of all."""
+    """The first of ranked outcomes, bound to its cells where it can be.
+
+    Cells guide the search and do not judge: a motion that does its task without them stays as it
+    is, but for tours, which have to close.
+    """
     for outcome in ranked:
         if outcome.feasible:
             timed = bound_to_cells(path_problem, outcome, entries, context)
             if timed is not None:
                 return timed
+            if path_problem.loop is None:
+                return Timed(replace(path_problem, bound=False), outcome, entries)
     top = ranked[0]
     return Timed(path_problem, replace(top, feasible=False), entries)
 

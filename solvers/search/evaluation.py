@@ -38,7 +38,7 @@ from solvers.trajectory.trajectory import Trajectory
 
 RADIUS = 0.5
 NEAR = 0.1
-"""Metres by which a seed may leave the path in any case."""
+"""Units of length by which a seed may leave the path in any case."""
 FARTHER = 2.0
 """Or so many times what the best seed leaves it by."""
 ARRAY = "float64"
@@ -142,7 +142,7 @@ def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajec
     so by far, while another hardly does, would only take time.
     """
     gaps = [_excess(problem, seed) for seed in seeds]
-    most = max(NEAR, FARTHER * min(gaps, default=0.0))
+    most = max(NEAR * problem.unit, FARTHER * min(gaps, default=0.0))
     return [seed for seed, gap in zip(seeds, gaps, strict=True) if gap <= most]
 
 

@@ -23,8 +23,9 @@ from solvers.search.configuration_search import Configuration
 from solvers.trajectory.control import shortfall
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.trajectory.fine_motion import BEYOND
-from solvers.trajectory.path_following import LEAST_MARGIN, SUBSTEPS, PathProblem
+from solvers.trajectory.path_following import SUBSTEPS, PathProblem
 from solvers.trajectory.round_set import LEAST_SLACK
+from solvers.trajectory.task_size import LEAST_MARGIN, least_margin
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,
     LoopClaim,
@@ -67,7 +68,7 @@ class PathTask:
             cells,
             leader,
             path,
-            LEAST_MARGIN,
+            least_margin(self.program.workspaces[self.task.workspace], self.task),
             self.seed,
             substeps=stable_parts(self.numeric, float(self.task.step), SUBSTEPS),
             recorded=recorded,
@@ -156,7 +157,8 @@ def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
 # --- What a motion is asked to keep free, and how that grows where a proof did not go through -----
 
 
-MARGINS = (LEAST_MARGIN, 5e-3, 1.5e-2, 4e-2, 0.1)
+WIDENINGS = (1.0, 2.5, 7.5, 20.0, 50.0)
+"""How many times as wide as at first margins get."""
 LEAST_GROWTH = 0.4
 """By at least this part of itself grows what is left for disturbed motions."""
 MOST_SPREADS = 20.0
@@ -168,21 +170,27 @@ WIDEST = 1.0
 
 @dataclass(frozen=True, slots=True)
 class ConstraintTightening:
-    """A margin in metres, the same everywhere, and the number of spreads of disturbed motions.
+    """A margin, the same everywhere, and the number of spreads of disturbed motions.
 
-    Those grow with time, and so does the tightening; a tube of all disturbed motions is wider than
+    It is the ``least`` one (m), ``widened`` so many times.  Spreads grow with time, and so does the tightening; a tube of all disturbed motions is wider than
     their spread to first order.  ``slack`` is the part by which the set of a loop is larger than
     its estimate.
     """
 
-    margin: float = MARGINS[0]
+    least: float = LEAST_MARGIN
+    widened: int = 0
     spreads: float = 1.0
     slack: float = LEAST_SLACK
 
     @property
     def is_last(self) -> bool:
         """Whether no wider margin is left."""
-        return self.margin >= MARGINS[-1]
+        return self.widened == len(WIDENINGS) - 1
+
+    @property
+    def margin(self) -> float:
+        """The margin in metres."""
+        return self.least * WIDENINGS[self.widened]
 
     def wider(
         self, lacking: float, spread: DisturbanceSpread | None, beyond: float = 0.0
@@ -198,8 +206,7 @@ class ConstraintTightening:
             slack = (1 + self.slack) * (1 + max(LEAST_GROWTH, BEYOND * beyond)) - 1
             return replace(self, slack=slack) if slack <= MOST_SLACK else None
         if spread is None or lacking <= 0:
-            margin = next((item for item in MARGINS if item > self.margin), None)
-            return None if margin is None else replace(self, margin=margin)
+            return None if self.is_last else replace(self, widened=self.widened + 1)
         growth = 1 + max(LEAST_GROWTH, BEYOND * lacking)
         if growth * self.spreads > MOST_SPREADS or growth * spread.widest > WIDEST:
             return None

@@ -329,7 +329,7 @@ class StructureSearch:
                 found = slower if slower.outcome.feasible else found
             given = calmer(path_problem) if found.calm else path_problem
             along = given.along(found.cells, found.entries)
-            closed = replace(along, feedback=feedback, refines=feedback)
+            closed = replace(along, feedback=feedback, refines=feedback, bound=found.bound)
             attempt = self.with_margins(closed, found)
             if attempt.design is not None:
                 break
@@ -337,7 +337,7 @@ class StructureSearch:
 
     def with_margins(self, path_problem: PathProblem, found: Configuration) -> Attempt:
         """A proved design with as much tightening as that takes."""
-        tightening: ConstraintTightening | None = ConstraintTightening()
+        tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
         tried = ""
         while tightening is not None:
             wider = self.tightened(path_problem, found.outcome.trajectory, tightening)

@@ -8,7 +8,7 @@ Fictitious inputs are offered, at an exact penalty, as long as a step needs them
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,14 +60,14 @@ COARSE = 1e-5
 """The accuracy of programs whose steps cause larger errors themselves; polishing steps have the
 full."""
 NEAR = 0.1
-"""Metres up to which a seed that breaks its half-planes is tried without fictitious inputs."""
+"""Units of length up to which a seed that breaks its half-planes is tried without fictitious inputs."""
 NOT_FINITE = "not finite"
 CONVEX_STEP = "convex step"
 """The status begins so where a convex step was not solved last."""
 WORST = 10.0
 """The largest violation that is told apart, in units of the effort bound."""
 EXCESS = 1e-4
-"""Position excess in metres that the margin absorbs."""
+"""Position excess, in units of length, that the margin absorbs."""
 LIMIT_EXCESS = 1e-4
 """The same for joint limits and rates, in rad or m (/s)."""
 DEFECT = 1e-3
@@ -138,10 +138,9 @@ class _Iteration:
 
     def strayed(self, trial: MeasuredMotion, result: StepResult) -> bool:
         """Whether linearisation caused defects that are larger than before, and not small."""
-        scale = self.problem.scale
-        beyond = trial.infeasibility(scale) - _conceded(result, scale)
+        beyond = trial.infeasibility(self.problem) - _conceded(result, self.problem)
         return self.used > FREE_STEPS and beyond > max(
-            FUNNEL, 2 * self.current.infeasibility(scale)
+            FUNNEL, 2 * self.current.infeasibility(self.problem)
         )
 
     def hold(self) -> None:
@@ -160,7 +159,7 @@ class _Iteration:
             self.level = max(DEFECT, LEVEL_DECAY * self.level)
         self.gained = gained
         level = self.level
-        caused = after.infeasibility(self.problem.scale)
+        caused = after.infeasibility(self.problem)
         factor = next((f for times, f in PRICES if caused <= times * level), PROXIMAL_GROWTH)
         if self.used > FREE_STEPS and gained < -self.budget.tolerance:
             factor = PROXIMAL_GROWTH
@@ -169,8 +168,7 @@ class _Iteration:
 
     def ended(self, result: StepResult, trial: MeasuredMotion, gained: float) -> bool:
         """Whether nothing is gained any more, or violations remain that no step reduces."""
-        scale = self.problem.scale
-        conceded = _conceded(result, scale)
+        conceded = _conceded(result, self.problem)
         self.stuck = self.stuck + 1 if conceded > STUCK * self.conceded > STUCK * NEEDED else 0
         self.conceded, self.best = conceded, self.worth(result, trial)
         self.fictitious = conceded > NEEDED
@@ -178,7 +176,7 @@ class _Iteration:
             self.status = "violations remain"
             return self.stuck > self.budget.quiet
         self.status = "fixpoint"
-        if abs(gained) >= self.budget.tolerance or trial.infeasibility(scale) >= self.budget.calm:
+        if abs(gained) >= self.budget.tolerance or trial.infeasibility(self.problem) >= self.budget.calm:
             self.quiet = 0
             return False
         self.quiet += 1
@@ -200,9 +198,9 @@ class _Iteration:
             self.current = trial
 
 
-def _conceded(result: StepResult, scale: float) -> float:
+def _conceded(result: StepResult, problem: ControlProblem) -> float:
     """The infeasibility that the convex step itself could not avoid."""
-    return result.largest_fictitious / scale + result.position_slack
+    return result.largest_fictitious / problem.scale + result.position_slack / problem.unit
 
 
 def synthesise_control(
@@ -224,10 +222,14 @@ def synthesise_control(
     if current is None:
         return _hopeless(problem, start)
     prices = weights or Weights(rates=problem.rates, mobility=problem.mobility)
-    question = SubproblemSpec(problem.limits, problem.groups, theta_box, prices)
+    prices = replace(prices, position=prices.position / problem.unit)
+    question = SubproblemSpec(
+        problem.limits, problem.groups, theta_box, prices, unit=problem.unit
+    )
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
     # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
-    iteration = _Iteration(problem, step, budget, region, current, fictitious=current.excess > NEAR)
+    far = current.excess > NEAR * problem.unit
+    iteration = _Iteration(problem, step, budget, region, current, fictitious=far)
     iteration.run()
     return _outcome(problem, iteration.current, iteration.used, iteration.status)
 
@@ -238,7 +240,7 @@ def _outcome(
     """Close the small remaining defects by simulation, then judge."""
     defect = float(np.max(at.fictitious, initial=0.0))
     found, regulated = None, False
-    if at.excess <= EXCESS and defect < DEFECT * problem.scale and at.outside <= LIMIT_EXCESS:
+    if at.excess <= EXCESS * problem.unit and defect < DEFECT * problem.scale and at.outside <= LIMIT_EXCESS:
         found = _closed(problem, at, _simulated(problem, at.trajectory))
         if found is None:
             found, regulated = _closed(problem, at, _regulated(problem, at)), True
@@ -246,7 +248,7 @@ def _outcome(
     if found is not None:
         best, value = found, found.margin
     else:
-        violation = defect + max(0.0, -at.margin) + problem.scale * (at.excess + at.outside)
+        violation = defect + max(0.0, -at.margin) + problem.scale * (at.excess / problem.unit + at.outside)
         best, value = at, -min(violation, WORST * problem.scale)
     return ControlOutcome(
         best.trajectory,
@@ -267,7 +269,7 @@ def _closed(
 ) -> MeasuredMotion | None:
     """A motion without defects, if it keeps to what binds the one that it comes from."""
     found = measured(problem, motion)
-    if found is None or found.excess > 3 * EXCESS or found.outside > LIMIT_EXCESS:
+    if found is None or found.excess > 3 * EXCESS * problem.unit or found.outside > LIMIT_EXCESS:
         return None
     return found if found.margin >= 0 else None
 
@@ -291,7 +293,7 @@ def shortfall(problem: ControlProblem, outcome: ControlOutcome) -> str:
     at = measured(problem, outcome.trajectory)
     if at is None:
         return "has no finite equations of motion"
-    if at.excess > EXCESS:
+    if at.excess > EXCESS * problem.unit:
         return f"lacks {1000 * at.excess:.2g} mm of the margins to the sets around it"
     if at.outside > LIMIT_EXCESS:
         return f"passes a limit of a joint or a rate by {at.outside:.2g} (SI)"

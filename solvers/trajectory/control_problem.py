@@ -26,7 +26,7 @@ class ControlProblem:
     A step takes ``dt`` seconds and is integrated in ``substeps`` parts.  ``steps`` makes what
     solves the convex steps, ``rates`` is the price of squares of rates in them, in SI.
     ``mobility`` is the price of phi (``mobility.py``) per sample, for efforts at joints that are
-    off by ``errors`` (n,).
+    off by ``errors`` (n,).  What is said of metres is meant of the robot's ``unit`` of length (m).
     """
 
     numeric: NumericRobot
@@ -39,6 +39,7 @@ class ControlProblem:
     rates: float = 0.0
     mobility: float = 0.0
     errors: Array = field(default_factory=lambda: np.zeros(0))
+    unit: float = 1.0
 
     @property
     def scale(self) -> float:
@@ -150,9 +151,10 @@ class MeasuredMotion:
         """The trajectory."""
         return self.model.about
 
-    def infeasibility(self, scale: float) -> float:
-        """The largest fictitious input in units of the effort bound, plus the excess in metres."""
-        return float(np.max(self.fictitious, initial=0.0)) / scale + self.excess
+    def infeasibility(self, problem: ControlProblem) -> float:
+        """The largest fictitious input in units of the effort bound, plus the excess in lengths."""
+        largest = float(np.max(self.fictitious, initial=0.0))
+        return largest / problem.scale + self.excess / problem.unit
 
 
 STEEPEST = 1e8

@@ -151,7 +151,7 @@ class ConvexStep:
             optimum = self.solver.solve(convex, accuracy)
             if isinstance(optimum, NotSolved):
                 return optimum
-            z, layout = optimum.point, program.layout
+            z, layout = program.point(optimum.point), program.layout
             moved = z[layout.theta] if layout.p else np.zeros_like(about.theta)
             slack = max(0.0, float(z[layout.sigma]))
             left = every.left(z[layout.x[:, : layout.n]], moved) + slack

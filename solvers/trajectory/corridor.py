@@ -190,7 +190,7 @@ class Corridor:
     """A robot with parameters ``theta`` whose ``point`` goes through ``cells`` in order.
 
     ``box`` bounds the coordinates, (n,) each; ``margin`` is the clearance wanted, in metres.
-    With ``start_is_given`` there is one pose to start from.
+    ``unit`` is the length that counts as one (m).  With ``start_is_given`` there is one pose to start from.
     """
 
     numeric: NumericRobot
@@ -201,6 +201,7 @@ class Corridor:
     box: tuple[Array, Array]
     margin: float
     start_is_given: bool = False
+    unit: float = 1.0
 
     @cached_property
     def extent(self) -> float:

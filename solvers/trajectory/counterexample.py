@@ -62,7 +62,10 @@ def _slacks(
     if about is None:
         return None
     epsilon = float(path_problem.task.slack)
-    question = SubproblemSpec(problem.limits, problem.groups, None, Weights(), epsilon)
+    prices = Weights(position=Weights().position / problem.unit)
+    question = SubproblemSpec(
+        problem.limits, problem.groups, None, prices, epsilon, problem.unit
+    )
     result = problem.steps(question).solve(about.model, about.rows, TrustRegion(RADIUS))
     if isinstance(result, NotSolved):
         return None

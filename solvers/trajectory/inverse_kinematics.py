@@ -5,6 +5,7 @@ Only a source of seeds: what it does not find may still exist.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,37 +27,40 @@ def solve_positions(
     numeric: NumericRobot,
     starts: Array,
     theta: Array,
-    point: int,
+    point: int | Sequence[int],
     targets: Array,
     box: tuple[Array, Array],
     rounds: int = ROUNDS,
 ) -> tuple[Array, Array]:
     """Bring one point to targets from K starts; starts (K, n), theta (p,), targets (K, d) in m.
 
-    Levenberg-Marquardt with a damping of its own for each start.  Returns coordinates (K, n),
+    Of several points (w) all are brought to targets (K, w d) of their own, one after the other in a
+    row.  Levenberg-Marquardt with a damping of its own for each start.  Returns coordinates (K, n),
     within the box, and remaining distances (K,) in metres.
     """
     lower, upper = box
+    moved = [point] if isinstance(point, int) else list(point)
+    count, wide = len(starts), len(moved) * numeric.d
     q = np.clip(starts, lower, upper)
     eye = np.eye(numeric.n)
     damping = np.full(len(q), DAMPING)
     points = numeric.points(q, theta)
-    error = targets - points.value[:, point]
+    error = targets - points.value[:, moved].reshape(count, wide)
     for _ in range(rounds):
-        jacobian = points.by_q[:, point]
+        jacobian = points.by_q[:, moved].reshape(count, wide, numeric.n)
         normal = jacobian.transpose(0, 2, 1) @ jacobian + damping[:, None, None] * eye
         gradient = jacobian.transpose(0, 2, 1) @ error[:, :, None]
         step = np.linalg.solve(normal, gradient)[:, :, 0]
         trial = np.clip(q + np.clip(step, -0.5, 0.5), lower, upper)
         trial_points = numeric.points(trial, theta)
-        trial_error = targets - trial_points.value[:, point]
+        trial_error = targets - trial_points.value[:, moved].reshape(count, wide)
         better = np.linalg.norm(trial_error, axis=1) < np.linalg.norm(error, axis=1)
         if not better.any() and float(damping.min()) > 1e3:
             break
         q = np.where(better[:, None], trial, q)
         damping = np.clip(np.where(better, damping / 5, damping * 5), 1e-9, 1e6)
         points = numeric.points(q, theta)
-        error = targets - points.value[:, point]
+        error = targets - points.value[:, moved].reshape(count, wide)
         if float(np.linalg.norm(error, axis=1).max()) < 1e-10:
             break
     return q, np.linalg.norm(error, axis=1)

@@ -31,9 +31,11 @@ from solvers.trajectory.corridor import (
 )
 from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
 from solvers.trajectory.feedback import closed_spread, input_scales, spread_cost
-from solvers.trajectory.inverse_kinematics import branches
+from solvers.trajectory.inverse_kinematics import branches, sampled_box
+from solvers.trajectory.joint_seeds import joint_seeds, stops_of
+from solvers.trajectory.joint_ways import ClearSpace
 from solvers.trajectory.mobility import joint_errors
-from solvers.trajectory.position_plan import PositionPlan
+from solvers.trajectory.position_plan import ASTRAY, PositionPlan
 from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets, whole_turns
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
@@ -43,6 +45,7 @@ from solvers.trajectory.task_limits import (
     motion_limits,
     resting_inputs,
 )
+from solvers.trajectory.task_size import least_margin, length_unit
 from solvers.trajectory.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -51,8 +54,6 @@ if TYPE_CHECKING:
 SUBSTEPS = 2
 LIMIT_MARGIN = 1e-3
 """Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
-LEAST_MARGIN = 2e-3
-"""The position margin in metres that a search begins with."""
 OVERSHOOT = 4.0
 """A wider position margin widens that distance so much faster: motions overshoot within steps."""
 
@@ -70,7 +71,9 @@ class PathProblem:
     With ``feedback`` a controller keeps robots near the motion; where it ``refines``, time is spent
     on its gains.  With a ``loop``, the sample at which it begins, the motion ends where it is
     there, and in the same cell; the set of the loop is larger than its estimate by the part
-    ``slack``.  ``rates`` and ``mobility`` are the prices of squares of rates and of phi
+    ``slack``.  Where it is not ``bound`` to its cells, only those at both ends bind, whatever the
+    entries.  ``in_joints`` says that seeds are ways in joint space, which know nothing of cells in
+    between.  ``rates`` and ``mobility`` are the prices of squares of rates and of phi
     (``mobility.py``), as means over the samples, in SI.  ``solver`` is the name in cvxpy of what
     solves the convex steps, None: our own programs.
     """
@@ -95,6 +98,8 @@ class PathProblem:
     refines: bool = False
     loop: int | None = None
     slack: float = LEAST_SLACK
+    bound: bool = True
+    in_joints: bool = False
     rates: float = 0.0
     mobility: float = 0.0
     solver: str | None = None
@@ -103,6 +108,11 @@ class PathProblem:
     def model(self) -> RobotModel:
         """The robot."""
         return self.numeric.graph.model
+
+    @property
+    def unit(self) -> float:
+        """The length that counts as one, in metres."""
+        return length_unit(self.workspace)
 
     @property
     def constraints(self) -> MotionConstraints:
@@ -124,7 +134,8 @@ class PathProblem:
     @property
     def limit_margin(self) -> float:
         """The distance kept from joint and rate limits, in rad or m (/s)."""
-        return LIMIT_MARGIN + OVERSHOOT * max(0.0, self.margin - LEAST_MARGIN)
+        more = max(0.0, self.margin - least_margin(self.workspace, self.task))
+        return LIMIT_MARGIN + OVERSHOOT * more / self.unit
 
     @property
     def limits(self) -> MotionLimits:
@@ -176,7 +187,7 @@ class PathProblem:
     def plan(self, entries: Entries, *, released: bool = False) -> PositionPlan:
         """All half-planes for given entry steps; ``released``, only both ends bind to cells."""
         place, needs = self.waypoints()[0], self.obligations(entries)
-        constraints = self.constraints
+        constraints, released = self.constraints, released or not self.bound
         return PositionPlan(
             self.task.steps,
             constraints.dwells(None if released else entries, needs),
@@ -185,6 +196,7 @@ class PathProblem:
             None if released else self.effector,
             place,
             None if self.spread is None else self.spread.points,
+            ASTRAY * self.unit,
         )
 
     def problem(self, entries: Entries, *, released: bool = False) -> ControlProblem:
@@ -196,7 +208,7 @@ class PathProblem:
         return ControlProblem(
             self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
             step_maker(self.solver), self.rates / (task.steps + 1), self.mobility / task.steps,
-            joint_errors(self.numeric, task) if self.mobility else np.zeros(0),
+            joint_errors(self.numeric, task) if self.mobility else np.zeros(0), self.unit,
         )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------
@@ -207,29 +219,45 @@ class PathProblem:
         One per branch of the inverse kinematics at the start; where the task binds bodies, those
         that are clear, or such as a roadmap of clear poses gives.
         """
-        place, _ = self.waypoints()
         limits = self.limits
-        box = limits.box
+        ways = self._joint_seeds(theta) if self.in_joints else []
+        if ways:
+            return [self._seed(q, theta) for q in ways]
+        place, box = self.waypoints()[0], limits.box
         if limits.start_values is not None:
             first = limits.start_values[None, :]
         else:
             first = branches(
                 self.numeric, theta, self.effector, place[0], box, self.seed, self.branch_count
             )
-        dt = float(self.task.step)
-        u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.numeric.m)
         motions = [self.numeric.track(start, theta, self.effector, place, box) for start in first]
         if self.binds_bodies and motions:
             motions = body_seeds(
                 self.corridor(theta), motions, self.waypoints()[1], self.branch_count, self.seed
             )
-        found = []
-        for q in motions:
-            v = np.gradient(q, dt, axis=0)
-            v[0] = 0.0
-            own = np.tile(limits.own_start, (len(q), 1))
-            found.append(Trajectory(np.concatenate([q, v, own], axis=1), u, theta))
-        return found
+        return [self._seed(q, theta) for q in motions]
+
+    def _seed(self, q: Array, theta: Array) -> Trajectory:
+        """The trajectory of coordinates (k + 1, n)."""
+        v = np.gradient(q, float(self.task.step), axis=0)
+        v[0] = 0.0
+        own = np.tile(self.limits.own_start, (len(q), 1))
+        u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.numeric.m)
+        return Trajectory(np.concatenate([q, v, own], axis=1), u, theta)
+
+    def _joint_seeds(self, theta: Array) -> list[Array]:
+        """Motions (k + 1, n) in joint space through the places that bind points."""
+        corridor, entries = self.corridor(theta), self.waypoints()[1]
+        drawn = corridor.drawn(np.random.default_rng(self.seed))
+        numeric = self.numeric
+        space = ClearSpace(
+            numeric, theta, corridor.clearance,
+            sampled_box(numeric, corridor.box, float(np.max(np.abs(drawn.positions)))),
+            corridor.levers, float(np.max(np.abs(drawn.positions))), self.margin,
+        )  # fmt: skip
+        stops = stops_of(self.plan(entries, released=True).dwells, self.task.steps)
+        first = self.limits.start_values
+        return joint_seeds(space, stops, drawn, first, self.branch_count, self.seed)
 
     @property
     def binds_bodies(self) -> bool:
@@ -242,7 +270,7 @@ class PathProblem:
         cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
         return Corridor(
             self.numeric, theta, self.effector, cells, body_clearance(avoidances),
-            limits.box, self.margin, limits.start_values is not None,
+            limits.box, self.margin, limits.start_values is not None, self.unit,
         )  # fmt: skip
 
     def solve(

@@ -25,7 +25,7 @@ MANY = 16
 NEARBY = 0.3
 """What is farther away than this part of the extent of the motion counts as far."""
 ASTRAY = 0.02
-"""Distance in metres from which a reference counts as having left its cell."""
+"""Distance from which a reference counts as having left its cell, in units of length."""
 
 Rows: TypeAlias = tuple[Indices, Indices, Array, Array]
 """Samples, points, normals and offsets, as ``PositionRows`` has them."""
@@ -140,7 +140,7 @@ class PositionPlan:
     """All that binds positions; ``margin`` (m) shrinks dwells and widens separations.
 
     ``anchors`` (k + 1, d) are positions of point ``anchored`` inside its dwells.  Half-planes are
-    chosen about them wherever the reference has left its dwell, so that a bad reference cannot
+    chosen about them wherever the reference has left its dwell by ``astray`` (m), so that a bad reference cannot
     ask for a side that the path excludes.  ``spread`` (k + 1, m), in metres, tightens the
     constraints beyond the margin, for disturbed motions.
     """
@@ -152,6 +152,7 @@ class PositionPlan:
     anchored: int | None = None
     anchors: Array | None = None
     spread: Array | None = None
+    astray: float = ASTRAY
 
     def rows(self, positions: Array) -> PositionRows:
         """The half-planes about reference positions of shape (k + 1, m, d)."""
@@ -178,7 +179,7 @@ class PositionPlan:
             if dwell.point == self.anchored:
                 span = slice(dwell.first, dwell.last + 1)
                 values = positions[span, dwell.point] @ dwell.region.normals.T
-                lost = np.max(values - dwell.region.offsets, axis=1) > ASTRAY
+                lost = np.max(values - dwell.region.offsets, axis=1) > self.astray
                 kept = about[span, dwell.point]
                 about[span, dwell.point] = np.where(lost[:, None], self.anchors[span], kept)
         return about

@@ -15,7 +15,7 @@ from solvers.trajectory.corridor import Corridor, Entries, Flags, Layers
 from solvers.trajectory.inverse_kinematics import Pool, apart, poses_in
 
 TOUCHING = -0.02
-"""Metres of clearance down to which a seed counts as clear: the convex programs mend the rest."""
+"""Clearance, in units of length, down to which a seed counts as clear: the convex programs mend the rest."""
 WAYS = 2
 """Motions that are taken from a roadmap."""
 HOPELESS = 2
@@ -34,7 +34,8 @@ def body_seeds(
     clearances = [float(np.min(corridor.clearance.of(corridor.positions(q)))) for q in tracked]
     follow = [corridor.follows(q) for q in tracked]
     order = sorted(range(len(tracked)), key=lambda i: (not follow[i], -clearances[i]))
-    clear = [tracked[i] for i in order if follow[i] and clearances[i] > TOUCHING][:count]
+    most = TOUCHING * corridor.unit
+    clear = [tracked[i] for i in order if follow[i] and clearances[i] > most][:count]
     wanted = min(count - len(clear), WAYS)
     redundant = corridor.numeric.n > corridor.numeric.d
     if wanted and (redundant or not clear):

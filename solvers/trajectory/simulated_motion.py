@@ -274,9 +274,8 @@ class _Review:
     def at_samples(self) -> list[CheckedCondition]:
         """The path of cells, and the inputs that a law commands."""
         scene, task, motion = self.scene, self.scene.task, self.motion
-        following = None if task.satisfy else motion.effector
         sampled = [self.places(number) for number in range(0, len(self.states), INSTANTS)]
-        found = [cell_path(scene.abstraction, self.step, motion.path, following, sampled)]
+        found = [cell_path(scene.abstraction, self.step, motion.path, sampled)]
         if motion.law is not None:
             several = task.robust is not None or task.repeat
             commanded = [

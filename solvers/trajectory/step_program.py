@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csc_matrix
@@ -39,11 +39,16 @@ class StepProgram:
     _less_tail: Array = field(init=False)
     _less_right: Array = field(init=False)
     _cones: Cones | None = field(init=False)
+    _columns: Array = field(init=False)
+    """The sizes of the unknowns, by which a program divides them."""
+    _rows: Array = field(init=False)
+    """Those of the inequalities."""
 
     def __post_init__(self) -> None:
         self._lay_equalities()
         self._lay_inequalities()
         self._cones = self._second_order()
+        self._lay_sizes()
 
     # --- structure ------------------------------------------------------------------------------
 
@@ -146,6 +151,21 @@ class StepProgram:
         matrix = entries.compressed(layout.size).matrix(values)
         return Cones(matrix, np.concatenate(right), tuple(sizes))
 
+    def _lay_sizes(self) -> None:
+        """Lengths and efforts are near one in a program, whatever the size of the robot."""
+        layout, (length, effort) = self.layout, self.question.sizes
+        self._columns, self._rows = np.ones(layout.size), np.ones(self._less.empty.shape[0])
+        self._columns[layout.u] = self._columns[layout.v] = effort
+        self._columns[layout.g] = self._columns[layout.rho] = effort
+        if layout.fictitious:
+            self._columns[layout.largest] = effort
+        self._columns[layout.sigma] = length
+        self._rows[: len(self.samples)], self._rows[len(self.samples) :] = length, effort
+
+    def point(self, scaled: Array) -> Array:
+        """The unknowns, in SI, of the optimum of a program."""
+        return scaled * self._columns
+
     # --- numbers --------------------------------------------------------------------------------
 
     def program(self, model: Model, rows: LinearRows, region: TrustRegion) -> ConvexProgram:
@@ -155,13 +175,24 @@ class StepProgram:
         row_values.append(np.full(len(rows.slack), -1.0))
         lower, upper = self._bounds(model, region.radius)
         quadratic, linear = self._objective(model, region.proximal)
+        columns, ones = self._columns, np.ones(len(right))
+        less = self._less.matrix([*row_values, self._less_tail])
         return ConvexProgram(
-            quadratic, linear,
-            self._equal.matrix(values), right,
-            self._less.matrix([*row_values, self._less_tail]),
-            np.concatenate([rows.slack, self._less_right]),
-            lower, upper, self._cones, self,
+            quadratic * columns**2, linear * columns,
+            _divided(self._equal.matrix(values), ones, columns), right,
+            _divided(less, self._rows, columns),
+            np.concatenate([rows.slack, self._less_right]) / self._rows,
+            lower / columns, upper / columns, self._scaled_cones(), self,
         )  # fmt: skip
+
+    def _scaled_cones(self) -> Cones | None:
+        cones, effort = self._cones, self.question.sizes[1]
+        if cones is None or effort == 1.0:
+            return cones
+        rows = np.full(len(cones.right), effort)
+        return replace(
+            cones, matrix=_divided(cones.matrix, rows, self._columns), right=cones.right / rows
+        )
 
     def _dynamics(self, model: Model) -> tuple[list[Array], Array]:
         layout, about, lin = self.layout, model.about, model.dynamics
@@ -241,6 +272,15 @@ class StepProgram:
             size = np.maximum(np.abs(model.about.theta), LEAST)
             quadratic[layout.theta] = 2 * proximal * (layout.k + 1) / size**2
         return quadratic, linear
+
+
+def _divided(matrix: csc_matrix, rows: Array, columns: Array) -> csc_matrix:
+    """A matrix for unknowns that are divided by their sizes, its rows divided by theirs."""
+    if np.all(rows == 1.0) and np.all(columns == 1.0):
+        return matrix
+    found = copy(matrix)
+    found.data = matrix.data * np.repeat(columns, np.diff(matrix.indptr)) / rows[matrix.indices]
+    return found
 
 
 def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:

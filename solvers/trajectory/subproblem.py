@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log10
 from typing import TypeAlias
 
 import numpy as np
@@ -52,7 +53,7 @@ class TrustRegion:
 class SubproblemSpec:
     """What of a convex step stays the same from one to the next.
 
-    With ``epsilon`` every step has a slack of its own under C.6.
+    With ``epsilon`` every step has a slack of its own under C.6; ``unit`` is the robot's length (m).
     """
 
     limits: MotionLimits
@@ -60,11 +61,17 @@ class SubproblemSpec:
     theta_box: tuple[Array, Array] | None
     weights: Weights
     epsilon: float | None = None
+    unit: float = 1.0
 
     @property
     def scale(self) -> float:
         """The unit of effort."""
         return effort_scale(self.groups)
+
+    @property
+    def sizes(self) -> tuple[float, float]:
+        """Powers of ten by which lengths and efforts are divided in programs; mostly 1."""
+        return self.unit, 1000.0 ** round(log10(self.scale) / 3)
 
 
 @dataclass(frozen=True, slots=True)

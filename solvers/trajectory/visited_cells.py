@@ -44,7 +44,10 @@ def visited_cells(
 def cell_names(
     path_problem: PathProblem, trajectory: Trajectory, entries: Entries
 ) -> list[list[str]]:
-    """The cell of every effector at every sample."""
+    """The cell of every effector at every sample.
+
+    That of the leader is the one that it is bound to, if it is bound to any.
+    """
     cells = path_problem.abstraction.cells
     numeric = path_problem.numeric
     positions = numeric.points(trajectory.x[:, : numeric.n], trajectory.theta).value
@@ -56,7 +59,7 @@ def cell_names(
     ]
     names = []
     for effector in range(len(path_problem.model.effectors)):
-        if effector == path_problem.effector:
+        if effector == path_problem.effector and path_problem.bound:
             names.append(own)
             continue
         located = [path_problem.abstraction.locate(point) for point in positions[:, effector]]

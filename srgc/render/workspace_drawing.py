@@ -73,13 +73,15 @@ def cell_shape(cell: Cell) -> WorkspaceShape:
 def cell_path(cells: Abstraction, path: Sequence[int]) -> Array:
     """A path of cells as a line (m, d): the middle of the first, the facets, that of the last.
 
-    Raises:
-        KeyError: it goes between cells that are no neighbours.
+    Between cells that are no neighbours, as a motion passes others within a step, it is straight.
     """
     way = [cell for k, cell in enumerate(path) if k == 0 or cell != path[k - 1]]
     middles = {cell: np.array(cells.cells[cell].polytope.centre, dtype=float) for cell in way}
     stops = [middles[way[0]]]
     for before, after in pairwise(way):
+        if after not in cells.neighbours[before]:
+            stops += [middles[before], middles[after]]
+            continue
         crossing = np.array(cells.facet_centre(before, after), dtype=float)
         if np.array_equal(crossing, stops[-1]):
             stops.append(middles[before])  # in and out the same way

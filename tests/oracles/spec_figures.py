@@ -96,13 +96,6 @@ def _dimension(points: Array) -> int:
     return int(np.linalg.matrix_rank(points - points[0], tol=1e-7)) if len(points) else -1
 
 
-def share_a_facet(one: Area, other: Area) -> bool:
-    """Whether two sets with disjoint interiors touch in more than an edge or a corner."""
-    rows = np.concatenate([one.normals, other.normals])
-    common = _corners(rows, np.concatenate([one.offsets, other.offsets]))
-    return _dimension(common) == one.normals.shape[1] - 1
-
-
 def cell_of(rows: Sequence[str], dimension: int) -> Area:
     """A cell of ``design.json``: lines like ``-x + 3*y <= 11/10``."""
     normals, offsets = [], []

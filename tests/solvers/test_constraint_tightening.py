@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solvers.search.path_task import (
-    MARGINS,
+    WIDENINGS,
     WIDEST,
     ConstraintTightening,
     missing_margin,
@@ -36,14 +36,14 @@ def test_the_largest_lack_counts_as_a_part_of_the_tightening() -> None:
 def test_what_the_disturbances_do_not_move_is_given_a_wider_margin() -> None:
     none = DisturbanceSpread(np.zeros((3, 1)), np.zeros((3, 1, 2)))
     lacking = missing_margin([finding(-0.01)], none)
-    assert ConstraintTightening().wider(lacking, none) == ConstraintTightening(MARGINS[1])
+    assert ConstraintTightening().wider(lacking, none) == ConstraintTightening(widened=1)
     assert missing_margin([finding(float("-inf"), "")], none) == float("inf")
 
 
 def test_the_tightening_gets_as_wide_as_was_lacking() -> None:
     tightening = ConstraintTightening().wider(0.75, SPREAD)
     assert tightening is not None
-    assert tightening.margin == MARGINS[0]
+    assert tightening.widened == 0
     assert tightening.spreads >= 1.75
     again = tightening.wider(1e-9, SPREAD.scaled(tightening.spreads))
     assert again is not None
@@ -51,11 +51,11 @@ def test_the_tightening_gets_as_wide_as_was_lacking() -> None:
 
 
 def test_without_disturbances_margins_grow_step_by_step() -> None:
-    tightening, seen = ConstraintTightening(), [ConstraintTightening().margin]
+    tightening, seen = ConstraintTightening(3e-4), [3e-4]
     while (following := tightening.wider(0.0, None)) is not None:
         tightening = following
         seen.append(tightening.margin)
-    assert tuple(seen) == MARGINS
+    assert seen == pytest.approx([3e-4 * factor for factor in WIDENINGS])
     assert tightening.is_last
 
 

@@ -113,10 +113,8 @@ def _conditions(
         why = f"the {ENDED} ends"
         ended = CheckedCondition(ENDED, Status.UNDECIDED, NO_MARGIN, "", followed.time, why=why)
         return (*found, *(failed or [ended]))
-    # Whose path a formula is about, and that it holds, is proved without the path.
-    following = None if scene.task.satisfy else motion.effector
     path = cell_path(
-        scene.abstraction, float(scene.task.step), motion.path, following, followed.positions()
+        scene.abstraction, float(scene.task.step), motion.path, followed.positions()
     )
     if motion.law is not None:
         several = scene.task.robust is not None or scene.task.repeat
@@ -125,27 +123,25 @@ def _conditions(
     return (*found, *followed.conditions(), path)
 
 
-# --- Whether a motion follows the path of cells that is claimed of it -----------------------------
+# --- Whether effectors are in the cells that are claimed of them at the samples -------------------
 
 
 def cell_path(
     cells: Abstraction,
     dt: float,
     path: Sequence[Sequence[str]],
-    following: int | None,
     positions: Sequence[Sequence[Sequence[arb]]],
 ) -> CheckedCondition:
-    """Every effector is in its cell at every sample, and one moves between neighbours only.
+    """Every effector is in its cell at every sample.
+
+    What happens in between is proved of the motion itself, without cells.
 
     Args:
         cells: the cells of the workspace.
         dt: the time between samples, s.
         path: per effector the name of its cell at every sample.
-        following: the number of the effector that follows a path, from 0; None: of no one is known
-            that it does, nor asked.
         positions: per sample and effector where it is, m.
     """
-    adjacent = set(cells.adjacency)
     worst = CheckedCondition("cell path", Status.HOLDS, NO_MARGIN, "m")
     for effector, names in enumerate(path):
         for sample, name in enumerate(names):
@@ -161,14 +157,6 @@ def cell_path(
             if condition.status is Status.FAILS:
                 return replace(condition, name=f"{where} is not in `{name}`")
             worst = min(worst, condition, key=_clear)
-            if effector == following and sample:
-                before = cells.index(names[sample - 1])
-                pair = (min(before, index), max(before, index))
-                if before != index and pair not in adjacent:
-                    return CheckedCondition(
-                        f"{where} enters `{name}`, no neighbour of `{names[sample - 1]}`",
-                        Status.FAILS, 0.0, "m", sample * dt,
-                    )  # fmt: skip
     return worst
 
 

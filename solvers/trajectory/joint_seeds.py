@@ -1,0 +1,192 @@
+"""Motions in joint space to begin with: poses where a task binds points, and clear ways in between.
+
+Where the effector goes between these places is left open; the cells are read off the motion that
+comes of it.  Poses are found by inverse kinematics from many starts, chosen so that the ways
+between them are short, and ways around obstacles by two trees (``joint_ways.py``).  Only a source of
+seeds.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.time_limits.time_limit import check_time
+from solvers.trajectory.convex_set import ConvexSet
+from solvers.trajectory.inverse_kinematics import Pool, apart, solve_positions
+from solvers.trajectory.joint_ways import ClearSpace, joint_way
+from solvers.trajectory.position_plan import Dwell
+
+POSES = 16
+"""Poses that are kept at each place, of so many times more that are looked for."""
+LOOKED = 6
+REACHED = 1e-5
+"""The part of the extent up to which a point counts as brought to its target."""
+SEARCHES = 12
+"""Chains of poses whose ways are looked at."""
+ROUNDED = 0.06
+"""Corners are rounded over this part of the time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """The sample at which some points are each in a convex set."""
+
+    sample: int
+    aims: tuple[tuple[int, ConvexSet], ...]
+
+
+def stops_of(dwells: Sequence[Dwell], steps: int) -> tuple[Stop, ...]:
+    """Where dwells begin and end, in order; those that last all the time bind no pose.
+
+    The first and the last sample are always among them.
+    """
+    own = [each for each in dwells if (each.first, each.last) != (0, steps)]
+    samples = sorted({0, steps, *(end for each in own for end in (each.first, each.last))})
+    return tuple(
+        Stop(k, tuple((each.point, each.region) for each in own if each.first <= k <= each.last))
+        for k in samples
+    )
+
+
+def joint_seeds(
+    space: ClearSpace, stops: Sequence[Stop], drawn: Pool, first: Array | None, count: int, seed: int
+) -> list[Array]:
+    """Motions (k + 1, n) through all stops, at most ``count``, the shortest first.
+
+    ``drawn`` are random poses; ``first`` (n,) is the only pose to start from, None: any.
+    """
+    rng = np.random.default_rng(seed)
+    known: dict[tuple[tuple[int, int], ...], Array] = {}
+    poses = []
+    for stop in stops:
+        check_time()
+        key = tuple((point, id(region)) for point, region in stop.aims)
+        if key not in known:
+            known[key] = _poses(space, stop, drawn, rng)
+        poses.append(known[key])
+    if first is not None:
+        poses[0] = first[None]
+    if not all(map(len, poses)):
+        return []
+    chains = _Chains(space, tuple(stops), tuple(poses), seed)
+    return chains.motions(count)
+
+
+def _poses(space: ClearSpace, stop: Stop, drawn: Pool, rng: np.random.Generator) -> Array:
+    """Clear poses (K, n) with the points of a stop in their sets, far from each other."""
+    if not stop.aims:
+        q = drawn.q[: POSES * LOOKED]
+    else:
+        gaps = [
+            np.max(drawn.positions[:, point] @ region.normals.T - region.offsets, axis=1)
+            for point, region in stop.aims
+        ]
+        order = np.argsort(np.sum(np.maximum(gaps, 0.0), axis=0), kind="stable")
+        starts = drawn.q[order[: POSES * LOOKED]]
+        targets = np.concatenate(
+            [_places(region, len(starts), rng) for _, region in stop.aims], axis=1
+        )
+        points = [point for point, _ in stop.aims]
+        q, left = solve_positions(space.numeric, starts, space.theta, points, targets, space.box)
+        q = q[left < REACHED * space.extent]
+    if not len(q):
+        return q
+    clearances = space.clearances(q)
+    q = q[clearances >= space.clear]
+    chosen: list[Array] = []
+    for each in q:
+        if len(chosen) == POSES:
+            break
+        if all(apart(space.numeric, each, other) for other in chosen):
+            chosen.append(each)
+    return np.array(chosen).reshape(-1, space.numeric.n)
+
+
+def _places(region: ConvexSet, count: int, rng: np.random.Generator) -> Array:
+    """Places (count, d) in a set, more of them near its middle."""
+    weights = rng.exponential(size=(count, len(region.vertices)))
+    inside = weights @ region.vertices / weights.sum(axis=1, keepdims=True)
+    found: Array = (inside + region.vertices.mean(axis=0)) / 2
+    return found
+
+
+@dataclass(slots=True)
+class _Chains:
+    """Poses (c, n) at each stop, and the ways between them as far as they are known."""
+
+    space: ClearSpace
+    stops: tuple[Stop, ...]
+    poses: tuple[Array, ...]
+    seed: int
+
+    def motions(self, count: int) -> list[Array]:
+        """The motions of the best chains, which end in different poses."""
+        costs = [self._costs(number) for number in range(len(self.stops) - 1)]
+        ways: dict[tuple[int, int, int], Array | None] = {}
+        found: list[Array] = []
+        for _ in range(SEARCHES):
+            chain = _best(costs)
+            if chain is None or len(found) == count:
+                break
+            good = True
+            for number, (i, j) in enumerate(itertools.pairwise(chain)):
+                if (number, i, j) not in ways:
+                    start, end = self.poses[number][i], self.poses[number + 1][j]
+                    ways[number, i, j] = joint_way(self.space, start, end, self.seed)
+                if ways[number, i, j] is None:
+                    costs[number][i, j] = np.inf
+                    good = False
+                    break
+            if good:
+                pairs = enumerate(itertools.pairwise(chain))
+                own = [ways[number, i, j] for number, (i, j) in pairs]
+                found.append(self._timed([way for way in own if way is not None]))
+                costs[-1][:, chain[-1]] = np.inf
+        return found
+
+    def _costs(self, number: int) -> Array:
+        """The squares of lengths over times, from each pose of a stop to each of the next."""
+        before, after = self.poses[number], self.poses[number + 1]
+        time = self.stops[number + 1].sample - self.stops[number].sample
+        return self.space.lengths(after[None] - before[:, None]) ** 2 / time
+
+    def _timed(self, ways: Sequence[Array]) -> Array:
+        """Coordinates (k + 1, n) along ways, at each stop in time, from rest to rest."""
+        from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+
+        steps = self.stops[-1].sample
+        poses, times, along = [ways[0][0]], [0.0], [0.0]
+        for way in ways:
+            lengths = self.space.lengths(np.diff(way, axis=0))
+            poses += list(way[1:])
+            along += (along[-1] + np.cumsum(lengths)).tolist()
+            times.append(along[-1])
+        places = np.array(along)
+        gates, samples = np.array(times), np.array([stop.sample for stop in self.stops])
+        slopes = PchipInterpolator(samples, gates).derivative()(samples)
+        slopes[0] = slopes[-1] = 0.0
+        curve = CubicHermiteSpline(samples, gates, slopes)(np.arange(steps + 1))
+        at = np.clip(np.asarray(curve), 0.0, places[-1])
+        kept = np.concatenate([[True], np.diff(places) > 0])
+        columns = [np.interp(at, places[kept], column[kept]) for column in np.array(poses).T]
+        return np.stack(columns, axis=1)
+
+
+def _best(costs: Sequence[Array]) -> list[int] | None:
+    """The poses of the cheapest chain, by number; None where every chain is impossible."""
+    total, choices = np.zeros(len(costs[0])), list[Array]()
+    for cost in costs:
+        sums = total[:, None] + cost
+        choices.append(np.argmin(sums, axis=0))
+        total = np.min(sums, axis=0)
+    if not np.isfinite(total).any():
+        return None
+    chain = [int(np.argmin(total))]
+    for choice in reversed(choices):
+        chain.append(int(choice[chain[-1]]))
+    return chain[::-1]

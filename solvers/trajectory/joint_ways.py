@@ -1,0 +1,151 @@
+"""Ways in joint space that keep clear of what a task avoids, by two trees that grow together.
+
+Many samples at once: poses are drawn in batches, and all new edges of a batch are looked at in one
+evaluation.  Only a source of seeds.
+
+Source: Kuffner & LaValle, *RRT-Connect: An Efficient Approach to Single-Query Path Planning*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compiler.arrays import Array
+from compiler.discretisation.batched_function import MOST_IN_BATCH
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.time_limits.time_limit import check_time
+from solvers.trajectory.body_clearance import BodyClearance
+
+SPACING = 0.02
+"""The way of any point between two poses that are looked at, in parts of the robot's extent."""
+REACH = 0.2
+"""The way of any point along a new edge of a tree, likewise."""
+BATCH = 32
+"""Poses that are drawn at once."""
+BATCHES = 60
+"""How many times poses are drawn before a way is given up."""
+SHORTCUTS = 40
+"""Pairs of places on a way between which a straight one is tried."""
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClearSpace:
+    """The poses of a robot with parameters ``theta`` (p,) that are clear.
+
+    ``box`` bounds the coordinates, (n,) each, and poses are drawn from it; ``levers`` (n,) are the
+    metres that a coordinate can move any point per unit, ``extent`` (m) is the robot's size.
+    ``clear`` is the clearance (m) from which a pose counts as clear.
+    """
+
+    numeric: NumericRobot
+    theta: Array
+    clearance: BodyClearance
+    box: tuple[Array, Array]
+    levers: Array
+    extent: float
+    clear: float
+
+    def clearances(self, q: Array) -> Array:
+        """The clearance (K,) of poses (K, n), in metres."""
+        # Always as many as fill whole blocks: each size of a batch has a program of its own.
+        filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_IN_BATCH, axis=0)])
+        return self.clearance.of(self.numeric.points(filled, self.theta).value)[: len(q)]
+
+    def passable(self, starts: Array, ends: Array) -> Flags:
+        """Whether the straight ways between poses (E, n) are clear, shape (E,)."""
+        ways = np.abs(ends - starts) @ self.levers
+        counts = np.maximum(2, np.ceil(ways / (SPACING * self.extent)).astype(int) + 1)
+        edge = np.repeat(np.arange(len(starts)), counts)
+        offsets = np.repeat(np.cumsum(counts) - counts, counts)
+        share = (np.arange(len(edge)) - offsets) / np.repeat(counts - 1, counts)
+        q = starts[edge] + share[:, None] * (ends - starts)[edge]
+        good = self.clearances(q) >= self.clear
+        found: Flags = np.bincount(edge, weights=~good, minlength=len(starts)) == 0
+        return found
+
+    def lengths(self, moves: Array) -> Array:
+        """The lengths (...) of moves (..., n) in metres that points go at most."""
+        return np.asarray(np.linalg.norm(moves * self.levers, axis=-1))
+
+
+@dataclass(slots=True)
+class _Tree:
+    """Poses with the number of the one that each was reached from; the root's is -1."""
+
+    q: list[Array]
+    before: list[int] = field(default_factory=lambda: [-1])
+
+    def nearest(self, space: ClearSpace, to: Array) -> Array:
+        """The numbers (K,) of the poses nearest to some (K, n)."""
+        nodes = np.array(self.q)
+        found: Array = np.argmin(space.lengths(nodes[None] - to[:, None]), axis=1)
+        return found
+
+    def way(self, number: int) -> list[Array]:
+        """The poses from the root to one."""
+        found = [self.q[number]]
+        while (number := self.before[number]) >= 0:
+            found.append(self.q[number])
+        return found[::-1]
+
+
+def joint_way(space: ClearSpace, start: Array, end: Array, seed: int) -> Array | None:
+    """Poses (w, n) from ``start`` to ``end``, with clear straight ways between them.
+
+    None where none is found.
+    """
+    if space.passable(start[None], end[None])[0]:
+        return np.array([start, end])
+    rng = np.random.default_rng(seed)
+    trees = _Tree([start]), _Tree([end])
+    for number in range(BATCHES):
+        check_time()
+        grown, other = trees[number % 2], trees[1 - number % 2]
+        new = _grow(space, grown, rng.uniform(*space.box, size=(BATCH, space.numeric.n)))
+        if not len(new):
+            continue
+        tips = np.array([grown.q[i] for i in new])
+        near = other.nearest(space, tips)
+        met = np.flatnonzero(space.passable(tips, np.array([other.q[i] for i in near])))
+        if len(met):
+            way = grown.way(new[met[0]]) + other.way(int(near[met[0]]))[::-1]
+            whole = np.array(way if number % 2 == 0 else way[::-1])
+            return _shortened(space, whole, rng)
+    return None
+
+
+def _grow(space: ClearSpace, tree: _Tree, towards: Array) -> list[int]:
+    """Steps of a tree towards poses (K, n); the numbers of those that are clear."""
+    near = tree.nearest(space, towards)
+    starts = np.array([tree.q[i] for i in near])
+    moves = towards - starts
+    far = np.maximum(space.lengths(moves) / (REACH * space.extent), 1.0)
+    ends = starts + moves / far[:, None]
+    added = []
+    for i in np.flatnonzero(space.passable(starts, ends)):
+        added.append(len(tree.q))
+        tree.q.append(ends[i])
+        tree.before.append(int(near[i]))
+    return added
+
+
+def _shortened(space: ClearSpace, way: Array, rng: np.random.Generator) -> Array:
+    """The way with straight ways between places of it where these are clear."""
+    for _ in range(SHORTCUTS):
+        if len(way) < 3:
+            break
+        lengths = space.lengths(np.diff(way, axis=0))
+        along = np.concatenate([[0.0], np.cumsum(lengths)])
+        first, last = np.sort(rng.uniform(0.0, along[-1], 2))
+        columns = [np.interp((first, last), along, column) for column in way.T]
+        cut = np.stack(columns, axis=1)
+        if np.searchsorted(along, first) == np.searchsorted(along, last):
+            continue
+        if space.passable(cut[:1], cut[1:])[0]:
+            way = np.concatenate([way[along < first], cut, way[along > last]])
+    return way

@@ -1,0 +1,48 @@
+"""How large a task is: what length counts as one, and how much room its motions are given at first.
+
+The thresholds of the search are those of robots of a metre or so; for others they are so many times
+larger or smaller.
+"""
+
+from __future__ import annotations
+
+from math import floor, log10
+
+import numpy as np
+
+from compiler.tasks.formula_parts import atoms
+from grammar_lang import ir
+from solvers.trajectory.convex_set import ConvexSet, region_set
+
+LEAST_MARGIN = 2e-3
+"""The position margin that a search begins with, of tasks of a metre or so (m)."""
+SHARE = 0.1
+"""It is no more than this part of the least radius of a region that is to be reached."""
+SMALLEST = 1e-6
+"""Nor less than this, in units of length."""
+ROUNDED = 0.1
+"""Sizes a little less than a power of ten count as that power."""
+
+
+def length_unit(workspace: ir.Workspace) -> float:
+    """The power of ten (m) below half the diagonal of the bounds."""
+    bounds = region_set(workspace.bounds.shape, workspace.dimension)
+    half = float(np.linalg.norm(np.ptp(bounds.vertices, axis=0))) / 2
+    return 10.0 ** floor(log10(half) + ROUNDED)
+
+
+def least_margin(workspace: ir.Workspace, task: ir.Task) -> float:
+    """The position margin (m) that a search begins with."""
+    unit = length_unit(workspace)
+    names = {atom.region for clause in task.satisfy for atom in atoms(clause.formula)}
+    names |= {task.start.region} if isinstance(task.start, ir.StartIn) else set()
+    names |= set() if task.reach is None else {task.reach.region}
+    sets = [region_set(workspace.region(name).shape, workspace.dimension) for name in names]
+    least = SHARE * min((_radius(each) for each in sets), default=np.inf)
+    return float(np.clip(least, SMALLEST * unit, LEAST_MARGIN * unit))
+
+
+def _radius(region: ConvexSet) -> float:
+    """The distance (m) of the mean of the corners from the nearest facet."""
+    middle = region.vertices.mean(axis=0)
+    return float(np.min(region.offsets - region.normals @ middle))
