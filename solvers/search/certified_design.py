@@ -19,7 +19,7 @@ from solvers.trajectory.visited_cells import cell_names
 from solvers.verifier.proofs.checked_condition import decisive
 from solvers.verifier.proofs.effort_bounds import planned_efforts
 from solvers.verifier.proofs.scene import Scene, Watch
-from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
+from solvers.verifier.proofs.trajectory_proof import ENDED, prove_motion, scene_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +27,14 @@ class Unproved:
     """Why a proof did not go through, in words that follow a reason.
 
     ``lacking`` is how much wider the margin for disturbed motions has to be, as a part of it,
-    ``beyond`` by what part motions leave the set of their loop.  ``note`` says what was tried.
+    ``beyond`` by what part motions leave the set of their loop.  ``ended`` says that the enclosure
+    of the planned motion ended: margins do not help.  ``note`` says what was tried.
     """
 
     obstacle: str
     lacking: float = 0.0
     beyond: float = 0.0
+    ended: bool = False
     note: str = "the proof did not go through"
 
 
@@ -105,6 +107,7 @@ def certified_design(
             f"; last proof tried: {obstacle.reason}",
             0.0 if spread is None else missing_margin(conditions, spread),
             beyond_loop(conditions),
+            obstacle.name == ENDED,
         )
     if design.controller is None:
         fine = fine_motion(path_problem.numeric, trajectory, float(task.step))

@@ -172,9 +172,9 @@ WIDEST = 1.0
 class ConstraintTightening:
     """A margin, the same everywhere, and the number of spreads of disturbed motions.
 
-    It is the ``least`` one (m), ``widened`` so many times.  Spreads grow with time, and so does the tightening; a tube of all disturbed motions is wider than
-    their spread to first order.  ``slack`` is the part by which the set of a loop is larger than
-    its estimate.
+    The margin is the ``least`` one (m), ``widened`` so many times.  Spreads grow with time, and so
+    does the tightening; a tube of all disturbed motions is wider than their spread to first order.
+    ``slack`` is the part by which the set of a loop is larger than its estimate.
     """
 
     least: float = LEAST_MARGIN

@@ -8,7 +8,8 @@ What samples do not show may exist all the same: this guides a search and proves
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -18,6 +19,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.tasks.formula_parts import atoms
 from compiler.tasks.monitor import AtomKey, Monitored, Piece, key
+from compiler.tasks.specification import PlannedEffector, PlanningProblem
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
@@ -35,6 +37,9 @@ POSES = 512
 """For the cells within reach 2**3 parameters, and so many poses with each."""
 CHUNK = 1 << 22
 """So many products of points and rows are held at a time."""
+POSES_OF_BODIES = 4
+ON_BODY = 1e-9
+"""Metres up to which an effector is on a body, in so many poses."""
 STANDING_LOG2 = 9
 KEPT = 4
 """Of 2**9 parameters of a robot that cannot move, the best that are kept."""
@@ -85,6 +90,58 @@ def reachable_cells(
         ends, _ = solve_positions(numeric, q[nearest], theta, effector, targets, limited)
         found |= cells.hit(numeric.points(ends, theta).value[:, effector])
     return found
+
+
+def within_reach(
+    problem: PlanningProblem, numeric: NumericRobot, abstraction: Abstraction, seed: int
+) -> PlanningProblem:
+    """The problem without the cells for which no pose of the effector is found."""
+    planned = []
+    for one in problem.effectors:
+        found = reachable_cells(numeric, abstraction, one.effector, seed)
+        planned.append(_closed(one, np.flatnonzero(~found).tolist()))
+    return replace(problem, effectors=tuple(planned))
+
+
+def clear_of_bodies(
+    problem: PlanningProblem, numeric: NumericRobot, abstraction: Abstraction, task: ir.Task
+) -> PlanningProblem:
+    """The problem without the cells that bodies avoid, for effectors that are part of one."""
+    avoided = [name for avoid in task.avoid if avoid.subject == "body" for name in avoid.regions]
+    if not avoided:
+        return problem
+    closed, on_body = abstraction.within(avoided), effectors_on_bodies(numeric)
+    planned = (
+        _closed(one, closed) if one.effector in on_body else one for one in problem.effectors
+    )
+    return replace(problem, effectors=tuple(planned))
+
+
+def _closed(planned: PlannedEffector, cells: Iterable[int]) -> PlannedEffector:
+    """An effector that may not be in some more cells."""
+    return replace(planned, forbidden=tuple(sorted({*planned.forbidden, *cells})))
+
+
+def effectors_on_bodies(numeric: NumericRobot) -> frozenset[int]:
+    """The effectors (from 0) that are on a point or a rod of some body, in random poses."""
+    graph, n = numeric.graph, numeric.n
+    count, rng = len(graph.model.effectors), np.random.default_rng(0)
+    found = set(range(count))
+    for theta in parameter_space(graph.model).uniform(rng, 2):
+        points = numeric.points(rng.uniform(-1.0, 1.0, (POSES_OF_BODIES, n)), theta).value
+        near = []
+        for hull in (each for each in graph.hulls if len(each) <= 2):
+            start, end = points[:, count + hull[0]], points[:, count + hull[-1]]
+            way, off = end - start, points[:, :count] - start[:, None]
+            square = np.maximum(np.sum(way**2, axis=1), 1e-300)
+            along = np.clip(np.einsum("ked,kd->ke", off, way) / square[:, None], 0.0, 1.0)
+            gap = np.linalg.norm(off - along[..., None] * way[:, None], axis=2)
+            near.append(np.max(gap, axis=0) <= ON_BODY)
+        if near:
+            found &= set(np.flatnonzero(np.any(near, axis=0)).tolist())
+        else:
+            found = set()
+    return frozenset(found)
 
 
 class _Stacked:

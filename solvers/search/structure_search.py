@@ -42,7 +42,12 @@ from solvers.search.path_task import (
     no_margin_text,
 )
 from solvers.search.round_task import RoundTask, closing, round_tasks
-from solvers.search.sampled_cells import reachable_cells, standing_configurations, start_cells
+from solvers.search.sampled_cells import (
+    clear_of_bodies,
+    standing_configurations,
+    start_cells,
+    within_reach,
+)
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE
 from solvers.trajectory.corridor import polyline
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
@@ -101,6 +106,10 @@ class StructureSearch:
     """How much wider its margin has to be for what the task says of disturbances."""
     beyond: float = 0.0
     """By what part of it motions leave the set of their loop."""
+    ended: bool = False
+    """Whether the enclosure of the last motion that was tried ended before the motion did."""
+    incumbent: Design | None = None
+    """A proved design while better ones are looked for."""
     stuck: str = ""
     """Where the most robust motion that was found for a path could not go on."""
     best: float = -np.inf
@@ -172,9 +181,10 @@ class StructureSearch:
         """
         starts = start_cells(cells, self.task, self.numeric)
         problem = planning_problem(cells, self.task, recorded, starts)
+        problem = clear_of_bodies(problem, self.numeric, cells, self.task)
         design, reason = None, "the task leaves no cell to start in"
         for closed in closing(problem, self.shape):
-            reachable = self.within_reach(closed, cells)
+            reachable = within_reach(closed, self.numeric, cells, self.context.seed)
             design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
             if not tried and reachable != closed:
                 design, reason, _ = self.plans_of(closed, cells, recorded, budget)
@@ -208,15 +218,6 @@ class StructureSearch:
                 planner.block(attempt.excluded)
         reason = f"{self.counts['paths']} paths tried, best robustness {self.best:.4g}"
         return None, reason, budget
-
-    def within_reach(self, problem: PlanningProblem, cells: Abstraction) -> PlanningProblem:
-        """The problem without the cells for which no pose of the effector is found."""
-        planned = []
-        for one in problem.effectors:
-            found = reachable_cells(self.numeric, cells, one.effector, self.context.seed)
-            outside = np.flatnonzero(~found).tolist()
-            planned.append(replace(one, forbidden=tuple(sorted({*one.forbidden, *outside}))))
-        return replace(problem, effectors=tuple(planned))
 
     def exhausted(self, ended: Exhausted) -> str:
         """Why there is no plan, in words."""
@@ -356,11 +357,15 @@ class StructureSearch:
             if not path_problem.feedback and unstable(path_problem, found.outcome.trajectory):
                 self.obstacle = f"{tried}; the motion is unstable: its inputs alone do not cause it"
                 return Attempt(None, found.outcome.robustness, unstable=not self.task.control)
-            self.lacking = self.beyond = 0.0
+            self.lacking, self.beyond, self.ended = 0.0, 0.0, False
             design = self.certified(path_problem, found, last=tightening.is_last)
             if design is not None:
                 return Attempt(design, found.outcome.robustness)
             tried = self.obstacle
+            if self.ended:
+                # No margin makes it calmer; feedback may.
+                open_loop = not path_problem.feedback and not self.task.control
+                return Attempt(None, found.outcome.robustness, unstable=open_loop)
             self.context.reporter.note(f"{self.note}; trying a wider margin")
             tightening = tightening.wider(self.lacking, path_problem.spread, self.beyond)
         return Attempt(None, found.outcome.robustness)
@@ -387,5 +392,5 @@ class StructureSearch:
             self.obstacle, self.lacking, self.beyond = (
                 answer.obstacle, answer.lacking, answer.beyond,
             )  # fmt: skip
-            self.note = answer.note
+            self.note, self.ended = answer.note, answer.ended
         return None

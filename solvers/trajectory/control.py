@@ -60,7 +60,7 @@ COARSE = 1e-5
 """The accuracy of programs whose steps cause larger errors themselves; polishing steps have the
 full."""
 NEAR = 0.1
-"""Units of length up to which a seed that breaks its half-planes is tried without fictitious inputs."""
+"""Units of length up to which a seed may break its half-planes without fictitious inputs."""
 NOT_FINITE = "not finite"
 CONVEX_STEP = "convex step"
 """The status begins so where a convex step was not solved last."""
@@ -176,7 +176,10 @@ class _Iteration:
             self.status = "violations remain"
             return self.stuck > self.budget.quiet
         self.status = "fixpoint"
-        if abs(gained) >= self.budget.tolerance or trial.infeasibility(self.problem) >= self.budget.calm:
+        if (
+            abs(gained) >= self.budget.tolerance
+            or trial.infeasibility(self.problem) >= self.budget.calm
+        ):
             self.quiet = 0
             return False
         self.quiet += 1
@@ -223,9 +226,7 @@ def synthesise_control(
         return _hopeless(problem, start)
     prices = weights or Weights(rates=problem.rates, mobility=problem.mobility)
     prices = replace(prices, position=prices.position / problem.unit)
-    question = SubproblemSpec(
-        problem.limits, problem.groups, theta_box, prices, unit=problem.unit
-    )
+    question = SubproblemSpec(problem.limits, problem.groups, theta_box, prices, unit=problem.unit)
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
     # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
     far = current.excess > NEAR * problem.unit
@@ -240,7 +241,11 @@ def _outcome(
     """Close the small remaining defects by simulation, then judge."""
     defect = float(np.max(at.fictitious, initial=0.0))
     found, regulated = None, False
-    if at.excess <= EXCESS * problem.unit and defect < DEFECT * problem.scale and at.outside <= LIMIT_EXCESS:
+    if (
+        at.excess <= EXCESS * problem.unit
+        and defect < DEFECT * problem.scale
+        and at.outside <= LIMIT_EXCESS
+    ):
         found = _closed(problem, at, _simulated(problem, at.trajectory))
         if found is None:
             found, regulated = _closed(problem, at, _regulated(problem, at)), True
@@ -248,7 +253,9 @@ def _outcome(
     if found is not None:
         best, value = found, found.margin
     else:
-        violation = defect + max(0.0, -at.margin) + problem.scale * (at.excess / problem.unit + at.outside)
+        violation = (
+            defect + max(0.0, -at.margin) + problem.scale * (at.excess / problem.unit + at.outside)
+        )
         best, value = at, -min(violation, WORST * problem.scale)
     return ControlOutcome(
         best.trajectory,

@@ -190,7 +190,8 @@ class Corridor:
     """A robot with parameters ``theta`` whose ``point`` goes through ``cells`` in order.
 
     ``box`` bounds the coordinates, (n,) each; ``margin`` is the clearance wanted, in metres.
-    ``unit`` is the length that counts as one (m).  With ``start_is_given`` there is one pose to start from.
+    ``unit`` is the length that counts as one (m).  With ``start_is_given`` there is one pose to
+    start from.
     """
 
     numeric: NumericRobot

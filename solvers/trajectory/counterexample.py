@@ -63,9 +63,7 @@ def _slacks(
         return None
     epsilon = float(path_problem.task.slack)
     prices = Weights(position=Weights().position / problem.unit)
-    question = SubproblemSpec(
-        problem.limits, problem.groups, None, prices, epsilon, problem.unit
-    )
+    question = SubproblemSpec(problem.limits, problem.groups, None, prices, epsilon, problem.unit)
     result = problem.steps(question).solve(about.model, about.rows, TrustRegion(RADIUS))
     if isinstance(result, NotSolved):
         return None

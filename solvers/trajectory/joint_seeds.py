@@ -2,8 +2,8 @@
 
 Where the effector goes between these places is left open; the cells are read off the motion that
 comes of it.  Poses are found by inverse kinematics from many starts, chosen so that the ways
-between them are short, and ways around obstacles by two trees (``joint_ways.py``).  Only a source of
-seeds.
+between them are short, and ways around obstacles by two trees (``joint_ways.py``).  Only a source
+of seeds.
 """
 
 from __future__ import annotations
@@ -28,8 +28,6 @@ REACHED = 1e-5
 """The part of the extent up to which a point counts as brought to its target."""
 SEARCHES = 12
 """Chains of poses whose ways are looked at."""
-ROUNDED = 0.06
-"""Corners are rounded over this part of the time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +52,12 @@ def stops_of(dwells: Sequence[Dwell], steps: int) -> tuple[Stop, ...]:
 
 
 def joint_seeds(
-    space: ClearSpace, stops: Sequence[Stop], drawn: Pool, first: Array | None, count: int, seed: int
+    space: ClearSpace,
+    stops: Sequence[Stop],
+    drawn: Pool,
+    first: Array | None,
+    count: int,
+    seed: int,
 ) -> list[Array]:
     """Motions (k + 1, n) through all stops, at most ``count``, the shortest first.
 

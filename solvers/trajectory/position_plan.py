@@ -140,9 +140,9 @@ class PositionPlan:
     """All that binds positions; ``margin`` (m) shrinks dwells and widens separations.
 
     ``anchors`` (k + 1, d) are positions of point ``anchored`` inside its dwells.  Half-planes are
-    chosen about them wherever the reference has left its dwell by ``astray`` (m), so that a bad reference cannot
-    ask for a side that the path excludes.  ``spread`` (k + 1, m), in metres, tightens the
-    constraints beyond the margin, for disturbed motions.
+    chosen about them wherever the reference has left its dwell by ``astray`` (m), so that a bad
+    reference cannot ask for a side that the path excludes.  ``spread`` (k + 1, m), in metres,
+    tightens the constraints beyond the margin, for disturbed motions.
     """
 
     steps: int

@@ -15,7 +15,7 @@ from solvers.trajectory.corridor import Corridor, Entries, Flags, Layers
 from solvers.trajectory.inverse_kinematics import Pool, apart, poses_in
 
 TOUCHING = -0.02
-"""Clearance, in units of length, down to which a seed counts as clear: the convex programs mend the rest."""
+"""Clearance, in units of length, down to which a seed counts as clear: programs mend the rest."""
 WAYS = 2
 """Motions that are taken from a roadmap."""
 HOPELESS = 2

@@ -248,7 +248,7 @@ class StepProgram:
     def _objective(self, model: Model, proximal: float) -> tuple[Array, Array]:
         layout, question = self.layout, self.question
         weights, scale = question.weights, question.scale
-        linear, quadratic = np.zeros(layout.size), np.full(layout.size, weights.regular)
+        linear, quadratic = np.zeros(layout.size), weights.regular / self._columns**2
         linear[layout.sigma] = weights.position
         if layout.fictitious:
             linear[layout.largest] = weights.fictitious / scale

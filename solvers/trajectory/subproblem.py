@@ -53,7 +53,8 @@ class TrustRegion:
 class SubproblemSpec:
     """What of a convex step stays the same from one to the next.
 
-    With ``epsilon`` every step has a slack of its own under C.6; ``unit`` is the robot's length (m).
+    With ``epsilon`` every step has a slack of its own under C.6; ``unit`` is the length (m) that
+    counts as one.
     """
 
     limits: MotionLimits

@@ -113,9 +113,7 @@ def _conditions(
         why = f"the {ENDED} ends"
         ended = CheckedCondition(ENDED, Status.UNDECIDED, NO_MARGIN, "", followed.time, why=why)
         return (*found, *(failed or [ended]))
-    path = cell_path(
-        scene.abstraction, float(scene.task.step), motion.path, followed.positions()
-    )
+    path = cell_path(scene.abstraction, float(scene.task.step), motion.path, followed.positions())
     if motion.law is not None:
         several = scene.task.robust is not None or scene.task.repeat
         prefix = PLANNED if several else ""

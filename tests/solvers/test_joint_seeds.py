@@ -1,0 +1,123 @@
+"""Ways in joint space and seeds from them, against shapely and the kinematics of an arm by hand."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from math import cos, sin
+
+import numpy as np
+import pytest
+import shapely
+
+from solvers.trajectory.convex_set import region_set
+from solvers.trajectory.joint_seeds import joint_seeds, stops_of
+from solvers.trajectory.joint_ways import ClearSpace, joint_way
+from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.position_plan import Dwell
+from tests.solvers.test_seeds_of_bodies import OBSTACLE, clearance, path_problem
+
+THETA = np.array([2.3, 3.1])
+"""Too short a first link to pass above the obstacle, which lies 1.7 to 3 m away."""
+
+
+@pytest.fixture(scope="module")
+def problem() -> PathProblem:
+    return replace(path_problem("planar_arm_body"), in_joints=True)
+
+
+@pytest.fixture(scope="module")
+def space(problem: PathProblem) -> ClearSpace:
+    corridor = problem.corridor(THETA)
+    box = np.full(2, -np.pi), np.full(2, np.pi)
+    return ClearSpace(
+        problem.numeric, THETA, corridor.clearance, box, corridor.levers, 5.4, problem.margin
+    )
+
+
+def outline(q: np.ndarray) -> shapely.LineString:
+    elbow = np.array([THETA[0] * cos(q[0]), THETA[0] * sin(q[0])])
+    tip = elbow + THETA[1] * np.array([cos(q[0] + q[1]), sin(q[0] + q[1])])
+    return shapely.LineString([(0, 0), elbow, tip])
+
+
+def poses(problem: PathProblem, rng: np.random.Generator) -> np.ndarray:
+    """Within the bounds and clear by far, by shapely."""
+    bounds = region_set(problem.workspace.bounds.shape, 2)
+    while True:
+        q = rng.uniform(-np.pi, np.pi, 2)
+        line = outline(q)
+        tip = np.array(line.coords[-1])
+        inside = np.all(bounds.normals @ tip < bounds.offsets - 0.05)
+        if inside and line.distance(OBSTACLE) > 0.05:
+            return q
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_way_is_clear_and_joins_its_ends(
+    problem: PathProblem, space: ClearSpace, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    start, end = poses(problem, rng), poses(problem, rng)
+    way = joint_way(space, start, end, 0)
+    if way is None:
+        return
+    assert np.array_equal(way[0], start)
+    assert np.array_equal(way[-1], end)
+    fine = [a + s * (b - a) for a, b in itertools.pairwise(way)
+            for s in np.linspace(0, 1, 200)]  # fmt: skip
+    assert min(outline(q).distance(OBSTACLE) for q in fine) > -1e-9
+    again = joint_way(space, start, end, 0)
+    assert again is not None
+    assert np.array_equal(way, again)
+
+
+def test_ways_around_an_obstacle_are_found(problem: PathProblem, space: ClearSpace) -> None:
+    rng, found, blocked = np.random.default_rng(0), 0, 0
+    while blocked < 12:
+        start, end = poses(problem, rng), poses(problem, rng)
+        straight = [outline(start + s * (end - start)) for s in np.linspace(0, 1, 400)]
+        if min(line.distance(OBSTACLE) for line in straight) == 0:
+            blocked += 1
+            found += joint_way(space, start, end, 0) is not None
+    assert found >= 4
+
+
+def test_stops_are_where_dwells_begin_and_end() -> None:
+    problem = path_problem("planar_arm_body")
+    first, second = (region_set(r.shape, 2) for r in problem.workspace.regions[:2])
+    dwells = [Dwell(0, 0, 0, first), Dwell(0, 0, 20, second), Dwell(1, 4, 9, second),
+              Dwell(0, 9, 9, first)]  # fmt: skip
+    stops = stops_of(dwells, 20)
+    assert [stop.sample for stop in stops] == [0, 4, 9, 20]
+    assert [[point for point, _ in stop.aims] for stop in stops] == [[0], [1], [1, 0], []]
+
+
+@pytest.mark.parametrize("theta", [(3.3, 4.0), (3.9, 2.9)])
+def test_seeds_stop_where_points_are_bound_and_are_clear(
+    problem: PathProblem, theta: tuple[float, float]
+) -> None:
+    found = problem.seeds(np.array(theta))
+    assert found
+    steps = problem.task.steps
+    for seed in found:
+        q = seed.x[:, :2]
+        assert q.shape == (steps + 1, 2)
+        for pose, name in ((q[0], "S"), (q[-1], "T")):
+            region = region_set(problem.workspace.region(name).shape, 2)
+            elbow = theta[0] * np.array([cos(pose[0]), sin(pose[0])])
+            tip = elbow + theta[1] * np.array([cos(pose.sum()), sin(pose.sum())])
+            assert np.all(region.normals @ tip < region.offsets)
+        assert np.abs(np.diff(q, axis=0)).max() < 0.35
+        assert np.abs(q[1] - q[0]).max() < np.abs(np.diff(q, axis=0)).max()
+        # Samples only: a chord may cut a corner by a little.
+        assert clearance(theta, q) > 0
+
+
+def test_no_pose_at_a_stop_means_no_seed(problem: PathProblem, space: ClearSpace) -> None:
+    drawn = problem.corridor(THETA).drawn(np.random.default_rng(0))
+    far = region_set(problem.workspace.region("S").shape, 2)
+    far = replace(far, offsets=far.offsets + far.normals @ np.array([50.0, 0.0]),
+                  vertices=far.vertices + np.array([50.0, 0.0]))  # fmt: skip
+    stops = stops_of([Dwell(0, 0, 0, far)], 10)
+    assert joint_seeds(space, stops, drawn, None, 4, 0) == []
