@@ -82,7 +82,8 @@ class RunContext:
 
     Nothing here may change its result but the seed, the parameter ``search``, the limit of time
     and the ``solver`` of convex programs, by its name in cvxpy (None: our own).  ``out_of_time`` is
-    asked between steps, as often each time; loops within them ask ``compiler.time_limits``.
+    asked between steps, as often each time; loops within them ask ``compiler.time_limits``.  Where
+    time is ``limited``, the first feasible motion of a structure is proved at once.
     """
 
     seed: int = 0
@@ -92,6 +93,7 @@ class RunContext:
     reporter: Reporter = field(default_factory=Silent)
     journal: Journal = field(default_factory=Memory)
     out_of_time: Callable[[], bool] = lambda: False
+    limited: bool = False
 
     def check_time(self) -> None:
         """Raise OutOfTimeError once the limit is reached."""

@@ -7,7 +7,9 @@ the cells that such a motion visits are made to bind (``cell_timing.py``).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -92,17 +94,25 @@ class Configuration:
     calmed: bool = False
 
 
+AtOnce: TypeAlias = "Callable[[ControlOutcome], None] | None"
+
+
 def search_configuration(
-    path_problem: PathProblem, label: str, context: RunContext, evaluations: int = EVALUATIONS
+    path_problem: PathProblem,
+    label: str,
+    context: RunContext,
+    evaluations: int = EVALUATIONS,
+    at_once: AtOnce = None,
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal.  Where there are only motions that their
+    ``label`` names the structure and path in the journal; ``at_once`` is told of feasible outcomes
+    as they are evaluated.  Where there are only motions that their
     inputs alone do not cause, and the task does not ask for an open loop, a calm one is preferred.
     """
     space = parameter_space(path_problem.model)
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
-    search = _Survey(space, evaluator, context, evaluations)
+    search = _Survey(space, evaluator, context, evaluations, at_once)
     if space.is_point:
         search.evaluate([space.lower], FULL)
     else:
@@ -113,7 +123,7 @@ def search_configuration(
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
         # Tracking a line through cells may lead nowhere, where a way in joint space does.
         other = replace(path_problem, in_joints=True)
-        found = search_configuration(other, f"{label}|joints", context, evaluations)
+        found = search_configuration(other, f"{label}|joints", context, evaluations, at_once)
         if found.outcome.robustness > ranked[0].robustness:
             return replace(found, samples=samples + found.samples)
         samples += found.samples
@@ -183,8 +193,14 @@ class _Survey:
     """The evaluations of a path's parameters, with the motions that were found."""
 
     def __init__(
-        self, space: ParameterSpace, evaluator: Evaluator, context: RunContext, evaluations: int
+        self,
+        space: ParameterSpace,
+        evaluator: Evaluator,
+        context: RunContext,
+        evaluations: int,
+        at_once: AtOnce = None,
     ) -> None:
+        self.at_once = at_once
         self.space = space
         self.evaluations = evaluations
         self.evaluator = evaluator
@@ -218,6 +234,8 @@ class _Survey:
             self.attempts += outcomes
             self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
             self.context.reporter.robustness(max(o.robustness for o in self.attempts))
+            if outcome.feasible and self.at_once is not None:
+                self.at_once(outcome)
         return found
 
     def worth(self, outcome: ControlOutcome) -> float:

@@ -18,7 +18,7 @@ from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
-from solvers.planner import CounterExample, EffectorPath
+from solvers.planner import CounterExample, EffectorPath, Exhausted
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.control import shortfall
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
@@ -235,6 +235,19 @@ def nearest_text(
     else:
         what = stuck_text(sample, task)
     return f"; nearest, through {' > '.join(names)}, {what}"
+
+
+def exhausted_text(ended: Exhausted, best: float, task: ir.Task) -> str:
+    """Why there is no plan, in words; ``best`` is the best robustness of those before."""
+    if ended.blocked:
+        count = len(ended.blocked)
+        return f"no path is left after {count} counterexamples; best robustness {best:.4g}"
+    if ended.plans:
+        return f"no path is left; best robustness {best:.4g}"
+    return (
+        f"planning: {ended.why.value}; the task has {task.steps + 1} samples, "
+        "and a step has one change of cell at most"
+    )
 
 
 def stuck_text(sample: int, task: ir.Task) -> str:

@@ -8,6 +8,7 @@ cut in two and the planning goes on, with the counterexamples that say nothing o
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.bisection import halving
 from grammar_lang import ir
-from solvers.planner import CounterExample, Exhausted, Plan, Planner
+from solvers.planner import CounterExample, Plan, Planner
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer
 from solvers.search.cell_timing import timed
@@ -33,11 +34,13 @@ from solvers.search.configuration_search import (
     searched_further,
     within_limits,
 )
+from solvers.search.early_design import early_design
 from solvers.search.path_task import (
     Attempt,
     ConstraintTightening,
     Design,
     PathTask,
+    exhausted_text,
     nearest_text,
     no_margin_text,
 )
@@ -49,6 +52,7 @@ from solvers.search.sampled_cells import (
     within_reach,
 )
 from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE
+from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.corridor import polyline
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
 from solvers.trajectory.fine_motion import refined, unstable
@@ -109,7 +113,8 @@ class StructureSearch:
     ended: bool = False
     """Whether the enclosure of the last motion that was tried ended before the motion did."""
     incumbent: Design | None = None
-    """A proved design while better ones are looked for."""
+    """A proved design while better ones are looked for, which are ``tried`` only once."""
+    tried: bool = False
     stuck: str = ""
     """Where the most robust motion that was found for a path could not go on."""
     best: float = -np.inf
@@ -206,7 +211,7 @@ class StructureSearch:
                 case Unknown(reason=limit):
                     return None, f"planning: {limit.value}", number
                 case ended:
-                    return None, self.exhausted(ended.counterexample), number
+                    return None, exhausted_text(ended.counterexample, self.best, self.task), number
             self.context.check_time()
             self.counts["paths"] += 1
             attempt = self.attempt(cells, plan, recorded)
@@ -218,20 +223,6 @@ class StructureSearch:
                 planner.block(attempt.excluded)
         reason = f"{self.counts['paths']} paths tried, best robustness {self.best:.4g}"
         return None, reason, budget
-
-    def exhausted(self, ended: Exhausted) -> str:
-        """Why there is no plan, in words."""
-        if ended.blocked:
-            return (
-                f"no path is left after {len(ended.blocked)} counterexamples; "
-                f"best robustness {self.best:.4g}"
-            )
-        if ended.plans:
-            return f"no path is left; best robustness {self.best:.4g}"
-        return (
-            f"planning: {ended.why.value}; the task has {self.task.steps + 1} samples, "
-            "and a step has one change of cell at most"
-        )
 
     def cut(self, cells: Abstraction) -> Abstraction | None:
         """The cells with that one cut at which the shortest excluded plan fails; None without one.
@@ -269,7 +260,8 @@ class StructureSearch:
         if needs_feedback(path_problem):
             path_problem = calmer(path_problem)
         label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
-        found = search_configuration(path_problem, label, self.context)
+        at_once = partial(self.prove_at_once, path_problem) if self.context.limited else None
+        found = search_configuration(path_problem, label, self.context, at_once=at_once)
         self.keep(found)
         if found.outcome.status == NOT_FINITE:
             self.obstacle = "; the equations of motion have no finite value where the search begins"
@@ -288,7 +280,17 @@ class StructureSearch:
                 leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
             )
             return Attempt(None, robustness, excluded)
-        return self.widened(path_problem, found, label)
+        attempt = self.widened(path_problem, found, label)
+        return attempt if attempt.design is not None else replace(attempt, design=self.incumbent)
+
+    def prove_at_once(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        """Prove the first feasible motion, so that there is a design if time runs out."""
+        if self.incumbent is None and not self.tried:
+            self.tried = True
+            self.incumbent = early_design(
+                self.program, self.proved, self.derivation, path_problem, outcome,
+                self.context.check_time,
+            )  # fmt: skip
 
     def keep(self, found: Configuration) -> None:
         """Keep what was evaluated for a path, for tables."""

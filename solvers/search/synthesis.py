@@ -198,6 +198,11 @@ class _Run:
         self.search = search
         try:
             design, reason = self.motion(search, self.effectors(model, answer))
+        except OutOfTimeError:
+            if search.incumbent is not None:
+                self.keep(candidate.number, search.incumbent)
+                self.record(derivation, "found", "proved")
+            raise
         finally:
             self.samples += search.samples
             self.blocked += search.blocked

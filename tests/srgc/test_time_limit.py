@@ -97,7 +97,7 @@ def test_a_design_without_time_for_pictures_is_written(tmp_path: Path, made: Mad
     out, whole = tmp_path / "out", content(made("turner") / "out")
     result = run(tmp_path, OnceSearched(1.0, file=out / "trajectory.csv"))
     assert (result.verdict, result.unfinished) == ("found", True)
-    assert f"{OUT_OF_TIME} before it was drawn" in result_lines(result)
+    assert f"{OUT_OF_TIME} before it was improved or drawn" in result_lines(result)
     written = content(out)
     assert written.pop("journal.jsonl")
     assert written == {name: data for name, data in whole.items() if name not in PICTURES}
