@@ -163,7 +163,7 @@ class StepProgram:
         self._rows[: len(self.samples)], self._rows[len(self.samples) :] = length, effort
 
     def point(self, scaled: Array) -> Array:
-        """The unknowns, in SI, of the optimum of a program."""
+        """The unknowns (N,), in SI, of the optimum (N,) of a program."""
         return scaled * self._columns
 
     # --- numbers --------------------------------------------------------------------------------

@@ -109,8 +109,15 @@ def test_a_path_that_comes_back_goes_through_the_cell() -> None:
     assert there[1] == there[3] != there[2]
     several = workspace_svg(abstraction, workspace, [[start], [], [start, free]])
     assert {"path 1", "path 3"} <= set(written(several))
-    with pytest.raises(KeyError):
-        workspace_svg(abstraction, workspace, [[start, abstraction.index("T")]])
+
+
+def test_between_cells_that_are_no_neighbours_a_path_is_straight() -> None:
+    workspace = bench()
+    abstraction = abstract(workspace)
+    start, target = abstraction.index("S"), abstraction.index("T")
+    assert target not in abstraction.neighbours[start]
+    [line] = ways(workspace_svg(abstraction, workspace, [[start, target]]))
+    assert len(set(corners(line))) == 2
 
 
 def test_space_with_a_path() -> None:
