@@ -169,5 +169,7 @@ def synthesis_text(
         lines.append(f"designs: {len(result.designs)}\n{table}")
     lines.append(f"results: {folder}")
     if design is not None and result.unfinished and result.ended is None:
-        lines.append(f"         {OUT_OF_TIME} before it was improved or drawn: the same command goes on")
+        lines.append(
+            f"         {OUT_OF_TIME} before it was improved or drawn: the same command goes on"
+        )
     return "\n".join(lines)
