@@ -13,10 +13,8 @@ runs the code of another checkout on the same tasks.
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
-import subprocess
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -27,7 +25,7 @@ from timing import ROOT, machine
 
 sys.path.insert(0, str(ROOT))
 
-from gravity_tasks import VERDICTS, VERIFY_SECONDS, limited
+from gravity_tasks import VERDICTS, VERIFY_SECONDS, command_line, limited, record
 
 from tests.oracles.feasible_tasks import KINDS, FeasibleTask, feasible_task
 
@@ -108,14 +106,9 @@ def print_table(results: Iterable[Told]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    title = __doc__.split("\n", maxsplit=1)[0]
+    parser = command_line(title, 40, 60, "completeness")
     parser.add_argument("--families", nargs="*", choices=KINDS, default=list(KINDS))
-    parser.add_argument("--seeds", nargs="*", type=int, default=list(range(1, 41)))
-    parser.add_argument("--limit", type=int, default=60, help="seconds of a synthesis")
-    parser.add_argument("--tree", type=Path, default=ROOT, help="the checkout whose code is run")
-    parser.add_argument("--part", default="1/1", help="K/N: every Nth task, from the Kth on")
-    parser.add_argument("--record", type=Path, help="write all that is known to this file")
-    parser.add_argument("-o", type=Path, default=ROOT / "out" / "completeness", help="the folder")
     options = parser.parse_args()
     folder, tree = options.o.resolve(), options.tree.resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -139,12 +132,7 @@ def main() -> None:
             f"{family:<26}{seed:>4}  {told['verdict']:<12}{told['cpu_seconds']:>7.1f}", flush=True
         )
     print_table(results)
-    if options.record:
-        commit = subprocess.run(
-            ["git", "rev-parse", "HEAD"], cwd=tree, capture_output=True, text=True, check=True
-        ).stdout.strip()
-        content = {"commit": commit, "limit_seconds": options.limit, "tasks": results}
-        options.record.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    record(options.record, tree, options.limit, results)
 
 
 if __name__ == "__main__":

@@ -94,15 +94,31 @@ def line(told: dict[str, Any]) -> str:
     )
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", nargs="*", type=int, default=list(range(1, 21)))
-    parser.add_argument("--limit", type=int, default=90, help="processor seconds of a synthesis")
+def command_line(title: str, seeds: int, limit: int, folder: str) -> argparse.ArgumentParser:
+    """The options of a benchmark that runs a checkout on generated tasks."""
+    parser = argparse.ArgumentParser(description=title)
+    parser.add_argument("--seeds", nargs="*", type=int, default=list(range(1, seeds + 1)))
+    parser.add_argument("--limit", type=int, default=limit, help="seconds of a synthesis")
     parser.add_argument("--tree", type=Path, default=ROOT, help="the checkout whose code is run")
-    parser.add_argument("--part", default="1/1", help="K/N: every Nth seed, from the Kth on")
+    parser.add_argument("--part", default="1/1", help="K/N: every Nth task, from the Kth on")
     parser.add_argument("--record", type=Path, help="write all that is known to this file")
-    parser.add_argument("-o", type=Path, default=ROOT / "out" / "gravity", help="the folder")
-    options = parser.parse_args()
+    parser.add_argument("-o", type=Path, default=ROOT / "out" / folder, help="the folder")
+    return parser
+
+
+def record(file: Path | None, tree: Path, limit: int, results: list[dict[str, Any]]) -> None:
+    """Write what is known of a checkout, if a file is named."""
+    if file is None:
+        return
+    commit = subprocess.run(
+        ["git", "rev-parse", "HEAD"], cwd=tree, capture_output=True, text=True, check=True
+    ).stdout.strip()
+    content = {"commit": commit, "limit_cpu_seconds": limit, "tasks": results}
+    file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def main() -> None:
+    options = command_line(str(__doc__), 20, 90, "gravity").parse_args()
     folder, tree = options.o.resolve(), options.tree.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     first, parts = map(int, options.part.split("/"))
@@ -119,12 +135,7 @@ def main() -> None:
             print(line(told), flush=True)
     good = sum(told.get("verified", False) for told in results)
     print(f"{good} of {len(results)} found and verified")
-    if options.record:
-        commit = subprocess.run(
-            ["git", "rev-parse", "HEAD"], cwd=tree, capture_output=True, text=True, check=True
-        ).stdout.strip()
-        content = {"commit": commit, "limit_cpu_seconds": options.limit, "tasks": results}
-        options.record.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    record(options.record, tree, options.limit, results)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from solvers.planner import CounterExample, Plan, Planner
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer
 from solvers.search.cell_timing import timed
-from solvers.search.certified_design import certified_design
+from solvers.search.certified_design import certified_design, early_design
 from solvers.search.closed_loop import feedback_choices, needs_feedback, unbearable_noise
 from solvers.search.configuration_search import (
     Configuration,
@@ -34,7 +34,6 @@ from solvers.search.configuration_search import (
     searched_further,
     within_limits,
 )
-from solvers.search.early_design import early_design
 from solvers.search.path_task import (
     Attempt,
     ConstraintTightening,
@@ -113,8 +112,9 @@ class StructureSearch:
     ended: bool = False
     """Whether the enclosure of the last motion that was tried ended before the motion did."""
     incumbent: Design | None = None
-    """A proved design while better ones are looked for, which are ``tried`` only once."""
-    tried: bool = False
+    """A proved design, while better ones are looked for."""
+    at_once: bool = False
+    """Whether a feasible motion has been tried as it was found."""
     stuck: str = ""
     """Where the most robust motion that was found for a path could not go on."""
     best: float = -np.inf
@@ -285,8 +285,8 @@ class StructureSearch:
 
     def prove_at_once(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
         """Prove the first feasible motion, so that there is a design if time runs out."""
-        if self.incumbent is None and not self.tried:
-            self.tried = True
+        if not self.at_once:
+            self.at_once = True
             self.incumbent = early_design(
                 self.program, self.proved, self.derivation, path_problem, outcome,
                 self.context.check_time,

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
-from compiler.discretisation.batched_function import MOST_IN_BATCH
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.robot import RobotModel
 from compiler.tasks.word_formula import Obligation, Word
@@ -24,6 +23,7 @@ from grammar_lang import ir
 from solvers.trajectory.body_clearance import Avoidances, BodyClearance
 from solvers.trajectory.convex_set import ConvexSet, convex_set, region_set
 from solvers.trajectory.inverse_kinematics import Pool, pool
+from solvers.trajectory.joint_ways import looked_at, positions_of, straight_ways
 from solvers.trajectory.position_plan import Dwell, Separation
 
 Entries: TypeAlias = tuple[int, ...]
@@ -225,10 +225,7 @@ class Corridor:
 
     def positions(self, q: Array) -> Array:
         """Where the points are in poses (K, n), shape (K, m, d)."""
-        # Always as many as fill whole blocks: each size of a batch has a program of its own.
-        filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_IN_BATCH, axis=0)])
-        found: Array = self.numeric.points(filled, self.theta).value[: len(q)]
-        return found
+        return positions_of(self.numeric, q, self.theta)
 
     def clear(self, q: Array) -> Flags:
         """Whether the body is clear in poses (K, n)."""
@@ -258,16 +255,10 @@ class Corridor:
 
     def passable(self, starts: Array, ends: Array, first: Layers, last: Layers) -> Flags:
         """Whether the straight ways in coordinates between poses (E, n) are kept, shape (E,)."""
-        ways = np.abs(ends - starts) @ self.levers
-        counts = np.maximum(2, np.ceil(ways / (SPACING * self.extent)).astype(int) + 1)
-        edge = np.repeat(np.arange(len(starts)), counts)
-        # 0 to 1 along every edge.
-        offsets = np.repeat(np.cumsum(counts) - counts, counts)
-        share = (np.arange(len(edge)) - offsets) / np.repeat(counts - 1, counts)
-        q = starts[edge] + share[:, None] * (ends - starts)[edge]
-        good = self.kept(q, first[edge], last[edge])
-        found: Flags = np.bincount(edge, weights=~good, minlength=len(starts)) == 0
-        return found
+        counts = looked_at(np.abs(ends - starts) @ self.levers, SPACING * self.extent)
+        return straight_ways(
+            starts, ends, counts, lambda q, edge: self.kept(q, first[edge], last[edge])
+        )
 
 
 # --- What binds the positions of a robot that follows a cell path: dwells and separations ---------

@@ -8,6 +8,7 @@ Source: Kuffner & LaValle, *RRT-Connect: An Efficient Approach to Single-Query P
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -31,6 +32,38 @@ SHORTCUTS = 40
 """Pairs of places on a way between which a straight one is tried."""
 
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+
+def positions_of(numeric: NumericRobot, q: Array, theta: Array) -> Array:
+    """Where the points are in poses (K, n) with parameters (p,), shape (K, m, d), in metres."""
+    # Always as many as fill whole blocks: each size of a batch has a program of its own.
+    filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_IN_BATCH, axis=0)])
+    found: Array = numeric.points(filled, theta).value[: len(q)]
+    return found
+
+
+def straight_ways(
+    starts: Array, ends: Array, counts: Indices, good: Callable[[Array, Indices], Flags]
+) -> Flags:
+    """Whether the straight ways between poses (E, n) are good, shape (E,).
+
+    ``good`` says of ``counts`` (E,) poses on each, two at least, with the number of the way of
+    each, which are.
+    """
+    edge = np.repeat(np.arange(len(starts)), counts)
+    # 0 to 1 along every way.
+    offsets = np.repeat(np.cumsum(counts) - counts, counts)
+    share = (np.arange(len(edge)) - offsets) / np.repeat(counts - 1, counts)
+    q = starts[edge] + share[:, None] * (ends - starts)[edge]
+    found: Flags = np.bincount(edge, weights=~good(q, edge), minlength=len(starts)) == 0
+    return found
+
+
+def looked_at(ways: Array, spacing: float) -> Indices:
+    """How many poses are looked at on ways of so many metres (E,), both ends included."""
+    found: Indices = np.maximum(2, np.ceil(ways / spacing).astype(np.int64) + 1)
+    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,21 +85,14 @@ class ClearSpace:
 
     def clearances(self, q: Array) -> Array:
         """The clearance (K,) of poses (K, n), in metres."""
-        # Always as many as fill whole blocks: each size of a batch has a program of its own.
-        filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_IN_BATCH, axis=0)])
-        return self.clearance.of(self.numeric.points(filled, self.theta).value)[: len(q)]
+        return self.clearance.of(positions_of(self.numeric, q, self.theta))
 
     def passable(self, starts: Array, ends: Array) -> Flags:
         """Whether the straight ways between poses (E, n) are clear, shape (E,)."""
-        ways = np.abs(ends - starts) @ self.levers
-        counts = np.maximum(2, np.ceil(ways / (SPACING * self.extent)).astype(int) + 1)
-        edge = np.repeat(np.arange(len(starts)), counts)
-        offsets = np.repeat(np.cumsum(counts) - counts, counts)
-        share = (np.arange(len(edge)) - offsets) / np.repeat(counts - 1, counts)
-        q = starts[edge] + share[:, None] * (ends - starts)[edge]
-        good = self.clearances(q) >= self.clear
-        found: Flags = np.bincount(edge, weights=~good, minlength=len(starts)) == 0
-        return found
+        counts = looked_at(np.abs(ends - starts) @ self.levers, SPACING * self.extent)
+        return straight_ways(
+            starts, ends, counts, lambda q, _edge: self.clearances(q) >= self.clear
+        )
 
     def lengths(self, moves: Array) -> Array:
         """The lengths (...) of moves (..., n) in metres that points go at most."""

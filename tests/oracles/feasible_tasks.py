@@ -153,8 +153,8 @@ def _reference(draw: Draw, number: int) -> Reference | None:
     room = np.where(slides, 0.03 * draw.frame.scale, radians(3))
     if max(float(np.abs(v).max()) for _, v, _ in wanted) > FASTEST:
         return None
-    floor_of = arm.base[2] > 0
-    if floor_of and min(arm.places(q)[2][:, 2].min() for q, _, _ in wanted) < 0.1:
+    has_floor = arm.base[2] > 0
+    if has_floor and min(arm.places(q)[2][:, 2].min() for q, _, _ in wanted) < 0.1:
         return None
     needed = max(float(np.abs(arm.inverse(*at)).max()) for at in wanted)
     followed = tracked(arm, wanted, draw.step, 2 * needed)
@@ -163,7 +163,7 @@ def _reference(draw: Draw, number: int) -> Reference | None:
     found = Reference(arm, *followed, half)
     if (np.abs(found.states[:, : len(arm.axes)]) > half - room).any():
         return None
-    return None if floor_of and min(each[..., 2].min() for each in found.bars) < 0.05 else found
+    return None if has_floor and min(each[..., 2].min() for each in found.bars) < 0.05 else found
 
 
 def _wanted(
