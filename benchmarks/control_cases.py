@@ -129,6 +129,6 @@ def shared_problem(one: Case) -> tuple[ControlProblem, PositionRows, ControlOutc
     """The problem that all solvers get, its half-planes, and the outcome they come from."""
     outcome = synthesise_control(one.problem, one.seed)
     if not outcome.feasible:
-        raise SystemExit(f"our own control synthesis failed: {outcome.status}")
+        raise SystemExit(f"our own control synthesis failed: {outcome.ending}")
     problem = fixed(one.problem, outcome)
     return problem, problem.rows_of(np.zeros(0)), outcome

@@ -44,11 +44,12 @@ from tube_optimisation import Method, TubeProblem, tube_problem
 from compiler.arrays import Array
 from grammar_lang.load import load_text
 from solvers.run_context import RunContext
-from solvers.search import structure_search
+from solvers.search import motion_proof
 from solvers.search.certified_design import certified_design
 from solvers.search.configuration_search import Configuration
+from solvers.search.motion_proof import MotionProof, ProofAttempt
 from solvers.search.path_task import Design
-from solvers.search.structure_search import Attempt, StructureSearch
+from solvers.search.search_state import Blocked, Found
 from solvers.search.synthesis import synthesise
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_limits import input_groups
@@ -156,7 +157,7 @@ class Proofs:
 class Tightening:
     """Where the search of a task begins to tighten its constraints."""
 
-    search: StructureSearch
+    search: MotionProof
     path_problem: PathProblem
     found: Configuration
 
@@ -199,18 +200,18 @@ def begun(case: Case) -> Tightening:
     (task,) = program.tasks.values()
     known: list[Tightening] = []
 
-    def kept(search: StructureSearch, path_problem: PathProblem, found: Configuration) -> Attempt:
+    def kept(search: MotionProof, path_problem: PathProblem, found: Configuration) -> ProofAttempt:
         known.append(Tightening(search, path_problem, found))
         return WITH_MARGINS(search, path_problem, found)
 
-    with mock.patch.object(StructureSearch, "with_margins", kept):
+    with mock.patch.object(MotionProof, "with_margins", kept):
         verdict = synthesise(program, task, RunContext()).verdict
     if not known:
         raise SystemExit(f"{case.name}: {verdict}, and no motion was found")
     return known[-1]
 
 
-WITH_MARGINS = StructureSearch.with_margins
+WITH_MARGINS = MotionProof.with_margins
 
 
 def tightened(start: Tightening, method: Method) -> Row:
@@ -222,17 +223,16 @@ def tightened(start: Tightening, method: Method) -> Row:
         last.append((arguments[3], arguments[4].outcome.trajectory))
         return proofs.proved(*arguments, **options)
 
-    start.search.obstacle = ""
     begin = time.process_time()
     with (
-        mock.patch.object(structure_search, "certified_design", proved),
+        mock.patch.object(motion_proof, "certified_design", proved),
         mock.patch.object(tube_proof, "tube", proofs.enclosed),
     ):
         attempt = start.search.with_margins(problem, start.found)
     seconds = time.process_time() - begin
     nan = float("nan")
+    why = attempt.answer.text if isinstance(attempt.answer, Blocked) else ""
     if not last:
-        why = start.search.obstacle
         return Row(nan, nan, nan, nan, nan, nan, 0, seconds, 0.0, problem.record.estimates, why)
     asked, motion = last[-1]
     spread = asked.controlled(motion)[1]
@@ -245,12 +245,12 @@ def tightened(start: Tightening, method: Method) -> Row:
         float(widths.mean()) if complete else nan,
         float(widths.max()) if complete else nan,
         attempt.robustness / widest_bound(asked),
-        nan if attempt.design is None else effort_left(asked, attempt.design),
+        effort_left(asked, attempt.answer.design) if isinstance(attempt.answer, Found) else nan,
         proofs.tried,
         seconds,
         proofs.seconds,
         problem.record.estimates,
-        "" if attempt.design is not None else start.search.obstacle,
+        why,
     )
 
 

@@ -76,14 +76,20 @@ class Memory:
         self.values[key] = value
 
 
+PATHS = 6
+EVALUATIONS = 12
+"""What is tried for a structure, and for a path, unless a run says otherwise."""
+
+
 @dataclass(frozen=True, slots=True)
 class RunContext:
     """How a synthesis is run.
 
-    Nothing here may change its result but the seed, the parameter ``search``, the limit of time
-    and the ``solver`` of convex programs, by its name in cvxpy (None: our own).  ``out_of_time`` is
-    asked between steps, as often each time; loops within them ask ``compiler.time_limits``.  Where
-    time is ``limited``, the first feasible motion of a structure is proved at once.
+    Nothing here may change its result but the seed, the parameter ``search``, the limit of time,
+    the budgets and the ``solver`` of convex programs, by its name in cvxpy (None: our own).  For a
+    structure at most so many ``paths`` are tried, and half as many after a cell was cut; for a path
+    so many ``evaluations`` of parameters are made.  ``out_of_time`` is asked between steps, as
+    often each time; loops within them ask ``compiler.time_limits``.
     """
 
     seed: int = 0
@@ -93,7 +99,8 @@ class RunContext:
     reporter: Reporter = field(default_factory=Silent)
     journal: Journal = field(default_factory=Memory)
     out_of_time: Callable[[], bool] = lambda: False
-    limited: bool = False
+    paths: int = PATHS
+    evaluations: int = EVALUATIONS
 
     def check_time(self) -> None:
         """Raise OutOfTimeError once the limit is reached."""

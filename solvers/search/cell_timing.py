@@ -1,7 +1,8 @@
-"""When a motion enters the cells of its path, and the cells made to bind it.
+"""When a motion enters the cells of its path, and what these cells do to it.
 
 The search of a configuration leaves the timing along a path free.  Then the cells that such a
-motion visits, and when, become the path that binds.
+motion visits, and when, become the path by which it is improved.  They guide it and do not bind;
+only those of tours do, which have to close.
 """
 
 from __future__ import annotations
@@ -52,6 +53,28 @@ class Timed:
     def gains(self, before: Timed) -> bool:
         """Whether it is more robust than another one, by more than is worth its time."""
         return self.outcome.robustness > before.outcome.robustness + GAIN * self.scale
+
+
+def settled(
+    path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
+) -> Timed | None:
+    """The best motion from one whose timing was free; None: it cannot be bound where it has to."""
+    if path_problem.loop is not None:
+        return bound_to_cells(path_problem, free, entries, context)
+    best = Timed(replace(path_problem, bound=False), free, entries)
+    for _ in range(RELEASES):
+        visited = visited_cells(path_problem, best.outcome.trajectory)
+        if visited is None:
+            break
+        along = Timed(replace(path_problem.along(*visited), bound=False), best.outcome, visited[1])
+        freed = replace(along, outcome=_freed(along, context))
+        context.reporter.robustness(freed.outcome.robustness)
+        if not freed.outcome.feasible or freed.outcome.robustness <= best.outcome.robustness:
+            break
+        before, best = best, freed
+        if not best.gains(before):
+            break
+    return best
 
 
 def bound_to_cells(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.parameter_values import nearest_values
@@ -11,7 +11,9 @@ from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.search.closed_loop import controlled, feedback_choices, loop_claim
 from solvers.search.configuration_search import Configuration
-from solvers.search.path_task import Design, beyond_loop, missing_margin, motion_of
+from solvers.search.constraint_tightening import beyond_loop, missing_margin
+from solvers.search.path_task import Design, motion_of
+from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy, unstable
 from solvers.trajectory.path_following import PathProblem
@@ -23,28 +25,6 @@ from solvers.verifier.proofs.scene import Scene, Watch
 from solvers.verifier.proofs.trajectory_proof import ENDED, prove_motion, scene_of
 
 
-@dataclass(frozen=True, slots=True)
-class Unproved:
-    """Why a proof did not go through, in words that follow a reason.
-
-    ``lacking`` is how much wider the margin for disturbed motions has to be, as a part of it,
-    ``beyond`` by what part motions leave the set of their loop.  ``ended`` says that the enclosure
-    of the planned motion ended: margins do not help.  ``note`` says what was tried.
-    """
-
-    obstacle: str
-    lacking: float = 0.0
-    beyond: float = 0.0
-    ended: bool = False
-    note: str = "the proof did not go through"
-
-
-NO_SET = Unproved("; no set of states was found that every round returns into")
-
-
-DIVERGES = Unproved("; the motion with feedback diverges")
-
-
 def certified_design(
     program: ir.Program,
     task: ir.Task,
@@ -54,10 +34,8 @@ def certified_design(
     tick: Callable[[], None],
     *,
     last: bool = False,
-) -> Design | Unproved | None:
+) -> Answer:
     """The design, if the continuous-time nonlinear robot is proved to do the task.
-
-    None where the parameters have no decimals.
 
     Args:
         program: the spec.
@@ -71,12 +49,12 @@ def certified_design(
     trajectory, model = found.outcome.trajectory, path_problem.model
     parameters = nearest_values(model.parameters, trajectory.theta)
     if parameters is None:
-        return None
+        return Blocked(Cause.NO_DECIMALS)
     controller, gains = None, None
     if path_problem.feedback:
         closed = controlled(path_problem, trajectory)
         if closed is None:
-            return DIVERGES
+            return Blocked(Cause.DIVERGES, f"; {Cause.DIVERGES.value}")
         trajectory, gains, controller = closed
     design = Design(
         derivation,
@@ -94,7 +72,7 @@ def certified_design(
     if path_problem.loop is not None:
         loop = loop_claim(path_problem, trajectory, gains)
         if loop is None:
-            return NO_SET
+            return Blocked(Cause.NO_SET, f"; {Cause.NO_SET.value}")
         design = replace(design, loop=loop)
     scene = scene_of(program, task, model, path_problem.abstraction, derivation)
     broken = seen_broken(scene, design, path_problem, last=last)
@@ -104,11 +82,11 @@ def certified_design(
     obstacle = decisive(conditions)
     if obstacle is not None:
         spread = path_problem.spread
-        return Unproved(
+        return Blocked(
+            Cause.ENDED if obstacle.name == ENDED else Cause.UNPROVED,
             f"; last proof tried: {obstacle.reason}",
             0.0 if spread is None else missing_margin(conditions, spread),
             beyond_loop(conditions),
-            obstacle.name == ENDED,
         )
     if design.controller is None:
         fine = fine_motion(path_problem.numeric, trajectory, float(task.step))
@@ -118,12 +96,12 @@ def certified_design(
         peak, rho = planned_efforts(model, task, conditions)
         outcome = replace(found.outcome, trajectory=trajectory, effort_peak=peak, robustness=rho)
     configuration = replace(found, outcome=outcome)
-    return replace(design, configuration=configuration, conditions=conditions)
+    return Found(replace(design, configuration=configuration, conditions=conditions))
 
 
 def seen_broken(
     scene: Scene, design: Design, path_problem: PathProblem, *, last: bool
-) -> Unproved | None:
+) -> Blocked | None:
     """What a simulated motion breaks for certain, and why no proof is spent on it; else None.
 
     That a formula seems to fail is not certain: the ``last`` motion is proved for all that.
@@ -136,14 +114,14 @@ def seen_broken(
     worst = decisive(conditions)
     if worst is not None:
         spread = path_problem.spread
-        return Unproved(
+        return Blocked(
+            Cause.BROKEN,
             f"; the motion simulated before a proof: {worst.reason}",
             0.0 if spread is None else missing_margin(conditions, spread),
-            note=f"a simulation of the motion breaks a condition ({worst.name})",
         )
     if last or seems_to_satisfy(path_problem, seen):
         return None
-    return Unproved("; a formula fails between the samples", note="a formula fails between samples")
+    return Blocked(Cause.BETWEEN_SAMPLES, f"; {Cause.BETWEEN_SAMPLES.value}")
 
 
 # --- The first feasible motion, proved before anything is improved -------------------------------
@@ -174,4 +152,4 @@ def early_design(
     entries = path_problem.waypoints()[1]
     configuration = Configuration(outcome, entries, path_problem.cells, bound=False)
     answer = certified_design(program, task, derivation, found, configuration, tick, last=False)
-    return answer if isinstance(answer, Design) else None
+    return answer.design if isinstance(answer, Found) else None

@@ -12,7 +12,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.tasks.specification import measurement_radii
 from grammar_lang import ir
-from solvers.search.path_task import WIDEST
+from solvers.search.constraint_tightening import WIDEST
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.disturbance_spread import disturbance_spread
 from solvers.trajectory.feedback import reference_motion

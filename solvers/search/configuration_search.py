@@ -24,7 +24,7 @@ from solvers.parameters.parameter_search import (
 )
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer, chosen_by_spread
-from solvers.search.cell_timing import Timed, bound_to_cells
+from solvers.search.cell_timing import Timed, settled
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of, free_parameters
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
 from solvers.trajectory.corridor import Entries
@@ -34,8 +34,8 @@ from solvers.trajectory.task_limits import effort_scale
 
 SEARCHES = ("gp-acb", "nelder-mead")
 """The searches of parameters by name, the usual one first."""
-EVALUATIONS, MOST_EVALUATIONS = 12, 60
-"""Parameters that are evaluated for a path, and where disturbed motions were not proved."""
+FURTHER = 5
+"""So many times as many parameters are evaluated where disturbed motions were not proved."""
 BATCH = 2
 BASINS = 4
 """How many of the best evaluations are polished."""
@@ -101,20 +101,23 @@ def search_configuration(
     path_problem: PathProblem,
     label: str,
     context: RunContext,
-    evaluations: int = EVALUATIONS,
     at_once: AtOnce = None,
+    start: Array | None = None,
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
     ``label`` names the structure and path in the journal; ``at_once`` is told of feasible outcomes
     as they are evaluated.  Where there are only motions that their
     inputs alone do not cause, and the task does not ask for an open loop, a calm one is preferred.
+    With a ``start`` (p,), parameters in SI units, others are looked for from these alone.
     """
     space = parameter_space(path_problem.model)
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
-    search = _Survey(space, evaluator, context, evaluations, at_once)
+    search = _Survey(space, evaluator, context, at_once)
     if space.is_point:
         search.evaluate([space.lower], FULL)
+    elif start is not None:
+        search.evaluate([start], SURVEY)
     else:
         search.run()
     entries = path_problem.waypoints()[1]
@@ -123,7 +126,7 @@ def search_configuration(
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
         # Tracking a line through cells may lead nowhere, where a way in joint space does.
         other = replace(path_problem, in_joints=True)
-        found = search_configuration(other, f"{label}|joints", context, evaluations, at_once)
+        found = search_configuration(other, f"{label}|joints", context, at_once, start)
         if found.outcome.robustness > ranked[0].robustness:
             return replace(found, samples=samples + found.samples)
         samples += found.samples
@@ -141,11 +144,9 @@ def search_configuration(
     )
 
 
-def calmed(
-    path_problem: PathProblem, label: str, context: RunContext, evaluations: int = EVALUATIONS
-) -> Configuration:
+def calmed(path_problem: PathProblem, label: str, context: RunContext) -> Configuration:
     """A configuration for the same path that suits feedback better; it may be infeasible."""
-    return search_configuration(calmer(path_problem), f"{label}|calm", context, evaluations)
+    return search_configuration(calmer(path_problem), f"{label}|calm", context)
 
 
 def searched_further(
@@ -159,25 +160,20 @@ def searched_further(
     closed = path_problem.task.control != "open loop"
     if space.is_point or not closed or not chosen_by_spread(calmer(path_problem)):
         return None
-    found = calmed(path_problem, label, context, MOST_EVALUATIONS)
-    return replace(found, samples=found.samples[EVALUATIONS:])
+    most = replace(context, evaluations=FURTHER * context.evaluations)
+    found = calmed(path_problem, label, most)
+    return replace(found, samples=found.samples[context.evaluations :])
 
 
 def _best(
     ranked: list[ControlOutcome], path_problem: PathProblem, entries: Entries, context: RunContext
 ) -> Timed:
-    """The first of ranked outcomes, bound to its cells where it can be.
-
-    Cells guide the search and do not judge: a motion that does its task without them stays as it
-    is, but for tours, which have to close.
-    """
+    """The first of ranked outcomes that can be settled in its cells."""
     for outcome in ranked:
         if outcome.feasible:
-            timed = bound_to_cells(path_problem, outcome, entries, context)
+            timed = settled(path_problem, outcome, entries, context)
             if timed is not None:
                 return timed
-            if path_problem.loop is None:
-                return Timed(replace(path_problem, bound=False), outcome, entries)
     top = ranked[0]
     return Timed(path_problem, replace(top, feasible=False), entries)
 
@@ -197,12 +193,10 @@ class _Survey:
         space: ParameterSpace,
         evaluator: Evaluator,
         context: RunContext,
-        evaluations: int,
         at_once: AtOnce = None,
     ) -> None:
         self.at_once = at_once
         self.space = space
-        self.evaluations = evaluations
         self.evaluator = evaluator
         self.context = context
         self.attempts: list[ControlOutcome] = []
@@ -214,7 +208,7 @@ class _Survey:
     def run(self) -> None:
         """Evaluate what the search asks for."""
         search = parameter_search(self.space.cube, self.context.seed, self.context.search)
-        while len(self.samples) < self.evaluations:
+        while len(self.samples) < self.context.evaluations:
             points = search.ask(BATCH)
             if not points:
                 break

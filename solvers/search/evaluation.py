@@ -30,6 +30,7 @@ from solvers.trajectory.control_problem import (
     SURVEY,
     ControlOutcome,
     ControlProblem,
+    Ending,
     IterationBudget,
 )
 from solvers.trajectory.corridor import Entries
@@ -309,7 +310,9 @@ def outcome_of(record: Recorded) -> ControlOutcome | None:
     try:
         if not isinstance(record, dict):
             return None
-        outcome = ControlOutcome(**{name: _value(value) for name, value in record.items()})  # type: ignore[arg-type]
+        known = {name: _value(value) for name, value in record.items()}
+        known["ending"] = Ending(str(known["ending"]))
+        outcome = ControlOutcome(**known)  # type: ignore[arg-type]
     except (TypeError, ValueError, KeyError):
         return None
     found: object = outcome.trajectory  # by its type only where the record is a true one

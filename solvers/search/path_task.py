@@ -1,4 +1,4 @@
-"""The control problem of a path, its tightening after a failed proof, and what becomes of it."""
+"""The control problem of a path, what is said of it, and the design that it may lead to."""
 
 from __future__ import annotations
 
@@ -18,14 +18,11 @@ from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
-from solvers.planner import CounterExample, EffectorPath, Exhausted
+from solvers.planner import EffectorPath, Exhausted
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.control import shortfall
-from solvers.trajectory.disturbance_spread import DisturbanceSpread
-from solvers.trajectory.fine_motion import BEYOND
 from solvers.trajectory.path_following import SUBSTEPS, PathProblem
-from solvers.trajectory.round_set import LEAST_SLACK
-from solvers.trajectory.task_size import LEAST_MARGIN, least_margin
+from solvers.trajectory.task_size import least_margin
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,
     LoopClaim,
@@ -33,9 +30,7 @@ from solvers.verifier.claims.further_claims import (
     exact_loop,
 )
 from solvers.verifier.proofs.checked_condition import CheckedCondition
-from solvers.verifier.proofs.endless_conditions import CLOSED, ENTERED
 from solvers.verifier.proofs.trajectory_proof import Motion
-from solvers.verifier.proofs.tube_checks import Status
 
 # --------------------------------------------------------------------------------------------------
 # From a task and a cell path to the control problem that the search of parameters evaluates.
@@ -154,73 +149,6 @@ def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
     return int(min(MOST, max(least, np.ceil(dt * max(rates) / STABLE))))
 
 
-# --- What a motion is asked to keep free, and how that grows where a proof did not go through -----
-
-
-WIDENINGS = (1.0, 2.5, 7.5, 20.0, 50.0)
-"""How many times as wide as at first margins get."""
-LEAST_GROWTH = 0.4
-"""By at least this part of itself grows what is left for disturbed motions."""
-MOST_SPREADS = 20.0
-MOST_SLACK = 100.0
-"""The set of a loop is not larger than estimated by more than this part."""
-WIDEST = 1.0
-"""Metres; no disturbances are worth more tightening."""
-
-
-@dataclass(frozen=True, slots=True)
-class ConstraintTightening:
-    """A margin, the same everywhere, and the number of spreads of disturbed motions.
-
-    The margin is the ``least`` one (m), ``widened`` so many times.  Spreads grow with time, and so
-    does the tightening; a tube of all disturbed motions is wider than their spread to first order.
-    ``slack`` is the part by which the set of a loop is larger than its estimate.
-    """
-
-    least: float = LEAST_MARGIN
-    widened: int = 0
-    spreads: float = 1.0
-    slack: float = LEAST_SLACK
-
-    @property
-    def is_last(self) -> bool:
-        """Whether no wider margin is left."""
-        return self.widened == len(WIDENINGS) - 1
-
-    @property
-    def margin(self) -> float:
-        """The margin in metres."""
-        return self.least * WIDENINGS[self.widened]
-
-    def wider(
-        self, lacking: float, spread: DisturbanceSpread | None, beyond: float = 0.0
-    ) -> ConstraintTightening | None:
-        """The tightening to try next; None: no more is worth it.
-
-        Args:
-            lacking: what a proof has lacked of ``spread``, as a part of it; 0: something else.
-            spread: the tightening that disturbed motions were given; None without disturbances.
-            beyond: by what part of it a round leaves the set of its loop; 0: it does not.
-        """
-        if beyond > 0:
-            slack = (1 + self.slack) * (1 + max(LEAST_GROWTH, BEYOND * beyond)) - 1
-            return replace(self, slack=slack) if slack <= MOST_SLACK else None
-        if spread is None or lacking <= 0:
-            return None if self.is_last else replace(self, widened=self.widened + 1)
-        growth = 1 + max(LEAST_GROWTH, BEYOND * lacking)
-        if growth * self.spreads > MOST_SPREADS or growth * spread.widest > WIDEST:
-            return None
-        return replace(self, spreads=growth * self.spreads)
-
-
-def no_margin_text(spread: DisturbanceSpread) -> str:
-    """Why a path ends at which no motion leaves disturbed motions the clearance they need."""
-    return (
-        "no motion was found that leaves disturbed ones the clearance they need, "
-        f"{spread.widest:.2g} m at the widest"
-    )
-
-
 def nearest_text(
     path_problem: PathProblem, found: Configuration, sample: int, names: Sequence[str]
 ) -> str:
@@ -254,37 +182,6 @@ def stuck_text(sample: int, task: ir.Task) -> str:
     """Where a motion cannot go on, in words: ``sample`` is the first that it does not get to."""
     what = "cannot go on at" if sample < task.steps else "does not get there by"
     return f"the motion {what} {float(sample * task.step):.4g} s"
-
-
-def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSpread) -> float:
-    """By what part an enclosure of all disturbed motions is wider than the tightening given.
-
-    It is infinite where the enclosure ends.  What the disturbances do not move lacks none of this
-    tightening, but a wider margin.
-    """
-    states = float(np.max(spread.states, initial=0.0))
-    inputs = float(np.max(spread.inputs, initial=0.0))
-    most = {"m": spread.widest, "N*m": inputs, "N": inputs, "SI": spread.final}
-    lacking = [0.0]
-    for condition in conditions:
-        if condition.name in (ENTERED, CLOSED):
-            continue
-        if condition.status is not Status.HOLDS and condition.margin < 0:
-            width = most.get(condition.unit, states)
-            if width > 0:
-                lacking.append(-condition.margin / width)
-            elif np.isinf(condition.margin):
-                lacking.append(np.inf)
-    return max(lacking)
-
-
-def beyond_loop(conditions: Sequence[CheckedCondition]) -> float:
-    """By what part of it motions leave the set of their loop; 0 where they do not, or it is open.
-
-    They are only known to do so where the tube is complete.
-    """
-    closing = [each for each in conditions if each.name in (ENTERED, CLOSED)]
-    return max((-each.margin for each in closing if each.status is not Status.HOLDS), default=0.0)
 
 
 # --- A proved robot with its motion: what certificates, tables and pictures are made of -----------
@@ -329,18 +226,3 @@ def motion_of(design: Design) -> Motion:
         None if design.controller is None else exact_law(design.controller),
         None if design.loop is None else exact_loop(design.loop),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Attempt:
-    """What became of a plan: a proved design, or the best robustness and what to exclude.
-
-    Of an ``unstable`` motion its inputs alone do not keep the robot near; ``noisy`` says that
-    errors of measurements alone are more than a motion bears.
-    """
-
-    design: Design | None
-    robustness: float
-    excluded: CounterExample | None = None
-    unstable: bool = False
-    noisy: bool = False

@@ -25,7 +25,7 @@ from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
 from solvers.search.configuration_search import Configuration
-from solvers.trajectory.control_problem import ControlOutcome, input_margin
+from solvers.trajectory.control_problem import ControlOutcome, Ending, input_margin
 from solvers.trajectory.inverse_kinematics import sampled_box, solve_positions
 from solvers.trajectory.task_limits import input_groups, motion_limits, resting_inputs, state_limits
 from solvers.trajectory.trajectory import Trajectory
@@ -244,6 +244,6 @@ def _motionless(numeric: NumericRobot, task: ir.Task, theta: Array) -> Configura
         fictitious=np.zeros(k),
         excess=0.0,
         iterations=0,
-        status="motionless",
+        ending=Ending.MOTIONLESS,
     )
     return Configuration(outcome, (0,), ())

@@ -1,48 +1,35 @@
 """P.Planning and P.Synthesis for one structure: plans, motions along them, counterexamples, cuts.
 
-Plans come from the SAT solver, fewest changes of cell first.  A plan whose beginning cannot be
-followed is excluded with all that begin so; where that leaves none, a cell at which it happened is
-cut in two and the planning goes on, with the counterexamples that say nothing of that cell.
+Plans come from the SAT solver, fewest changes of cell first, and one of each homotopy kind before a
+second of any.  A plan whose beginning cannot be followed is excluded with all that begin so; where
+that leaves none, a cell at which it happened is cut in two and the planning goes on, with the
+counterexamples that say nothing of that cell.  After a proof, the other ways round are tried for a
+more robust design.
+
+A search is a generator of states: whoever asks for the next one pays for one attempt, and may stop
+at any time.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from functools import partial
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.tasks.specification import PlanningProblem, planning_problem
-from compiler.tasks.word_formula import SampledFormula
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.bisection import halving
 from grammar_lang import ir
 from solvers.planner import CounterExample, Plan, Planner
 from solvers.run_context import RunContext
-from solvers.search.calm_motion import calmer
-from solvers.search.cell_timing import timed
-from solvers.search.certified_design import certified_design, early_design
-from solvers.search.closed_loop import feedback_choices, needs_feedback, unbearable_noise
-from solvers.search.configuration_search import (
-    Configuration,
-    PathSamples,
-    calmed,
-    resolved,
-    search_configuration,
-    searched_further,
-    within_limits,
-)
-from solvers.search.path_task import (
-    Attempt,
-    ConstraintTightening,
-    Design,
-    PathTask,
-    exhausted_text,
-    nearest_text,
-    no_margin_text,
-)
+from solvers.search.motion_proof import MotionProof
+from solvers.search.path_search import PathSearch
+from solvers.search.path_task import Design, PathTask, exhausted_text
+from solvers.search.plan_kinds import obstacle_points, other_kinds
 from solvers.search.round_task import RoundTask, closing, round_tasks
 from solvers.search.sampled_cells import (
     clear_of_bodies,
@@ -50,349 +37,256 @@ from solvers.search.sampled_cells import (
     start_cells,
     within_reach,
 )
-from solvers.trajectory.control import CONVEX_STEP, NOT_FINITE
-from solvers.trajectory.control_problem import ControlOutcome
+from solvers.search.search_state import PathAttempt, StructureState
 from solvers.trajectory.corridor import polyline
-from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
-from solvers.trajectory.fine_motion import refined, unstable
-from solvers.trajectory.path_following import PathProblem
-from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds, Unknown
 
-PLANS = (6, 3)
-"""How many plans are tried, and how many after each cut of a cell."""
+OTHER_WAYS = 2
+"""So many other kinds of paths are tried for a more robust design than a proved one."""
+NUMERIC_FAULTS = (OverflowError, ZeroDivisionError, FloatingPointError, MemoryError)
+TOO_LARGE = "the numbers of the task are too large or too small for the search"
+NO_EFFECTOR = "it has no effector that the task asks for"
+
+Attempts: TypeAlias = Generator[PathAttempt, None, str]
+"""Attempts one after another, and why they end."""
+Part: TypeAlias = Generator[PathAttempt, None, tuple[str, bool]]
+"""The same of a part of them, and whether one had a design."""
 
 
 @dataclass(frozen=True, slots=True)
-class BlockedPrefix:
-    """A counterexample: no path that begins with these cells is tried again (ZEROPREFIX).
-
-    ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
-    the one that could not follow.  ``sample`` is the first that the most robust motion cannot be
-    brought to, None where it is not known; ``robustness`` is what that motion has.
-    """
-
-    structure: int
-    path: int
-    effector: int
-    cells: tuple[str, ...]
-    sample: int | None
-    robustness: float
-
-
-@dataclass(slots=True)
 class StructureSearch:
-    """The search of one structure; ``number`` is its place among all, ``robot`` its key.
+    """What is searched; ``number`` is the place of the structure among all, ``robot`` its key.
 
-    ``task`` is what is searched, ``proved`` what is proved of what is found: they differ where
-    motions go on for ever, whose loops begin at the sample ``loop``.
+    ``keep`` is given each design as it is proved, ``seen`` the robustness of what waits for it.
     """
 
     program: ir.Program
     task: ir.Task
     context: RunContext
     cells: Abstraction
-    formula: SampledFormula | None
-    counts: dict[str, int]
     derivation: Derivation
     numeric: NumericRobot
     number: int
     robot: str
-    proved: ir.Task = field(init=False)
-    shape: RoundTask = field(init=False)
-    loop: int | None = None
-    obstacle: str = ""
-    """What stood in the way of the last motion that was tried."""
-    note: str = ""
-    """The same in a few words."""
-    lacking: float = 0.0
-    """How much wider its margin has to be for what the task says of disturbances."""
-    beyond: float = 0.0
-    """By what part of it motions leave the set of their loop."""
-    ended: bool = False
-    """Whether the enclosure of the last motion that was tried ended before the motion did."""
-    incumbent: Design | None = None
-    """A proved design, while better ones are looked for."""
-    at_once: bool = False
-    """Whether a feasible motion has been tried as it was found."""
-    stuck: str = ""
-    """Where the most robust motion that was found for a path could not go on."""
-    best: float = -np.inf
-    known: list[CounterExample] = field(default_factory=list[CounterExample])
-    """The counterexamples found, of cells as they are now."""
-    samples: list[PathSamples] = field(default_factory=list[PathSamples])
-    blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
-    """All counterexamples, as they were found."""
-    top: float = -np.inf
-    """The best robustness of all paths."""
+    keep: Callable[[Design], None]
+    seen: Callable[[float], None]
 
-    def __post_init__(self) -> None:
-        self.proved, self.shape = self.task, RoundTask(self.task)
+    def states(self, effectors: Sequence[int]) -> Iterator[StructureState]:
+        """What is known after each attempt; the last one says why no more are made.
+
+        ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
+        """
+        state, attempts = StructureState(), self._attempts(effectors)
+        while not state.is_over:
+            try:
+                state = replace(state, attempts=(*state.attempts, next(attempts)))
+            except StopIteration as ended:
+                state = replace(state, reason=str(ended.value))
+            except NUMERIC_FAULTS as fault:
+                state = replace(state, reason=f"{TOO_LARGE} ({type(fault).__name__}: {fault})")
+            yield state
+
+    def _attempts(self, effectors: Sequence[int]) -> Attempts:
+        reason = NO_EFFECTOR
+        for effector in effectors:
+            for shape in round_tasks(self.task, effector):
+                reason, found = yield from _RoundSearch(self, shape, effector).attempts()
+                if found:
+                    return reason
+        return reason
+
+
+@dataclass(frozen=True, slots=True)
+class _RoundSearch:
+    """The search of one shape of a motion, in which one effector reaches.
+
+    Where motions go on for ever, what is searched and what is proved of it differ.
+    """
+
+    search: StructureSearch
+    shape: RoundTask
+    recorded: int
 
     @property
-    def place(self) -> PathTask:
-        """The robot in its task."""
-        context = self.context
-        return PathTask(
-            self.program, self.task, self.numeric, self.formula, context.seed, context.solver,
-            self.loop,
+    def task(self) -> ir.Task:
+        """What is searched."""
+        return self.shape.task
+
+    @property
+    def paths(self) -> PathSearch:
+        """The search of single paths."""
+        search, context = self.search, self.search.context
+        place = PathTask(
+            search.program, self.task, search.numeric, self.shape.formula, context.seed,
+            context.solver, self.shape.loop,
+        )  # fmt: skip
+        proof = MotionProof(search.program, search.task, search.derivation, context)
+        return PathSearch(
+            place, proof, context, self.recorded, search.number, search.robot, search.keep,
+            search.seen,
         )  # fmt: skip
 
-    def design(self, recorded: int) -> tuple[Design | None, str]:
-        """A proved design in which that effector starts and reaches; else why there is none."""
-        design, reason = None, ""
-        for part in round_tasks(self.proved, recorded):
-            self.shape = part
-            if part.loop is not None:
-                self.task, self.loop, self.formula = part.task, part.loop, part.formula
-            design, reason = self.design_of_round(recorded)
-            if design is not None:
-                break
-        return design, reason
-
-    def design_of_round(self, recorded: int) -> tuple[Design | None, str]:
-        """The same for one shape of a motion."""
-        if not self.numeric.graph.model.dofs:
-            return self.standing(recorded)
-        self.best, self.known = -np.inf, []
-        cells, reason = self.cells, ""
-        for budget in PLANS:
-            design, reason = self.plans(cells, recorded, budget)
-            finer = None if design is not None else self.cut(cells)
+    def attempts(self) -> Part:
+        """Attempts until one has a design, and those that make it more robust."""
+        if not self.search.numeric.graph.model.dofs:
+            return (yield from self.standing())
+        paths = self.search.context.paths
+        cells, known = self.search.cells, list[CounterExample]()
+        reason, found = "", False
+        for budget in (paths, (paths + 1) // 2):
+            reason, found = yield from self.planned(cells, known, budget)
+            finer = None if found else self.cut(cells, known)
             if finer is None:
-                return design, reason
-            cells = finer
-        return None, reason
+                break
+            cells, known = finer
+        return reason, found
 
-    def standing(self, recorded: int) -> tuple[Design | None, str]:
+    def standing(self) -> Part:
         """A robot that cannot move does the task where it stands, or not at all."""
-        workspace = self.program.workspaces[self.task.workspace]
+        search = self.search
+        workspace = search.program.workspaces[self.task.workspace]
         found = standing_configurations(
-            self.numeric, workspace, self.task, self.cells, recorded, self.context.seed
+            search.numeric, workspace, self.task, search.cells, self.recorded, search.context.seed
         )
         for cell, configuration in found:
-            path_problem = self.place.path_problem(self.cells, recorded, recorded, (cell,))
-            design = self.certified(path_problem, configuration)
-            if design is not None:
-                return design, "proved"
-        return None, "the robot cannot move, and no place to stand was found for it"
+            attempt = self.paths.standing(search.cells, cell, configuration)
+            yield attempt
+            if attempt.design is not None:
+                return "proved", True
+        return "the robot cannot move, and no place to stand was found for it", False
 
-    # --- plans ----------------------------------------------------------------------------------
-
-    def plans(self, cells: Abstraction, recorded: int, budget: int) -> tuple[Design | None, str]:
-        """Try plans until one leads to a design, none is left or the budget is used up.
+    def planned(self, cells: Abstraction, known: list[CounterExample], budget: int) -> Part:
+        """Attempts at plans until one leads to a design, none is left or the budget is used up.
 
         Where no plan goes through cells alone for which poses are found, others are tried, too.
+        What is learned is added to ``known``.
         """
-        starts = start_cells(cells, self.task, self.numeric)
-        problem = planning_problem(cells, self.task, recorded, starts)
-        problem = clear_of_bodies(problem, self.numeric, cells, self.task)
-        design, reason = None, "the task leaves no cell to start in"
+        search, reason = self.search, "the task leaves no cell to start in"
+        starts = start_cells(cells, self.task, search.numeric)
+        problem = planning_problem(cells, self.task, self.recorded, starts)
+        problem = clear_of_bodies(problem, search.numeric, cells, self.task)
         for closed in closing(problem, self.shape):
-            reachable = within_reach(closed, self.numeric, cells, self.context.seed)
-            design, reason, tried = self.plans_of(reachable, cells, recorded, budget)
-            if not tried and reachable != closed:
-                design, reason, _ = self.plans_of(closed, cells, recorded, budget)
-            if design is not None:
-                break
-        return design, reason
+            reachable = within_reach(closed, search.numeric, cells, search.context.seed)
+            plans = _Plans(self, reachable, cells, known, budget)
+            reason, found = yield from plans.attempts()
+            if not plans.count and reachable != closed:
+                plans = _Plans(self, closed, cells, known, budget)
+                reason, found = yield from plans.attempts()
+            if found:
+                return reason, True
+        return reason, False
 
-    def plans_of(
-        self, problem: PlanningProblem, cells: Abstraction, recorded: int, budget: int
-    ) -> tuple[Design | None, str, int]:
-        """The same for one problem, with the number of plans that were tried."""
-        planner = Planner(problem)
-        for counterexample in self.known:
-            planner.block(counterexample)
-        for number in range(budget):
-            match planner.next_plan():
-                case Holds(witness=plan):
-                    pass
-                case Unknown(reason=limit):
-                    return None, f"planning: {limit.value}", number
-                case ended:
-                    return None, exhausted_text(ended.counterexample, self.best, self.task), number
-            self.context.check_time()
-            self.counts["paths"] += 1
-            attempt = self.attempt(cells, plan, recorded)
-            if attempt.design is not None:
-                return attempt.design, "proved", number + 1
-            self.best = max(self.best, attempt.robustness)
-            if attempt.excluded is not None:
-                self.known.append(attempt.excluded)
-                planner.block(attempt.excluded)
-        reason = f"{self.counts['paths']} paths tried, best robustness {self.best:.4g}"
-        return None, reason, budget
-
-    def cut(self, cells: Abstraction) -> Abstraction | None:
+    def cut(
+        self, cells: Abstraction, known: Sequence[CounterExample]
+    ) -> tuple[Abstraction, list[CounterExample]] | None:
         """The cells with that one cut at which the shortest excluded plan fails; None without one.
 
-        Counterexamples with that cell are forgotten: they need not hold of its halves.
+        With them come the counterexamples that say nothing of that cell: the others need not hold
+        of its halves.
         """
-        if not self.known:
+        if not known:
             return None
-        failed = min(self.known, key=lambda item: len(item.prefix))
+        failed = min(known, key=lambda item: len(item.prefix))
         direction = None
         if len(failed.prefix) > 1:
             line = polyline(cells, failed.prefix).points
             direction = (line[-1] - line[-2]).tolist()
         finer, children = cells.refined([halving(cells, failed.prefix[-1], direction)])
         whole = {cell: parts[0] for cell, parts in enumerate(children) if len(parts) == 1}
-        self.known = [
+        kept = [
             replace(item, prefix=tuple(whole[cell] for cell in item.prefix))
-            for item in self.known
+            for item in known
             if all(cell in whole for cell in item.prefix)
         ]
-        self.context.reporter.note(
-            f"no plan is left: `{cells.cells[failed.prefix[-1]].name}` is cut"
-        )
-        return finer
+        name = cells.cells[failed.prefix[-1]].name
+        self.search.context.reporter.note(f"no plan is left: `{name}` is cut")
+        return finer, kept
 
-    # --- motions along a plan -------------------------------------------------------------------
 
-    def attempt(self, cells: Abstraction, plan: Plan, recorded: int) -> Attempt:
-        """A proved design for a plan; else the best robustness and the prefix to exclude."""
-        leader = max(plan.paths, key=lambda path: (len(path.cells), path.effector == recorded))
-        self.context.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
-        others = tuple(path for path in plan.paths if path is not leader)
-        path_problem = self.place.path_problem(cells, recorded, leader.effector, leader.cells)
-        path_problem = timed(replace(path_problem, others=others), leader.entries)
-        if needs_feedback(path_problem):
-            path_problem = calmer(path_problem)
-        label = f"{self.number}|{recorded}|{len(cells.cuts)}|{plan}"
-        at_once = partial(self.prove_at_once, path_problem) if self.context.limited else None
-        found = search_configuration(path_problem, label, self.context, at_once=at_once)
-        self.keep(found)
-        if found.outcome.status == NOT_FINITE:
-            self.obstacle = "; the equations of motion have no finite value where the search begins"
-        if not found.outcome.feasible:
-            if found.outcome.status.startswith(CONVEX_STEP):
-                self.obstacle = f"; {found.outcome.status}"
-            sample = infeasible_sample(path_problem, found.outcome, found.entries)
-            prefix = infeasible_prefix(sample, found.entries)
-            robustness = found.outcome.robustness
-            names = tuple(cells.cells[cell].name for cell in leader.cells[:prefix])
-            if robustness > self.best and sample is not None:
-                self.stuck = nearest_text(path_problem, found, sample, names)
-            place, end = len(self.samples) - 1, (names, sample, robustness)
-            self.blocked.append(BlockedPrefix(self.number, place, leader.effector, *end))
-            excluded = CounterExample(
-                leader.effector, leader.cells[:prefix], f"robustness {robustness:.4g}", self.robot
-            )
-            return Attempt(None, robustness, excluded)
-        attempt = self.widened(path_problem, found, label)
-        return attempt if attempt.design is not None else replace(attempt, design=self.incumbent)
+class _Plans:
+    """The plans of one planning problem, one of each kind first, and the attempts at them.
 
-    def prove_at_once(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
-        """Prove the first feasible motion, so that there is a design if time runs out."""
-        if not self.at_once:
-            self.at_once = True
-            self.incumbent = early_design(
-                self.program, self.proved, self.derivation, path_problem, outcome,
-                self.context.check_time,
-            )  # fmt: skip
+    ``count`` is the number of those that were tried.
+    """
 
-    def keep(self, found: Configuration) -> None:
-        """Keep what was evaluated for a path, for tables."""
-        self.counts["evaluations"] += len(found.samples)
-        names = tuple(p.label for p in self.numeric.graph.model.parameters)
-        self.samples.append(PathSamples(self.number, len(self.samples), names, found.samples))
-        self.top = max(self.top, found.outcome.robustness)
+    def __init__(
+        self,
+        round_search: _RoundSearch,
+        problem: PlanningProblem,
+        cells: Abstraction,
+        known: list[CounterExample],
+        budget: int,
+    ) -> None:
+        self.count = 0
+        self._round = round_search
+        self._problem = problem
+        self._cells = cells
+        self._known = known
+        self._budget = budget
 
-    def also_evaluated(self, found: Configuration) -> None:
-        """Keep what was evaluated for the last path again."""
-        self.counts["evaluations"] += len(found.samples)
-        last = self.samples[-1]
-        self.samples[-1] = replace(last, samples=last.samples + found.samples)
-
-    def widened(self, path_problem: PathProblem, found: Configuration, label: str) -> Attempt:
-        """A proved design from a feasible configuration, or from a closer look at parameters."""
-        attempt = self.open_or_closed(path_problem, found, label)
-        if attempt.design is not None or attempt.noisy:
-            return attempt
-        closer = searched_further(path_problem, label, self.context)
-        if closer is not None:
-            self.also_evaluated(closer)
-            if closer.outcome.feasible:
-                attempt = self.open_or_closed(path_problem, closer, label)
-        return attempt
-
-    def open_or_closed(
-        self, path_problem: PathProblem, found: Configuration, label: str
-    ) -> Attempt:
-        """A proved design from a feasible configuration; open loop first, where that may do."""
-        attempt = Attempt(None, found.outcome.robustness)
-        choices = feedback_choices(path_problem, found.outcome)
-        for feedback in (False, True):
-            if feedback not in choices and not (feedback and attempt.unstable):
+    def attempts(self) -> Part:
+        """Attempts until one has a design; then those that may make it more robust."""
+        context, paths, best = self._round.search.context, self._round.paths, -np.inf
+        planner, others = Planner(self._problem), list[Plan]()
+        tried = set[Plan]()
+        for counterexample in self._known:
+            planner.block(counterexample)
+        while self.count < self._budget:
+            if others:
+                plan = others.pop(0)
+            else:
+                match planner.next_plan():
+                    case Holds(witness=plan):
+                        pass
+                    case Unknown(reason=limit):
+                        return f"planning: {limit.value}", False
+                    case ended:
+                        text = exhausted_text(ended.counterexample, best, self._round.task)
+                        return text, False
+            if plan in tried or self._is_blocked(plan):
                 continue
-            if feedback and not found.calmed:
-                slower = calmed(path_problem, label, self.context)
-                self.also_evaluated(slower)
-                found = slower if slower.outcome.feasible else found
-            given = calmer(path_problem) if found.calm else path_problem
-            along = given.along(found.cells, found.entries)
-            closed = replace(along, feedback=feedback, refines=feedback, bound=found.bound)
-            attempt = self.with_margins(closed, found)
+            tried.add(plan)
+            context.check_time()
+            self.count += 1
+            attempt = paths.attempt(self._cells, plan)
+            yield attempt
             if attempt.design is not None:
-                break
-        return attempt
+                yield from self._improvements(plan, attempt.design)
+                return "proved", True
+            best = max(best, attempt.robustness)
+            if attempt.excluded is not None:
+                self._known.append(attempt.excluded)
+                planner.block(attempt.excluded)
+            if self.count == 1 < self._budget:
+                others = self._other_kinds(plan)
+        return f"{self.count} paths tried, best robustness {best:.4g}", False
 
-    def with_margins(self, path_problem: PathProblem, found: Configuration) -> Attempt:
-        """A proved design with as much tightening as that takes."""
-        tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
-        tried = ""
-        while tightening is not None:
-            wider = self.tightened(path_problem, found.outcome.trajectory, tightening)
-            given = path_problem.spread, path_problem.margin, path_problem.substeps
-            if (wider.spread, wider.margin, wider.substeps) != given:
-                path_problem = wider
-                found = resolved(path_problem, found)
-            path_problem = replace(path_problem, slack=tightening.slack)
-            path_problem, found = within_limits(path_problem, found)
-            if not found.outcome.feasible:
-                if path_problem.spread is not None:
-                    noise = unbearable_noise(path_problem, found.outcome.trajectory)
-                    self.obstacle = f"{tried}; {noise or no_margin_text(path_problem.spread)}"
-                    return Attempt(None, found.outcome.robustness, noisy=noise is not None)
-                break
-            if not path_problem.feedback and unstable(path_problem, found.outcome.trajectory):
-                self.obstacle = f"{tried}; the motion is unstable: its inputs alone do not cause it"
-                return Attempt(None, found.outcome.robustness, unstable=not self.task.control)
-            self.lacking, self.beyond, self.ended = 0.0, 0.0, False
-            design = self.certified(path_problem, found, last=tightening.is_last)
-            if design is not None:
-                return Attempt(design, found.outcome.robustness)
-            tried = self.obstacle
-            if self.ended:
-                # No margin makes it calmer; feedback may.
-                open_loop = not path_problem.feedback and not self.task.control
-                return Attempt(None, found.outcome.robustness, unstable=open_loop)
-            self.context.reporter.note(f"{self.note}; trying a wider margin")
-            tightening = tightening.wider(self.lacking, path_problem.spread, self.beyond)
-        return Attempt(None, found.outcome.robustness)
+    def _is_blocked(self, plan: Plan) -> bool:
+        """Whether a counterexample excludes a plan."""
+        return any(
+            path.effector == item.effector and path.cells[: len(item.prefix)] == item.prefix
+            for path in plan.paths
+            for item in self._known
+        )
 
-    def tightened(
-        self, path_problem: PathProblem, trajectory: Trajectory, tightening: ConstraintTightening
-    ) -> PathProblem:
-        """The same task with tightening for what a motion needs of it."""
-        wider = refined(path_problem.with_margin(tightening.margin), trajectory)
-        wider = replace(wider, slack=tightening.slack)
-        return wider.spreading(trajectory, tightening.spreads) if self.task.robust else wider
+    def _other_kinds(self, plan: Plan) -> list[Plan]:
+        """Plans that go round the obstacles on other sides than a plan."""
+        round_search = self._round
+        workspace = round_search.search.program.workspaces[round_search.task.workspace]
+        points = obstacle_points(workspace, round_search.task)
+        return other_kinds(self._problem, plan, self._cells, points, self._known)
 
-    def certified(
-        self, path_problem: PathProblem, found: Configuration, *, last: bool = True
-    ) -> Design | None:
-        """The design, if the continuous-time nonlinear robot is proved to do the task."""
-        answer = certified_design(
-            self.program, self.proved, self.derivation, path_problem, found,
-            self.context.check_time, last=last,
-        )  # fmt: skip
-        if isinstance(answer, Design):
-            return answer
-        if answer is not None:
-            self.obstacle, self.lacking, self.beyond = (
-                answer.obstacle, answer.lacking, answer.beyond,
-            )  # fmt: skip
-            self.note, self.ended = answer.note, answer.ended
-        return None
+    def _improvements(self, plan: Plan, design: Design) -> Iterator[PathAttempt]:
+        """Attempts at more robust designs along other kinds of paths.
+
+        Where disturbances are named or motions go on for ever, a proof takes too long for that.
+        """
+        task = self._round.search.task
+        if task.repeat or task.robust is not None:
+            return
+        for other in self._other_kinds(plan)[:OTHER_WAYS]:
+            self._round.search.context.check_time()
+            attempt = self._round.paths.improved(self._cells, other, design)
+            yield attempt
+            if attempt.design is not None and attempt.design.robustness > design.robustness:
+                design = attempt.design

@@ -10,7 +10,7 @@ by a covering that the verifier's own replay accepts, or by both.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from compiler.robots.candidate import Candidate, candidates
 from compiler.robots.normal_form import RobotFamily, family_of
@@ -18,9 +18,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.tasks.specification import recorded_effector
-from compiler.tasks.word_formula import SampledFormula
 from compiler.time_limits.time_limit import OutOfTimeError, check_time
-from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
@@ -40,16 +38,16 @@ from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.path_task import Design
 from solvers.search.prefetch import Prefetch
-from solvers.search.round_task import task_on_samples
-from solvers.search.structure_search import BlockedPrefix, StructureSearch
+from solvers.search.search_queue import SearchQueue, StructureUnderWay
+from solvers.search.search_state import BlockedPrefix, NearestMotion
+from solvers.search.structure_search import StructureSearch
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
 
 OUT_OF_TIME = "the time limit was reached"
 BEGUN = "srgc was started and the spec was read"
 NOT_COVERED = f"{OUT_OF_TIME} before every refutation had a second proof"
-NUMERIC_FAULTS = (OverflowError, ZeroDivisionError, FloatingPointError, MemoryError)
-TOO_LARGE = "the numbers of the task are too large or too small for the search"
+PUT_OFF = "put off, as another structure was proved"
 NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
 
 
@@ -69,7 +67,8 @@ class Synthesis:
     ``abstraction`` has the cells of the design, else those without cuts.  A ``separation`` proves
     the task impossible before anything is tried.  ``design`` is the first of ``designs``, which
     are more than one only where all were asked for; ``ended`` says what kept the search from
-    trying all structures then.  ``unfinished``: the time limit was reached, and another run can go
+    trying all structures then.  ``nearest`` is the motion that came nearest to a design without
+    being proved.  ``unfinished``: the time limit was reached, and another run can go
     on; ``last_step`` is what then took so long, if that could not be interrupted.
     """
 
@@ -83,6 +82,7 @@ class Synthesis:
     designs: tuple[Proved, ...] = ()
     samples: tuple[PathSamples, ...] = ()
     blocked: tuple[BlockedPrefix, ...] = ()
+    nearest: NearestMotion | None = None
     ended: str | None = None
     unfinished: bool = False
     last_step: str = ""
@@ -97,64 +97,56 @@ class _Run:
     context: RunContext
     family: RobotFamily
     abstraction: Abstraction
-    formula: SampledFormula | None
     every: bool
-    records: list[StructureRecord] = field(default_factory=list[StructureRecord])
-    counts: dict[str, int] = field(default_factory=lambda: dict(NO_COUNTS))
-    before: dict[str, int] = field(default_factory=dict[str, int])
-    """What they were when the last structure was begun."""
-    designs: list[Proved] = field(default_factory=list[Proved])
-    samples: list[PathSamples] = field(default_factory=list[PathSamples])
-    blocked: list[BlockedPrefix] = field(default_factory=list[BlockedPrefix])
-    without_success: int = 0
+    queue: SearchQueue
+    smt: int = 0
+    records: dict[int, StructureRecord] = field(default_factory=dict[int, StructureRecord])
+    seen: dict[str, int] = field(default_factory=dict[str, int])
+    """By the key of a robot the first structure that has it."""
+    searched: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
+    """The structures that were searched, as they ended."""
     stopped: str | None = None
-    search: StructureSearch | None = None
-    """The search that is under way."""
-
-    # --- structures -----------------------------------------------------------------------------
 
     def structures(self) -> None:
-        """Try structures in order; the first proved design ends the search, unless all are due."""
-        seen: dict[str, int] = {}
-        bound, robots = module_bound(self.family, self.task), robot_limit(self.family, self.task)
+        """Let structures have their turns until one is proved, unless all are due."""
+        bound = module_bound(self.family, self.task)
         drawn = candidates(self.family, bound, self.task.origin)
         ahead = Prefetch(drawn, self.program, self.task, self.context)
-        for candidate in ahead:
-            if self.at_limit(len(seen), robots):
-                return
+        left = iter(ahead)
+        following = next(left, None)
+        while following is not None or self.queue.under_way:
             self.context.check_time()
-            number, derivation = candidate.number, candidate.derivation
-            self.context.reporter.structure(number, derivation.word)
-            self.counts["structures"] += 1
-            if candidate.model is None:
-                self.record(derivation, "inadmissible", candidate.fault)
+            if following is not None and self.may_enter():
+                if self.at_limit():
+                    following = None
+                    continue
+                self.enter(ahead, following)
+                following = next(left, None)
                 continue
-            key = robot_key_in_task(candidate.model, self.task)
-            if key in seen:
-                first = self.records[seen[key]]
-                self.record(derivation, "same", first.reason, same=seen[key])
-                continue
-            seen[key] = number
-            self.before = dict(self.counts)
-            design = self.structure(ahead, candidate, candidate.model, key)
-            if design is not None:
-                self.keep(number, design)
-                if not self.every:
+            structure = self.queue.turn()
+            if structure.state.design is not None:
+                self.queue.finish(structure)
+            if structure.state.is_over:
+                self.leave(structure)
+                if self.designs and not self.every:
                     return
 
-    def keep(self, number: int, design: Design) -> None:
-        """Keep the design of a structure, with what its search took."""
-        taken = {name: self.counts[name] - self.before[name] for name in self.before}
-        self.designs.append(Proved(number, design, {**taken, "structures": 1}))
+    # --- a structure comes and goes -------------------------------------------------------------
 
-    def at_limit(self, tried: int, robots: int | None) -> bool:
-        """Whether a limit ends the search; both are counts, so that verdicts repeat."""
+    def may_enter(self) -> bool:
+        """Whether another structure has the next turn."""
+        full = self.without_success + len(self.queue.under_way) >= MOTION_SEARCHES
+        return not self.queue.under_way if full else self.queue.wants_another()
+
+    def at_limit(self) -> bool:
+        """Whether a limit ends the search; all are counts, so that verdicts repeat."""
+        robots = robot_limit(self.family, self.task)
         if self.without_success >= MOTION_SEARCHES:
             self.stopped = (
                 f"the search ended at its limit of {MOTION_SEARCHES} robots that no motion was "
                 "found for: narrow `accept`, or weaken the task"
             )
-        elif robots is not None and tried >= robots:
+        elif robots is not None and len(self.seen) >= robots:
             self.stopped = (
                 f"the search ended at its limit of {robots} different robots: say `modules <= n` "
                 "in the task to try all up to a bound"
@@ -166,71 +158,59 @@ class _Run:
             )
         return self.stopped is not None
 
-    def record(
-        self,
-        derivation: Derivation,
-        verdict: StructureVerdict,
-        reason: str,
-        script: str | None = None,
-        same: int | None = None,
-        boxes: str | None = None,
-    ) -> None:
-        word, labels = derivation.word, derivation.labels
-        self.records.append(StructureRecord(word, labels, verdict, reason, script, same, boxes))
-
-    def structure(
-        self, ahead: Prefetch, candidate: Candidate, model: RobotModel, key: str
-    ) -> Design | None:
-        """Refute a structure, or search it."""
-        derivation, screened = candidate.derivation, ahead.screening(candidate)
+    def enter(self, ahead: Prefetch, candidate: Candidate) -> None:
+        """Refute a structure, or have it searched."""
+        self.context.reporter.structure(candidate.number, candidate.derivation.word)
+        if candidate.model is None:
+            self.record(candidate, "inadmissible", candidate.fault)
+            return
+        key = robot_key_in_task(candidate.model, self.task)
+        if key in self.seen:
+            self.record(candidate, "same", "", same=self.seen[key])
+            return
+        self.seen[key] = candidate.number
+        screened = ahead.screening(candidate)
         answer = screened.refutation
-        self.counts["smt"] += answer.solver_calls
+        self.smt += answer.solver_calls
         if answer.refuted:
-            self.record(derivation, "refuted", answer.reason, answer.script, boxes=answer.boxes)
-            return None
+            self.record(candidate, "refuted", answer.reason, answer.script, boxes=answer.boxes)
+            return
         if screened.inadmissible is not None:
-            self.record(derivation, "inadmissible", screened.inadmissible)
-            return None
+            self.record(candidate, "inadmissible", screened.inadmissible)
+            return
+        entered = self.queue.enter(candidate, answer.solver_calls)
         search = StructureSearch(
-            self.program, self.task, self.context, self.abstraction, self.formula, self.counts,
-            derivation, ahead.numeric(candidate), candidate.number, key,
+            self.program, self.task, self.context, self.abstraction, candidate.derivation,
+            ahead.numeric(candidate), candidate.number, key, entered.keep, entered.see,
         )  # fmt: skip
-        self.search = search
-        try:
-            design, reason = self.motion(search, self.effectors(model, answer))
-        except OutOfTimeError:
-            if search.incumbent is not None:
-                self.keep(candidate.number, search.incumbent)
-                self.record(derivation, "found", "proved")
-            raise
-        finally:
-            self.samples += search.samples
-            self.blocked += search.blocked
-        self.search = None
-        if design is None:
-            late = out_of_reach_of_drives(candidate, self.program, self.task, self.context)
-            if late is not None:
-                self.record(derivation, "refuted", late.reason, boxes=late.boxes)
-                return None
-            self.without_success += 1
-            self.record(derivation, "unresolved", reason)
-            return None
-        self.record(derivation, "found", "proved")
-        return design
+        entered.states = search.states(self.effectors(candidate.model, answer))
 
-    def motion(
-        self, search: StructureSearch, effectors: Sequence[int]
-    ) -> tuple[Design | None, str]:
-        """The first design in which one of the effectors starts and reaches, or why none."""
-        reason = "it has no effector that the task asks for"
-        for effector in effectors:
-            try:
-                design, reason = search.design(effector)
-            except NUMERIC_FAULTS as fault:
-                return None, f"{TOO_LARGE} ({type(fault).__name__}: {fault})"
-            if design is not None:
-                return design, "proved"
-        return None, reason + (search.obstacle or search.stuck)
+    def leave(self, structure: StructureUnderWay) -> None:
+        """A structure is searched to its end."""
+        self.queue.leave(structure)
+        self.searched.append(structure)
+        candidate, state = structure.candidate, structure.state
+        if structure.incumbent is not None:
+            self.record(candidate, "found", "proved")
+            return
+        late = out_of_reach_of_drives(candidate, self.program, self.task, self.context)
+        if late is not None:
+            self.record(candidate, "refuted", late.reason, boxes=late.boxes)
+            return
+        self.record(candidate, "unresolved", f"{state.reason}{state.obstacle}")
+
+    def break_off(self, why: str) -> None:
+        """The structures that are under way are not searched any more."""
+        for structure in self.queue.under_way:
+            if structure.incumbent is not None:
+                self.record(structure.candidate, "found", "proved")
+            else:
+                paths = len(structure.state.attempts)
+                tried = "1 path tried" if paths == 1 else f"{paths} paths tried"
+                reason = f"{why}; {tried} before{structure.state.obstacle}"
+                self.record(structure.candidate, "unresolved", reason)
+        self.searched += self.queue.under_way
+        self.queue.under_way = []
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
         """The effectors that may start and reach, the one of the witness poses first."""
@@ -239,6 +219,68 @@ class _Run:
             return [bound] if bound < len(model.effectors) else []
         order = list(range(len(model.effectors)))
         return sorted(order, key=lambda e: (e != answer.effector, e))
+
+    def record(
+        self,
+        candidate: Candidate,
+        verdict: StructureVerdict,
+        reason: str,
+        script: str | None = None,
+        same: int | None = None,
+        boxes: str | None = None,
+    ) -> None:
+        """What became of a structure."""
+        derivation = candidate.derivation
+        self.records[candidate.number] = StructureRecord(
+            derivation.word, derivation.labels, verdict, reason, script, same, boxes
+        )
+
+    # --- what there is in the end ---------------------------------------------------------------
+
+    @property
+    def without_success(self) -> int:
+        """How many structures were searched to their end without a design or a refutation."""
+        return sum(self.records[each.number].verdict == "unresolved" for each in self.searched)
+
+    @property
+    def all_searched(self) -> list[StructureUnderWay]:
+        """The structures that were searched, or are, in their order."""
+        return sorted([*self.searched, *self.queue.under_way], key=lambda each: each.number)
+
+    @property
+    def designs(self) -> tuple[Proved, ...]:
+        """The designs of all structures, in their order."""
+        return tuple(
+            Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **tried(each)})
+            for each in self.all_searched
+            if each.incumbent is not None
+        )
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """What was tried."""
+        found = {**NO_COUNTS, "structures": len(self.records), "smt": self.smt}
+        for each in self.all_searched:
+            for name, count in tried(each).items():
+                found[name] += count
+        return found
+
+    def all_records(self) -> list[StructureRecord]:
+        """What became of the structures, in their order; equal robots share their reasons."""
+        found = [record for _, record in sorted(self.records.items())]
+        return [
+            record
+            if record.same_robot_as is None
+            else replace(record, reason=found[record.same_robot_as].reason)
+            for record in found
+        ]
+
+
+def tried(structure: StructureUnderWay) -> dict[str, int]:
+    """How many paths were tried for a structure, and how many parameters evaluated."""
+    attempts = structure.state.evaluated
+    evaluations = sum(len(each.samples) for each in attempts)
+    return {"paths": len(attempts), "evaluations": evaluations}
 
 
 def synthesise(
@@ -272,31 +314,34 @@ def synthesise(
             "unknown", OUT_OF_TIME, None, (), cells, dict(NO_COUNTS),
             unfinished=True, last_step=late.step,
         )  # fmt: skip
-    run = _Run(program, task, context, family, finer, task_on_samples(task), every)
+    run = _Run(program, task, context, family, finer, every, SearchQueue(every))
     try:
         run.structures()
+        run.break_off(PUT_OFF)
         if run.designs:
             check_time()
             return _result(run, "found", None, cells)
-        verdict, reason = conclude(run.records, family, task, run.stopped)
+        verdict, reason = conclude(run.all_records(), family, task, run.stopped)
     except OutOfTimeError as late:
-        return _result(run, "unknown", OUT_OF_TIME + _under_way(run.search), cells, late)
-    uncovered = None
+        under_way = _under_way(run.queue.current)
+        run.break_off(OUT_OF_TIME)
+        return _result(run, "unknown", OUT_OF_TIME + under_way, cells, late)
+    records, uncovered = run.all_records(), None
     if verdict == "impossible":
-        run.records, uncovered = covered(run.records, family, task, context)
+        records, uncovered = covered(records, family, task, context)
     if uncovered is not None:
         reason = f"{reason}; {NOT_COVERED}"
-    return _result(run, verdict, reason, cells, uncovered)
+    return _result(run, verdict, reason, cells, uncovered, records)
 
 
-def _under_way(search: StructureSearch | None) -> str:
+def _under_way(structure: StructureUnderWay | None) -> str:
     """What the time limit interrupted, to follow its name."""
-    if search is None:
+    if structure is None or structure.state.is_over:
         return ""
-    word = " ".join(search.derivation.word)
-    if search.top < 0:
+    word = " ".join(structure.derivation.word)
+    if structure.waiting < 0:
         return f" while a motion of {word} was searched"
-    return f" while a motion of {word}, of robustness {search.top:.4g}, was proved or improved"
+    return f" while a motion of {word}, of robustness {structure.waiting:.4g}, was proved"
 
 
 def _result(
@@ -305,15 +350,32 @@ def _result(
     reason: str | None,
     cells: Abstraction,
     late: OutOfTimeError | None = None,
+    records: Sequence[StructureRecord] | None = None,
 ) -> Synthesis:
     """The result; whatever ended the search, with a design the verdict is found."""
     ended = run.stopped if late is None else OUT_OF_TIME
-    design = run.designs[0].design if run.designs else None
-    if design is not None:
-        verdict, reason, cells = "found", None, design.abstraction
+    designs = run.designs
+    if designs:
+        verdict, reason, cells = "found", None, designs[0].design.abstraction
+    searched = run.all_searched
+    names = {
+        each.number: [p.label for p in model.parameters]
+        for each in searched
+        if (model := each.candidate.model) is not None
+    }
+    nearest = [each.state.nearest for each in searched if each.state.nearest is not None]
     return Synthesis(
-        verdict, reason, design, tuple(run.records), cells, run.counts,
-        designs=tuple(run.designs), samples=tuple(run.samples), blocked=tuple(run.blocked),
-        ended=ended if run.every else None, unfinished=late is not None,
+        verdict,
+        reason,
+        designs[0].design if designs else None,
+        tuple(run.all_records() if records is None else records),
+        cells,
+        run.counts,
+        designs=designs,
+        samples=tuple(s for e in searched for s in e.state.samples(e.number, names[e.number])),
+        blocked=tuple(b for each in searched for b in each.state.blocked(each.number)),
+        nearest=max(nearest, key=lambda motion: motion.rank, default=None),
+        ended=ended if run.every else None,
+        unfinished=late is not None,
         last_step="" if late is None else late.step,
-    )  # fmt: skip
+    )

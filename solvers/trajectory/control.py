@@ -17,6 +17,7 @@ from solvers.trajectory.control_problem import (
     FULL,
     ControlOutcome,
     ControlProblem,
+    Ending,
     IterationBudget,
     MeasuredMotion,
     effort_peak,
@@ -61,9 +62,6 @@ COARSE = 1e-5
 full."""
 NEAR = 0.1
 """Units of length up to which a seed may break its half-planes without fictitious inputs."""
-NOT_FINITE = "not finite"
-CONVEX_STEP = "convex step"
-"""The status begins so where a convex step was not solved last."""
 WORST = 10.0
 """The largest violation that is told apart, in units of the effort bound."""
 EXCESS = 1e-4
@@ -84,7 +82,8 @@ class _Iteration:
     region: TrustRegion
     current: MeasuredMotion
     used: int = 0
-    status: str = "iteration limit"
+    ending: Ending = Ending.LIMIT
+    detail: str = ""
     fictitious: bool = True
     stuck: int = 0
     quiet: int = 0
@@ -130,7 +129,7 @@ class _Iteration:
         result = self.step.solve(at.model, at.rows, region, accuracy, fictitious=self.fictitious)
         if isinstance(result, StepResult):
             return result
-        self.status = f"{CONVEX_STEP}: {result.text}"
+        self.ending, self.detail = Ending.UNSOLVED, result.text
         if self.fictitious:
             self.region = TrustRegion(self.region.radius / 4, self.region.proximal)
         self.fictitious = True
@@ -173,9 +172,9 @@ class _Iteration:
         self.conceded, self.best = conceded, self.worth(result, trial)
         self.fictitious = conceded > NEEDED
         if conceded > DEFECT:
-            self.status = "violations remain"
+            self.ending = Ending.VIOLATIONS
             return self.stuck > self.budget.quiet
-        self.status = "fixpoint"
+        self.ending = Ending.FIXPOINT
         if (
             abs(gained) >= self.budget.tolerance
             or trial.infeasibility(self.problem) >= self.budget.calm
@@ -232,13 +231,12 @@ def synthesise_control(
     far = current.excess > NEAR * problem.unit
     iteration = _Iteration(problem, step, budget, region, current, fictitious=far)
     iteration.run()
-    return _outcome(problem, iteration.current, iteration.used, iteration.status)
+    return _outcome(problem, iteration)
 
 
-def _outcome(
-    problem: ControlProblem, at: MeasuredMotion, iterations: int, status: str
-) -> ControlOutcome:
+def _outcome(problem: ControlProblem, iteration: _Iteration) -> ControlOutcome:
     """Close the small remaining defects by simulation, then judge."""
+    at = iteration.current
     defect = float(np.max(at.fictitious, initial=0.0))
     found, regulated = None, False
     if (
@@ -264,10 +262,11 @@ def _outcome(
         effort_peak(problem.groups, best.trajectory.u),
         best.fictitious,
         best.excess,
-        iterations,
-        status,
+        iteration.used,
+        iteration.ending,
         at.defect,
         regulated,
+        iteration.detail if iteration.ending is Ending.UNSOLVED else "",
     )
 
 
@@ -322,7 +321,7 @@ def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
         fictitious=worst,
         excess=WORST,
         iterations=0,
-        status=NOT_FINITE,
+        ending=Ending.NOT_FINITE,
         defect=WORST,
     )
 

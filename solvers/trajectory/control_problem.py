@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 import numpy as np
 
@@ -71,7 +72,18 @@ SURVEY = IterationBudget(8, 2e-3, 1e-6, 2)
 """Enough to compare parameters with each other."""
 
 
-@dataclass(frozen=True, slots=True)
+class Ending(StrEnum):
+    """How an iteration of convex steps ended."""
+
+    FIXPOINT = "fixpoint"
+    LIMIT = "iteration limit"
+    VIOLATIONS = "violations remain"
+    UNSOLVED = "convex step"
+    NOT_FINITE = "not finite"
+    MOTIONLESS = "motionless"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ControlOutcome:
     """Where the iteration ended.
 
@@ -79,7 +91,8 @@ class ControlOutcome:
     units of effort; ``effort_peak`` is in N m, or N.  ``fictitious`` (k,) is the largest component
     of each v_i, ``excess`` the position excess (m), ``defect`` the largest one that convex steps
     left (SI), before the motion was simulated.  It was simulated with feedback where it is
-    ``regulated``, as its inputs alone did not cause it.
+    ``regulated``, as its inputs alone did not cause it.  ``detail`` is what a solver said of a
+    step that it did not solve.
     """
 
     trajectory: Trajectory
@@ -89,9 +102,10 @@ class ControlOutcome:
     fictitious: Array
     excess: float
     iterations: int
-    status: str
+    ending: Ending
     defect: float = 0.0
     regulated: bool = False
+    detail: str = ""
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:

@@ -22,7 +22,7 @@ from grammar_lang import ir
 from solvers.conclusion import StructureRecord
 from solvers.search.configuration_search import PathSamples, Sample
 from solvers.search.path_task import Design
-from solvers.search.structure_search import BlockedPrefix
+from solvers.search.search_state import BlockedPrefix
 from solvers.search.synthesis import Synthesis
 from solvers.verifier.claims.agreement import satisfied_formulas, square_root
 from solvers.verifier.claims.certificate import (

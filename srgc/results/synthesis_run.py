@@ -128,7 +128,6 @@ def _searched(
             reporter=display,
             journal=folder,
             out_of_time=limit.reached,
-            limited=limit.seconds is not None,
         )
         with limit.holds():
             result = synthesise(program, task, context, options.cells, every=options.every)

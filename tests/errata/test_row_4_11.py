@@ -10,6 +10,7 @@ import pytest
 
 from grammar_lang.load import load
 from solvers.run_context import RunContext
+from solvers.search.search_state import StructureState
 from solvers.search.structure_search import StructureSearch
 from solvers.search.synthesis import synthesise
 from solvers.trajectory.control import synthesise_control
@@ -17,6 +18,7 @@ from solvers.trajectory.linear_model import PositionRows
 from tests.oracles.small_specs import TURNER, replaced
 from tests.oracles.turning_link import DT, one_link
 
+GIVEN_UP = StructureState(reason="no path can be followed")
 STEPS, HEIGHT, BOUND = 8, 1.0, 1.2
 
 
@@ -49,7 +51,7 @@ def test_a_search_that_finds_nothing_refutes_nothing(
     path.write_text(text, encoding="utf-8")
     program = load(path).program
     assert program is not None
-    monkeypatch.setattr(StructureSearch, "design", lambda *_: (None, "no path can be followed"))
+    monkeypatch.setattr(StructureSearch, "states", lambda *_: iter([GIVEN_UP]))
     result = synthesise(program, program.tasks["Turn"], RunContext())
     assert result.verdict == "unknown"
     unresolved = [record for record in result.records if record.verdict == "unresolved"]

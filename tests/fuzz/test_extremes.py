@@ -343,10 +343,10 @@ def test_a_horizon_of_too_many_steps() -> None:
 def test_a_search_whose_numbers_overflow_knows_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def overflowing(_self: object, _effector: int) -> object:
+    def overflowing(*_: object) -> object:
         raise OverflowError("too large")
 
-    monkeypatch.setattr("solvers.search.structure_search.StructureSearch.design", overflowing)
+    monkeypatch.setattr("solvers.search.path_search.PathSearch.attempt", overflowing)
     path = tmp_path / "slider.srg"
     path.write_text(SLIDER, encoding="utf-8")
     assert run(["synth", str(path), "-q", "-o", str(tmp_path / "out")]) == 4

@@ -13,9 +13,9 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.normal_form import family_of
 from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
-from solvers.search.certified_design import Unproved, certified_design
+from solvers.search.certified_design import certified_design
 from solvers.search.configuration_search import Configuration
-from solvers.search.path_task import Design
+from solvers.search.search_state import Answer, Blocked, Found
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
@@ -28,9 +28,7 @@ PUSH = 1.4 / (STEP**2 * (STEPS // 2) ** 2)
 """The acceleration that turns by 1.4 rad: half of the time one way, half the other way."""
 
 
-def attempt(
-    tmp_path: Path, text: str, *, feedback: bool = False, last: bool = False
-) -> Design | Unproved | None:
+def attempt(tmp_path: Path, text: str, *, feedback: bool = False, last: bool = False) -> Answer:
     """What becomes of a rod that turns from 0 to 1.4 rad and is at rest there."""
     path = tmp_path / "spec.srg"
     path.write_text(text, encoding="utf-8")
@@ -84,14 +82,14 @@ def test_an_obstacle_between_samples_ends_an_attempt_without_a_proof(
 ) -> None:
     monkeypatch.setattr(module, "prove_motion", no_proof)
     found = attempt(tmp_path, BLOCKED, feedback=feedback, last=True)
-    assert isinstance(found, Unproved)
-    assert "clearance of effector to O: violated at 0.5 s" in found.obstacle
+    assert isinstance(found, Blocked)
+    assert "clearance of effector to O: violated at 0.5 s" in found.text
     assert found.lacking == found.beyond == 0.0
 
 
 @pytest.mark.parametrize("feedback", [False, True])
 def test_a_motion_that_may_hold_is_proved(tmp_path: Path, feedback: bool) -> None:
-    assert isinstance(attempt(tmp_path, TURNER, feedback=feedback), Design)
+    assert isinstance(attempt(tmp_path, TURNER, feedback=feedback), Found)
 
 
 @pytest.mark.parametrize("feedback", [False, True])
@@ -101,8 +99,8 @@ def test_a_formula_that_seems_to_fail_leaves_the_last_attempt_its_proof(
     with monkeypatch.context() as patch:
         patch.setattr(module, "prove_motion", no_proof)
         found = attempt(tmp_path, TOUCHING, feedback=feedback)
-        assert isinstance(found, Unproved)
-        assert "a formula fails between the samples" in found.obstacle
+        assert isinstance(found, Blocked)
+        assert "a formula fails between the samples" in found.text
     found = attempt(tmp_path, TOUCHING, feedback=feedback, last=True)
-    assert isinstance(found, Unproved)
-    assert "last proof tried" in found.obstacle
+    assert isinstance(found, Blocked)
+    assert "last proof tried" in found.text

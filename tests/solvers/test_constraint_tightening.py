@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers.search.path_task import (
+from solvers.search.constraint_tightening import (
     WIDENINGS,
     WIDEST,
     ConstraintTightening,

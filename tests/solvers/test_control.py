@@ -14,6 +14,7 @@ from solvers.trajectory.control import shortfall, synthesise_control
 from solvers.trajectory.control_problem import (
     ControlOutcome,
     ControlProblem,
+    Ending,
     effort_peak,
     input_margin,
 )
@@ -44,7 +45,7 @@ def test_the_least_peak_torque_of_a_double_integrator(steps: int, rest: bool) ->
     if not rest:
         assert peak == pytest.approx(2 * INERTIA * ANGLE / (steps * DT) ** 2)  # one constant
     assert outcome.feasible
-    assert outcome.status == "fixpoint"
+    assert outcome.ending is Ending.FIXPOINT
     assert outcome.effort_peak == pytest.approx(peak, rel=1e-4)
     assert outcome.robustness == pytest.approx(10.0 - peak, rel=1e-4)
 

@@ -23,19 +23,17 @@ class Counting(Silent):
         self.better += value > 0
 
 
-def searched(most: int, *, limited: bool) -> Synthesis:
+def searched(most: int) -> Synthesis:
     """A search that runs out of time when so many feasible motions have been reported."""
     program = load(SPEC).program
     assert program is not None
     reporter = Counting()
-    context = RunContext(
-        reporter=reporter, out_of_time=lambda: reporter.better > most, limited=limited
-    )
+    context = RunContext(reporter=reporter, out_of_time=lambda: reporter.better > most)
     return synthesise(*expanded(program, program.tasks["PickAndPlace"]), context)
 
 
 def test_out_of_time_there_is_the_first_proved_design() -> None:
-    result = searched(2, limited=True)
+    result = searched(2)
     assert result.verdict == "found"
     assert result.unfinished
     assert result.design is not None
@@ -43,11 +41,7 @@ def test_out_of_time_there_is_the_first_proved_design() -> None:
     assert all(each.status is Status.HOLDS for each in result.design.conditions)
     assert result.design.robustness > 0
     assert [each.verdict for each in result.records][-1] == "found"
-    whole = searched(10**9, limited=True)
+    whole = searched(10**9)
     assert whole.design is not None
     assert not whole.unfinished
     assert whole.design.robustness > result.design.robustness
-
-
-def test_without_a_limit_nothing_is_proved_early() -> None:
-    assert searched(2, limited=False).verdict == "unknown"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from solvers.search.search_state import StructureState
 from srgc.results.pareto_table import ParetoRow, judged
 from tests.oracles import result_files
 from tests.oracles.extended_arm import extended_arm
@@ -99,15 +100,15 @@ def test_a_time_limit_leaves_the_first_design_and_the_next_run_goes_on(
     from solvers.search.structure_search import StructureSearch
 
     path, folder = designs_made / "arm.srg", tmp_path / "out"
-    given = StructureSearch.design
+    given = StructureSearch.states
 
-    def late(self: StructureSearch, recorded: int):
+    def late(self: StructureSearch, effectors: Sequence[int]) -> Iterator[StructureState]:
         if self.number:
             raise OutOfTimeError
-        return given(self, recorded)
+        return given(self, effectors)
 
     with monkeypatch.context() as patched:
-        patched.setattr(StructureSearch, "design", late)
+        patched.setattr(StructureSearch, "states", late)
         ran = srgc("synth", path, "--all", "-o", folder)
     assert ran.status == 0
     assert "not all structures were tried: the time limit was reached" in ran.out

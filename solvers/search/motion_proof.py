@@ -1,0 +1,156 @@
+"""From a feasible motion to a proved design: margins grow, feedback is added, until a proof passes.
+
+Margins are the least at first and wider only where a proof lacked room; open loop comes first
+where inputs alone cause a motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from compiler.words.derivation import Derivation
+from grammar_lang import ir
+from solvers.run_context import RunContext
+from solvers.search.calm_motion import calmer
+from solvers.search.certified_design import certified_design, early_design
+from solvers.search.closed_loop import feedback_choices, unbearable_noise
+from solvers.search.configuration_search import (
+    Configuration,
+    Sample,
+    calmed,
+    resolved,
+    searched_further,
+    within_limits,
+)
+from solvers.search.constraint_tightening import ConstraintTightening, no_margin_text
+from solvers.search.path_task import Design
+from solvers.search.search_state import Answer, Blocked, Cause, Found
+from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.fine_motion import refined, unstable
+from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.trajectory import Trajectory
+
+UNSTABLE_TEXT = "; the motion is unstable: its inputs alone do not cause it"
+
+
+@dataclass(frozen=True, slots=True)
+class ProofAttempt:
+    """The answer about a configuration, its robustness, and what was evaluated on the way."""
+
+    answer: Answer
+    robustness: float
+    samples: tuple[Sample, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class MotionProof:
+    """What motions of a robot are proved to do: ``task`` as it is stated, for ever too."""
+
+    program: ir.Program
+    task: ir.Task
+    derivation: Derivation
+    context: RunContext
+
+    def as_found(self, path_problem: PathProblem, found: Configuration) -> Answer:
+        """The answer about a configuration as it is."""
+        return certified_design(
+            self.program, self.task, self.derivation, path_problem, found,
+            self.context.check_time, last=True,
+        )  # fmt: skip
+
+    def early(self, path_problem: PathProblem, outcome: ControlOutcome) -> Design | None:
+        """The design of a motion as it was found, if that is proved without any preparation."""
+        return early_design(
+            self.program, self.task, self.derivation, path_problem, outcome,
+            self.context.check_time,
+        )  # fmt: skip
+
+    def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:
+        """A proved design from a feasible configuration, or from a closer look at parameters."""
+        attempt = self.open_or_closed(path_problem, found, label)
+        if isinstance(attempt.answer, Found) or attempt.answer.cause is Cause.NOISE:
+            return attempt
+        closer = searched_further(path_problem, label, self.context)
+        if closer is None:
+            return attempt
+        samples = attempt.samples + closer.samples
+        if closer.outcome.feasible:
+            again = self.open_or_closed(path_problem, closer, label)
+            return replace(again, samples=samples + again.samples)
+        return replace(attempt, samples=samples)
+
+    def open_or_closed(
+        self, path_problem: PathProblem, found: Configuration, label: str
+    ) -> ProofAttempt:
+        """A proved design from a feasible configuration; open loop first, where that may do."""
+        attempt = ProofAttempt(Blocked(Cause.UNPROVED), found.outcome.robustness)
+        choices, samples = feedback_choices(path_problem, found.outcome), tuple[Sample, ...]()
+        for feedback in (False, True):
+            if feedback not in choices and not (feedback and self.wants_feedback(attempt.answer)):
+                continue
+            if feedback and not found.calmed:
+                slower = calmed(path_problem, label, self.context)
+                samples += slower.samples
+                found = slower if slower.outcome.feasible else found
+            given = calmer(path_problem) if found.calm else path_problem
+            along = given.along(found.cells, found.entries)
+            closed = replace(along, feedback=feedback, refines=feedback, bound=found.bound)
+            attempt = self.with_margins(closed, found)
+            if isinstance(attempt.answer, Found):
+                break
+        return replace(attempt, samples=samples)
+
+    def wants_feedback(self, answer: Answer) -> bool:
+        """Whether a motion in an open loop was lost that feedback may keep."""
+        lost = isinstance(answer, Blocked) and answer.cause in (Cause.UNSTABLE, Cause.ENDED)
+        return lost and not self.task.control
+
+    def with_margins(self, path_problem: PathProblem, found: Configuration) -> ProofAttempt:
+        """A proved design with as much tightening as that takes."""
+        tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
+        blocked = Blocked(Cause.UNPROVED)
+        while tightening is not None:
+            wider = tightened(path_problem, found.outcome.trajectory, tightening)
+            given = path_problem.spread, path_problem.margin, path_problem.substeps
+            if (wider.spread, wider.margin, wider.substeps) != given:
+                path_problem = wider
+                found = resolved(path_problem, found)
+            path_problem = replace(path_problem, slack=tightening.slack)
+            path_problem, found = within_limits(path_problem, found)
+            if not found.outcome.feasible:
+                blocked = without_motion(path_problem, found, blocked)
+                break
+            if not path_problem.feedback and unstable(path_problem, found.outcome.trajectory):
+                blocked = Blocked(Cause.UNSTABLE, blocked.text + UNSTABLE_TEXT)
+                break
+            answer = certified_design(
+                self.program, self.task, self.derivation, path_problem, found,
+                self.context.check_time, last=tightening.is_last,
+            )  # fmt: skip
+            if isinstance(answer, Found):
+                return ProofAttempt(answer, found.outcome.robustness)
+            blocked = answer
+            if blocked.cause in (Cause.ENDED, Cause.NO_DECIMALS):
+                break  # no margin makes it calmer
+            self.context.reporter.note(f"{blocked.cause.value}; trying a wider margin")
+            tightening = tightening.wider(blocked.lacking, path_problem.spread, blocked.beyond)
+        return ProofAttempt(blocked, found.outcome.robustness)
+
+
+def tightened(
+    path_problem: PathProblem, trajectory: Trajectory, tightening: ConstraintTightening
+) -> PathProblem:
+    """The same task with tightening for what a motion needs of it."""
+    wider = refined(path_problem.with_margin(tightening.margin), trajectory)
+    wider = replace(wider, slack=tightening.slack)
+    robust = path_problem.task.robust is not None
+    return wider.spreading(trajectory, tightening.spreads) if robust else wider
+
+
+def without_motion(path_problem: PathProblem, found: Configuration, before: Blocked) -> Blocked:
+    """Why no motion was found under tightening; ``before``: what the last proof said."""
+    if path_problem.spread is None:
+        return Blocked(Cause.NO_CLEARANCE, before.text)
+    noise = unbearable_noise(path_problem, found.outcome.trajectory)
+    text = noise or no_margin_text(path_problem.spread)
+    return Blocked(Cause.NO_CLEARANCE if noise is None else Cause.NOISE, f"{before.text}; {text}")

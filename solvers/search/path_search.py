@@ -1,0 +1,166 @@
+"""One path: the motion along it, and its proof; else what to exclude, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from compiler.arrays import Array
+from compiler.workspaces.abstraction import Abstraction
+from solvers.planner import CounterExample, EffectorPath, Plan
+from solvers.run_context import RunContext
+from solvers.search.calm_motion import calmer
+from solvers.search.cell_timing import timed
+from solvers.search.closed_loop import needs_feedback
+from solvers.search.configuration_search import Configuration, search_configuration
+from solvers.search.motion_proof import MotionProof
+from solvers.search.path_task import Design, PathTask, nearest_text
+from solvers.search.search_state import Blocked, Cause, Found, NearestMotion, PathAttempt
+from solvers.trajectory.control_problem import ControlOutcome, Ending
+from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
+from solvers.trajectory.path_following import PathProblem
+
+GAIN = 1e-4
+"""A motion is not worth a proof for less, relative to the robustness of a proved one."""
+
+
+@dataclass(frozen=True, slots=True)
+class PathSearch:
+    """Paths of one robot in a task; ``recorded`` (from 0) is the effector that reaches.
+
+    ``number`` and ``robot`` name the structure, in journals and in counterexamples.  ``keep`` is
+    given each design as it is proved; ``seen`` the robustness of motions that wait for a proof.
+    """
+
+    place: PathTask
+    proof: MotionProof
+    context: RunContext
+    recorded: int
+    number: int
+    robot: str
+    keep: Callable[[Design], None]
+    seen: Callable[[float], None]
+
+    def attempt(self, cells: Abstraction, plan: Plan) -> PathAttempt:
+        """A proved design for a plan; else the nearest motion and, where it fails, its prefix.
+
+        The first feasible motion is proved at once; what comes after may be more robust.
+        """
+        path_problem, label = self.posed(cells, plan), self.label(cells, plan)
+        early = _Early(self, path_problem)
+        found = search_configuration(path_problem, label, self.context, at_once=early)
+        self.seen(found.outcome.robustness)
+        if not found.outcome.feasible:
+            return self.not_followed(path_problem, found)
+        attempt = self.proved(path_problem, found, label)
+        if attempt.design is None and early.design is not None:
+            return replace(attempt, answer=Found(early.design), robustness=early.design.robustness)
+        return attempt
+
+    def improved(self, cells: Abstraction, plan: Plan, best: Design) -> PathAttempt:
+        """A design along another path that is more robust than a proved one of the structure.
+
+        The search begins with the parameters of that one.
+        """
+        path_problem, label = self.posed(cells, plan), self.label(cells, plan)
+        theta: Array = best.configuration.outcome.trajectory.theta
+        found = search_configuration(path_problem, f"{label}|improved", self.context, start=theta)
+        outcome = found.outcome
+        if not outcome.feasible or outcome.robustness <= best.robustness * (1 + GAIN):
+            answer = Blocked(Cause.NO_MORE_ROBUST)
+            return PathAttempt(answer, outcome.robustness, found.samples)
+        return self.proved(path_problem, found, label)
+
+    def standing(self, cells: Abstraction, cell: int, configuration: Configuration) -> PathAttempt:
+        """A proved design of a robot that cannot move."""
+        path_problem = self.place.path_problem(cells, self.recorded, self.recorded, (cell,))
+        answer = self.proof.as_found(path_problem, configuration)
+        if isinstance(answer, Found):
+            self.keep(answer.design)
+        return PathAttempt(answer, configuration.outcome.robustness)
+
+    # --- the parts of an attempt ----------------------------------------------------------------
+
+    def posed(self, cells: Abstraction, plan: Plan) -> PathProblem:
+        """The path problem of a plan, whose longest path leads."""
+        leader = self.leader(plan)
+        self.context.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
+        others = tuple(path for path in plan.paths if path is not leader)
+        found = self.place.path_problem(cells, self.recorded, leader.effector, leader.cells)
+        found = timed(replace(found, others=others), leader.entries)
+        return calmer(found) if needs_feedback(found) else found
+
+    def leader(self, plan: Plan) -> EffectorPath:
+        """The path of a plan that the search follows."""
+        return max(plan.paths, key=lambda path: (len(path.cells), path.effector == self.recorded))
+
+    def label(self, cells: Abstraction, plan: Plan) -> str:
+        """The name of a plan in journals."""
+        return f"{self.number}|{self.recorded}|{len(cells.cuts)}|{plan}"
+
+    def not_followed(self, path_problem: PathProblem, found: Configuration) -> PathAttempt:
+        """What is known of a path along which there is no feasible motion."""
+        outcome, cells = found.outcome, path_problem.cells
+        sample = infeasible_sample(path_problem, outcome, found.entries)
+        prefix = cells[: infeasible_prefix(sample, found.entries)]
+        names = tuple(path_problem.abstraction.cells[cell].name for cell in prefix)
+        text = "" if sample is None else nearest_text(path_problem, found, sample, names)
+        excluded = CounterExample(
+            path_problem.effector, prefix, f"robustness {outcome.robustness:.4g}", self.robot
+        )
+        nearest = self.nearest(path_problem, found, sample, text)
+        return PathAttempt(
+            blocked_by(outcome), outcome.robustness, found.samples, excluded, nearest
+        )
+
+    def proved(self, path_problem: PathProblem, found: Configuration, label: str) -> PathAttempt:
+        """The attempt at a proof of a feasible configuration."""
+        tried = self.proof.attempt(path_problem, found, label)
+        samples = found.samples + tried.samples
+        if isinstance(tried.answer, Found):
+            self.keep(tried.answer.design)
+            return PathAttempt(tried.answer, tried.robustness, samples)
+        nearest = self.nearest(path_problem, found, None, tried.answer.text)
+        return PathAttempt(tried.answer, tried.robustness, samples, nearest=nearest)
+
+    def nearest(
+        self, path_problem: PathProblem, found: Configuration, sample: int | None, text: str
+    ) -> NearestMotion:
+        """The motion of an attempt that was not proved."""
+        outcome = found.outcome
+        return NearestMotion(
+            self.proof.derivation, path_problem.model, path_problem.abstraction, found.cells,
+            self.recorded, path_problem.effector, outcome.trajectory, outcome.robustness,
+            outcome.feasible, sample, text,
+        )  # fmt: skip
+
+
+class _Early:
+    """Proves the first feasible outcome of a search; ``design`` is what came of it."""
+
+    def __init__(self, search: PathSearch, path_problem: PathProblem) -> None:
+        self._search = search
+        self._path_problem = path_problem
+        self._tried = False
+        self.design: Design | None = None
+
+    def __call__(self, outcome: ControlOutcome) -> None:
+        """Told of a feasible outcome."""
+        if self._tried:
+            return
+        self._tried = True
+        self.design = self._search.proof.early(self._path_problem, outcome)
+        if self.design is not None:
+            self._search.keep(self.design)
+
+
+def blocked_by(outcome: ControlOutcome) -> Blocked:
+    """Why an outcome is infeasible."""
+    match outcome.ending:
+        case Ending.NOT_FINITE:
+            text = "; the equations of motion have no finite value where the search begins"
+            return Blocked(Cause.NOT_FINITE, text)
+        case Ending.UNSOLVED:
+            return Blocked(Cause.UNSOLVED, f"; {outcome.ending.value}: {outcome.detail}")
+        case _:
+            return Blocked(Cause.NOT_FOLLOWED)

@@ -1,0 +1,110 @@
+"""Which structure is searched next: structures share the time, smaller ones ahead of larger ones.
+
+Every attempt at a path is a turn.  The k-th structure that is searched (from 0) has its j-th turn
+in round k + j: the first structure always is one attempt ahead of the second, and no structure
+keeps the others waiting for long (dovetailing).  Within a round the most promising goes first, by
+the robustness of the nearest motion that it has come to; a new structure goes last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from compiler.robots.candidate import Candidate
+from compiler.words.derivation import Derivation
+from solvers.search.path_task import Design
+from solvers.search.search_state import StructureState
+
+
+@dataclass(slots=True)
+class StructureUnderWay:
+    """A structure that is searched, and what is known of it; ``place`` is that among all searched.
+
+    ``incumbent`` is a proved design, there before the attempt that it comes from has ended;
+    ``waiting`` is the robustness of the last motion that waits for a proof.
+    """
+
+    place: int
+    candidate: Candidate
+    smt: int
+    states: Iterator[StructureState] = field(default_factory=lambda: iter(()))
+    state: StructureState = field(default_factory=StructureState)
+    incumbent: Design | None = None
+    waiting: float = -np.inf
+
+    @property
+    def number(self) -> int:
+        """The number of the structure."""
+        return self.candidate.number
+
+    @property
+    def derivation(self) -> Derivation:
+        """The derivation of the structure."""
+        return self.candidate.derivation
+
+    @property
+    def round(self) -> int:
+        """That of its next turn."""
+        return self.place + len(self.state.attempts)
+
+    def advance(self) -> None:
+        """One attempt more."""
+        self.state = next(self.states)
+
+    def keep(self, design: Design) -> None:
+        """A design has been proved."""
+        if self.incumbent is None or design.robustness > self.incumbent.robustness:
+            self.incumbent = design
+
+    def see(self, robustness: float) -> None:
+        """A motion waits for its proof."""
+        self.waiting = robustness
+
+
+@dataclass(slots=True)
+class SearchQueue:
+    """The structures under way.
+
+    Where ``every`` structure is wanted, each is searched to its end before the next.
+    """
+
+    every: bool
+    entered: int = 0
+    """How many structures have been searched."""
+    under_way: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
+    current: StructureUnderWay | None = None
+    """The one that had the last turn."""
+
+    def enter(self, candidate: Candidate, smt: int) -> StructureUnderWay:
+        """Another structure."""
+        found = StructureUnderWay(self.entered, candidate, smt)
+        self.entered += 1
+        self.under_way.append(found)
+        return found
+
+    def wants_another(self) -> bool:
+        """Whether a structure that is not under way has the next turn."""
+        if self.every:
+            return not self.under_way
+        return all(each.round > self.entered for each in self.under_way)
+
+    def turn(self) -> StructureUnderWay:
+        """Let the structure that is next make an attempt; ValueError: there is none."""
+        self.current = min(
+            self.under_way, key=lambda each: (each.round, -each.state.best, each.place)
+        )
+        self.current.advance()
+        return self.current
+
+    def finish(self, structure: StructureUnderWay) -> None:
+        """Let a structure make all attempts that are left to it."""
+        self.current = structure
+        while not structure.state.is_over:
+            structure.advance()
+
+    def leave(self, structure: StructureUnderWay) -> None:
+        """A structure has no turn any more."""
+        self.under_way.remove(structure)

@@ -1,0 +1,197 @@
+"""What is known of a structure while it is searched: attempts at paths, each found or blocked.
+
+A state is immutable: every attempt makes a new one, and all that a result says of a structure (its
+counts, its counterexamples, the nearest motion) is read off its attempts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import TypeAlias
+
+import numpy as np
+
+from compiler.robots.robot import RobotModel
+from compiler.words.derivation import Derivation
+from compiler.workspaces.abstraction import Abstraction
+from solvers.planner import CounterExample
+from solvers.search.configuration_search import PathSamples, Sample
+from solvers.search.path_task import Design
+from solvers.trajectory.trajectory import Trajectory
+
+
+class Cause(Enum):
+    """What stood in the way of a design along a path."""
+
+    NOT_FINITE = "the equations of motion have no finite value"
+    UNSOLVED = "a convex program was not solved"
+    NOT_FOLLOWED = "no motion was found along the path"
+    NO_MORE_ROBUST = "the motion is not more robust than a proved one"
+    NO_CLEARANCE = "no motion leaves the clearance that a proof takes"
+    NOISE = "errors of measurements alone are more than a motion bears"
+    UNSTABLE = "the inputs alone do not cause the motion"
+    DIVERGES = "the motion with feedback diverges"
+    NO_SET = "no set of states was found that every round returns into"
+    NO_DECIMALS = "the parameters have no decimals within their bounds"
+    BROKEN = "a simulation of the motion breaks a condition"
+    BETWEEN_SAMPLES = "a formula fails between the samples"
+    ENDED = "the enclosure of the motion ended"
+    UNPROVED = "a condition was not proved"
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """Why there is no design; ``text`` says it in words that follow a reason, where they help.
+
+    ``lacking`` is how much wider the margin for disturbed motions has to be, as a part of it,
+    ``beyond`` by what part motions leave the set of their loop.
+    """
+
+    cause: Cause
+    text: str = ""
+    lacking: float = 0.0
+    beyond: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A proved design."""
+
+    design: Design
+
+
+Answer: TypeAlias = Found | Blocked
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NearestMotion:
+    """The most robust motion that an attempt came to without a proof.
+
+    ``sample`` is the first that it cannot be brought to, None where all are got to, or where it is
+    not known; ``effector`` (from 0) reaches, and ``leader`` follows the cells of the path.  A
+    motion that is ``feasible`` at its samples was found, but not proved.  ``text`` says what it
+    lacks.
+    """
+
+    derivation: Derivation
+    model: RobotModel
+    abstraction: Abstraction
+    cells: tuple[int, ...]
+    effector: int
+    leader: int
+    trajectory: Trajectory
+    robustness: float
+    feasible: bool
+    sample: int | None
+    text: str
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Greater is nearer."""
+        return self.feasible, self.robustness
+
+
+@dataclass(frozen=True, slots=True)
+class BlockedPrefix:
+    """A counterexample: no path that begins with these cells is tried again (ZEROPREFIX).
+
+    ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
+    the one that could not follow.  ``sample`` is the first that the most robust motion cannot be
+    brought to, None where it is not known; ``robustness`` is what that motion has.
+    """
+
+    structure: int
+    path: int
+    effector: int
+    cells: tuple[str, ...]
+    sample: int | None
+    robustness: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathAttempt:
+    """What became of a path: a proved design, or what blocked it and what to exclude.
+
+    Raises:
+        ValueError: a path is excluded although a motion along it was found.
+    """
+
+    answer: Answer
+    robustness: float = -np.inf
+    samples: tuple[Sample, ...] = ()
+    excluded: CounterExample | None = None
+    nearest: NearestMotion | None = None
+
+    def __post_init__(self) -> None:
+        if self.excluded is not None and (self.nearest is None or self.nearest.feasible):
+            raise ValueError("a path is excluded only where no motion along it was found")
+
+    @property
+    def design(self) -> Design | None:
+        """The proved design, if there is one."""
+        return self.answer.design if isinstance(self.answer, Found) else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StructureState:
+    """All attempts at a structure so far; ``reason``: why no more are made, where that is so."""
+
+    attempts: tuple[PathAttempt, ...] = ()
+    reason: str | None = None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing is left to try."""
+        return self.reason is not None
+
+    @property
+    def design(self) -> Design | None:
+        """The most robust design that was proved."""
+        designs = [each.design for each in self.attempts if each.design is not None]
+        return max(designs, key=lambda design: design.robustness, default=None)
+
+    @property
+    def best(self) -> float:
+        """The best robustness of all attempts."""
+        return max((each.robustness for each in self.attempts), default=-np.inf)
+
+    @property
+    def nearest(self) -> NearestMotion | None:
+        """The motion that came nearest to a design, the first of equal ones."""
+        known = [each.nearest for each in self.attempts if each.nearest is not None]
+        return max(known, key=lambda motion: motion.rank, default=None)
+
+    @property
+    def obstacle(self) -> str:
+        """What blocked the last attempt that says so, to follow a reason; else the nearest one."""
+        answers = (each.answer for each in reversed(self.attempts))
+        texts = (answer.text for answer in answers if isinstance(answer, Blocked) and answer.text)
+        nearest = self.nearest
+        return next(texts, "" if nearest is None else nearest.text)
+
+    @property
+    def evaluated(self) -> tuple[PathAttempt, ...]:
+        """The attempts at which parameters were evaluated."""
+        return tuple(each for each in self.attempts if each.samples)
+
+    def samples(self, structure: int, names: Sequence[str]) -> tuple[PathSamples, ...]:
+        """What was evaluated, by paths; ``names`` are those of the parameters."""
+        return tuple(
+            PathSamples(structure, path, tuple(names), each.samples)
+            for path, each in enumerate(self.evaluated)
+        )
+
+    def blocked(self, structure: int) -> tuple[BlockedPrefix, ...]:
+        """The counterexamples, as they were found."""
+        found = list[BlockedPrefix]()
+        for path, each in enumerate(self.evaluated):
+            if each.excluded is not None and each.nearest is not None:
+                at = each.nearest
+                cells = at.abstraction.cells
+                names = tuple(cells[cell].name for cell in each.excluded.prefix)
+                found.append(
+                    BlockedPrefix(structure, path, at.leader, names, at.sample, at.robustness)
+                )
+        return tuple(found)
