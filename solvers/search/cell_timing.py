@@ -14,7 +14,7 @@ from solvers.search.evaluation import free_parameters
 from solvers.trajectory.control_problem import FULL, ControlOutcome, IterationBudget
 from solvers.trajectory.corridor import Entries, gentle_entries, polyline, smooth_timing
 from solvers.trajectory.path_following import PathProblem
-from solvers.trajectory.visited_cells import visited_cells
+from solvers.trajectory.visited_cells import depth_in_cells, visited_cells
 
 BOUND_RADIUS = 0.1
 """The trust region of a motion that is nearly there."""
@@ -74,7 +74,18 @@ def settled(
         before, best = best, freed
         if not best.gains(before):
             break
-    return best
+    return _off_facets(path_problem, best, context)
+
+
+def _off_facets(path_problem: PathProblem, found: Timed, context: RunContext) -> Timed:
+    """The motion, bound to its cells where a sample is so near a facet that no proof sees its side.
+
+    It stays free where that costs it anything.
+    """
+    if depth_in_cells(path_problem, found.outcome.trajectory) >= path_problem.margin:
+        return found
+    bound = _bound(path_problem, found.outcome, found.entries, context)
+    return found if bound is None or found.gains(bound) else bound
 
 
 def bound_to_cells(

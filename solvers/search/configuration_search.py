@@ -7,7 +7,7 @@ the cells that such a motion visits are made to bind (``cell_timing.py``).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -19,7 +19,6 @@ from solvers.parameters.nelder_mead import NelderMead
 from solvers.parameters.parameter_search import (
     Cube,
     ParameterSearch,
-    ParameterSpace,
     parameter_space,
 )
 from solvers.run_context import RunContext
@@ -37,6 +36,12 @@ SEARCHES = ("gp-acb", "nelder-mead")
 FURTHER = 5
 """So many times as many parameters are evaluated where disturbed motions were not proved."""
 BATCH = 2
+HARD = 0.5
+"""Where so many of the first motions do not get feasible, some with a price on rates are tried."""
+NEAR = 0.01
+"""Units of length by which positions may be missed by motions that only lack dynamics."""
+CALM = "|calm"
+"""The label of these."""
 BASINS = 4
 """How many of the best evaluations are polished."""
 APART = 0.1
@@ -107,22 +112,24 @@ def search_configuration(
     """The best configuration found for a path; it may be infeasible.
 
     ``label`` names the structure and path in the journal; ``at_once`` is told of feasible outcomes
-    as they are evaluated.  Where there are only motions that their
-    inputs alone do not cause, and the task does not ask for an open loop, a calm one is preferred.
+    as they are evaluated.  Where there are only motions that their inputs alone do not cause, and
+    the task does not ask for an open loop, a calm one is preferred, and looked for at once.
     With a ``start`` (p,), parameters in SI units, others are looked for from these alone.
     """
-    space = parameter_space(path_problem.model)
-    evaluator = Evaluator(path_problem, context.workers, context.journal, label)
-    search = _Survey(space, evaluator, context, at_once)
-    if space.is_point:
-        search.evaluate([space.lower], FULL)
-    elif start is not None:
+    search = _Survey(path_problem, label, context, at_once)
+    calm, slower = path_problem.rates > 0, None
+    if start is not None and not search.space.is_point:
         search.evaluate([start], SURVEY)
     else:
+        search.run(until=None if calm else lambda: search.wants_calm() or search.is_harder())
+    if not calm and start is None and (search.wants_calm() or search.is_harder()):
+        slower = calmed(path_problem, label, context, at_once)
+        if slower.outcome.feasible:
+            return replace(slower, samples=(*search.samples, *slower.samples))
         search.run()
     entries = path_problem.waypoints()[1]
     ranked = sorted(search.polished(entries), key=lambda outcome: -search.worth(outcome))
-    samples, calm = tuple(search.samples), path_problem.rates > 0
+    samples = (*search.samples, *(() if slower is None else slower.samples))
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
         # Tracking a line through cells may lead nowhere, where a way in joint space does.
         other = replace(path_problem, in_joints=True)
@@ -130,23 +137,30 @@ def search_configuration(
         if found.outcome.robustness > ranked[0].robustness:
             return replace(found, samples=samples + found.samples)
         samples += found.samples
-    regulated = [each.regulated for each in ranked if each.feasible]
-    closed = path_problem.task.control != "open loop" and bool(regulated) and all(regulated)
-    if closed and not calm:
+    if not calm and slower is None and wants_calm(path_problem, ranked):
         slower = calmed(path_problem, label, context)
         if slower.outcome.feasible:
             return replace(slower, samples=samples + slower.samples)
         samples += slower.samples
     top = _best(ranked, path_problem, entries, context)
+    calmed_before = calm or slower is not None
     bound = top.path_problem.bound
     return Configuration(
-        top.outcome, top.entries, top.path_problem.cells, samples, bound, calm, closed or calm
+        top.outcome, top.entries, top.path_problem.cells, samples, bound, calm, calmed_before
     )
 
 
-def calmed(path_problem: PathProblem, label: str, context: RunContext) -> Configuration:
+def wants_calm(path_problem: PathProblem, outcomes: Sequence[ControlOutcome]) -> bool:
+    """Whether there are motions, none that its inputs alone cause, and feedback may be had."""
+    regulated = [each.regulated for each in outcomes if each.feasible]
+    return path_problem.task.control != "open loop" and bool(regulated) and all(regulated)
+
+
+def calmed(
+    path_problem: PathProblem, label: str, context: RunContext, at_once: AtOnce = None
+) -> Configuration:
     """A configuration for the same path that suits feedback better; it may be infeasible."""
-    return search_configuration(calmer(path_problem), f"{label}|calm", context)
+    return search_configuration(calmer(path_problem), f"{label}{CALM}", context, at_once)
 
 
 def searched_further(
@@ -189,52 +203,84 @@ class _Survey:
     """The evaluations of a path's parameters, with the motions that were found."""
 
     def __init__(
-        self,
-        space: ParameterSpace,
-        evaluator: Evaluator,
-        context: RunContext,
-        at_once: AtOnce = None,
+        self, path_problem: PathProblem, label: str, context: RunContext, at_once: AtOnce = None
     ) -> None:
-        self.at_once = at_once
-        self.space = space
-        self.evaluator = evaluator
-        self.context = context
+        self.space = parameter_space(path_problem.model)
         self.attempts: list[ControlOutcome] = []
         """The outcome of every seed at all parameters."""
         self.valued: list[tuple[float, ControlOutcome]] = []
         """The best outcome at each of the parameters, with its worth."""
         self.samples: list[Sample] = []
+        self._path_problem = path_problem
+        self._label = label
+        self._context = context
+        self._at_once = at_once
+        self._evaluator = Evaluator(path_problem, context.workers, context.journal, label)
+        self._search = parameter_search(self.space.cube, context.seed, context.search)
+        self._calm_share: float | None = None
 
-    def run(self) -> None:
-        """Evaluate what the search asks for."""
-        search = parameter_search(self.space.cube, self.context.seed, self.context.search)
-        while len(self.samples) < self.context.evaluations:
-            points = search.ask(BATCH)
+    def run(self, until: Callable[[], bool] | None = None) -> None:
+        """Evaluate what the search asks for, or go on with that, until that holds."""
+        if self.space.is_point:
+            if not self.samples:
+                self.evaluate([self.space.lower], FULL)
+            return
+        while len(self.samples) < self._context.evaluations:
+            if self.samples and until is not None and until():
+                break
+            points = self._search.ask(BATCH)
             if not points:
                 break
             thetas = [self.space.from_cube(point) for point in points]
             for point, outcome in zip(points, self.evaluate(thetas, SURVEY), strict=True):
                 self.valued.append((self.worth(outcome), outcome))
-                search.tell(point, self.valued[-1][0])
+                self._search.tell(point, self.valued[-1][0])
+
+    @property
+    def share(self) -> float:
+        """The part of all attempts that were feasible."""
+        return sum(each.feasible for each in self.attempts) / max(len(self.attempts), 1)
+
+    def _lacks_dynamics(self) -> bool:
+        """Whether many motions are in place, and few of these obey the equations of motion."""
+        near = NEAR * self._path_problem.unit
+        placed = [each for each in self.attempts if each.excess <= near]
+        feasible = sum(each.feasible for each in placed)
+        return len(placed) >= HARD * len(self.attempts) and feasible <= HARD * len(placed)
+
+    def is_harder(self) -> bool:
+        """Whether the first parameters have fewer feasible motions than with a price on rates."""
+        if self._calm_share is None:
+            self._calm_share = 0.0
+            if self._lacks_dynamics() and not self.space.is_point:
+                rival = calmer(self._path_problem), f"{self._label}{CALM}", self._context
+                calm = _Survey(*rival)
+                calm.run(until=lambda: True)
+                self._calm_share = calm.share
+        return self._calm_share > self.share
 
     def evaluate(self, thetas: list[Array], budget: IterationBudget) -> list[ControlOutcome]:
         """The best outcome at each of the parameters."""
         found = []
-        attempts = self.evaluator.attempts(thetas, budget)
+        attempts = self._evaluator.attempts(thetas, budget)
         for theta, outcomes in zip(thetas, attempts, strict=True):
-            self.context.check_time()
+            self._context.check_time()
             outcome = best_of(outcomes)
             found.append(outcome)
             self.attempts += outcomes
             self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
-            self.context.reporter.robustness(max(o.robustness for o in self.attempts))
-            if outcome.feasible and self.at_once is not None:
-                self.at_once(outcome)
+            self._context.reporter.robustness(max(o.robustness for o in self.attempts))
+            if outcome.feasible and self._at_once is not None:
+                self._at_once(outcome)
         return found
+
+    def wants_calm(self) -> bool:
+        """Whether motions for feedback are all that there is."""
+        return wants_calm(self._path_problem, self.attempts)
 
     def worth(self, outcome: ControlOutcome) -> float:
         """The robustness of an outcome, the less the farther disturbed motions get from it."""
-        path_problem = self.evaluator.path_problem
+        path_problem = self._path_problem
         if not outcome.feasible or not chosen_by_spread(path_problem):
             return outcome.robustness
         closed = replace(path_problem, feedback=True).spreading(outcome.trajectory, 1.0)
@@ -245,7 +291,7 @@ class _Survey:
         """The best outcomes with their parameters made unknowns of the convex programs."""
         if self.space.is_point:
             return self.attempts
-        chosen, path_problem = self.basins(), self.evaluator.path_problem
+        chosen, path_problem = self.basins(), self._path_problem
         requests = [
             SolveRequest(
                 start.trajectory, entries, free_parameters(path_problem, start.trajectory), POLISH,
@@ -254,15 +300,15 @@ class _Survey:
             for start in chosen
         ]  # fmt: skip
         found = []
-        for before, after in zip(chosen, self.evaluator.solutions(requests), strict=True):
-            self.context.check_time()
+        for before, after in zip(chosen, self._evaluator.solutions(requests), strict=True):
+            self._context.check_time()
             found.append(max(before, after, key=lambda item: item.robustness))
-            self.context.reporter.robustness(max(o.robustness for o in found))
+            self._context.reporter.robustness(max(o.robustness for o in found))
         return found
 
     def basins(self) -> list[ControlOutcome]:
         """The best outcomes that differ in parameters or in motion from each other."""
-        if chosen_by_spread(self.evaluator.path_problem):
+        if chosen_by_spread(self._path_problem):
             ranked = [outcome for _, outcome in sorted(self.valued, key=lambda pair: -pair[0])]
         else:
             ranked = sorted(self.attempts, key=lambda attempt: -attempt.robustness)

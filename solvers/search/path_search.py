@@ -108,10 +108,9 @@ class PathSearch:
         excluded = CounterExample(
             path_problem.effector, prefix, f"robustness {outcome.robustness:.4g}", self.robot
         )
-        nearest = self.nearest(path_problem, found, sample, text)
-        return PathAttempt(
-            blocked_by(outcome), outcome.robustness, found.samples, excluded, nearest
-        )
+        blocked = blocked_by(outcome)
+        nearest = self.nearest(path_problem, found, sample, blocked.cause, text)
+        return PathAttempt(blocked, outcome.robustness, found.samples, excluded, nearest)
 
     def proved(self, path_problem: PathProblem, found: Configuration, label: str) -> PathAttempt:
         """The attempt at a proof of a feasible configuration."""
@@ -120,18 +119,23 @@ class PathSearch:
         if isinstance(tried.answer, Found):
             self.keep(tried.answer.design)
             return PathAttempt(tried.answer, tried.robustness, samples)
-        nearest = self.nearest(path_problem, found, None, tried.answer.text)
+        nearest = self.nearest(path_problem, found, None, tried.answer.cause, tried.answer.text)
         return PathAttempt(tried.answer, tried.robustness, samples, nearest=nearest)
 
     def nearest(
-        self, path_problem: PathProblem, found: Configuration, sample: int | None, text: str
+        self,
+        path_problem: PathProblem,
+        found: Configuration,
+        sample: int | None,
+        cause: Cause,
+        text: str,
     ) -> NearestMotion:
         """The motion of an attempt that was not proved."""
         outcome = found.outcome
         return NearestMotion(
             self.proof.derivation, path_problem.model, path_problem.abstraction, found.cells,
             self.recorded, path_problem.effector, outcome.trajectory, outcome.robustness,
-            outcome.feasible, sample, text,
+            outcome.feasible, sample, cause, text,
         )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from compiler.robots.candidate import Candidate
 from compiler.words.derivation import Derivation
+from solvers.search.configuration_search import PathSamples
 from solvers.search.path_task import Design
 from solvers.search.search_state import StructureState
 
@@ -44,6 +45,13 @@ class StructureUnderWay:
     def derivation(self) -> Derivation:
         """The derivation of the structure."""
         return self.candidate.derivation
+
+    @property
+    def samples(self) -> tuple[PathSamples, ...]:
+        """What was evaluated."""
+        model = self.candidate.model
+        names = () if model is None else tuple(p.label for p in model.parameters)
+        return self.state.samples(self.number, names)
 
     @property
     def round(self) -> int:

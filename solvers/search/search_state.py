@@ -71,8 +71,8 @@ class NearestMotion:
 
     ``sample`` is the first that it cannot be brought to, None where all are got to, or where it is
     not known; ``effector`` (from 0) reaches, and ``leader`` follows the cells of the path.  A
-    motion that is ``feasible`` at its samples was found, but not proved.  ``text`` says what it
-    lacks.
+    motion that is ``feasible`` at its samples was found, but not proved.  ``cause`` is why, and
+    ``text`` says what it lacks.
     """
 
     derivation: Derivation
@@ -85,6 +85,7 @@ class NearestMotion:
     robustness: float
     feasible: bool
     sample: int | None
+    cause: Cause
     text: str
 
     @property

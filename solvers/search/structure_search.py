@@ -12,7 +12,7 @@ at any time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -251,7 +251,7 @@ class _Plans:
             attempt = paths.attempt(self._cells, plan)
             yield attempt
             if attempt.design is not None:
-                yield from self._improvements(plan, attempt.design)
+                yield from self._improvements(plan, attempt.design, tried)
                 return "proved", True
             best = max(best, attempt.robustness)
             if attempt.excluded is not None:
@@ -276,15 +276,18 @@ class _Plans:
         points = obstacle_points(workspace, round_search.task)
         return other_kinds(self._problem, plan, self._cells, points, self._known)
 
-    def _improvements(self, plan: Plan, design: Design) -> Iterator[PathAttempt]:
-        """Attempts at more robust designs along other kinds of paths.
+    def _improvements(
+        self, plan: Plan, design: Design, tried: Collection[Plan]
+    ) -> Iterator[PathAttempt]:
+        """Attempts at more robust designs along other kinds of paths, but those tried before.
 
         Where disturbances are named or motions go on for ever, a proof takes too long for that.
         """
         task = self._round.search.task
         if task.repeat or task.robust is not None:
             return
-        for other in self._other_kinds(plan)[:OTHER_WAYS]:
+        kinds = [other for other in self._other_kinds(plan) if other not in tried]
+        for other in kinds[:OTHER_WAYS]:
             self._round.search.context.check_time()
             attempt = self._round.paths.improved(self._cells, other, design)
             yield attempt

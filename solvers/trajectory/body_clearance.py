@@ -31,9 +31,12 @@ class BodyClearance:
     dwells: tuple[Dwell, ...]
 
     @cached_property
-    def _obstacles(self) -> tuple[Obstacles, ...]:
-        """The obstacle of each separation."""
-        return tuple(Obstacles((separation.obstacle,)) for separation in self.separations)
+    def _moving(self) -> tuple[MovingHull, ...]:
+        """The separations by what moves."""
+        found = dict[tuple[int, ...], list[Separation]]()
+        for separation in self.separations:
+            found.setdefault(separation.points, []).append(separation)
+        return tuple(MovingHull(points, tuple(each)) for points, each in found.items())
 
     def of(self, positions: Array, enough: float = ENOUGH) -> Array:
         """The least clearance (K,) of positions (K, m, d), in metres, at most ``enough``.
@@ -44,16 +47,49 @@ class BodyClearance:
         for dwell in self.dwells:
             values = positions[:, dwell.point] @ dwell.region.normals.T
             found = np.minimum(found, np.min(dwell.region.offsets - values, axis=1))
-        for separation, obstacle in zip(self.separations, self._obstacles, strict=True):
-            check_time()
-            moving = positions[:, list(separation.points)]
-            near = np.flatnonzero(_box_gap(moving, separation) < found)
-            near = near[_facet_gap(moving[near], separation) < found[near]]
-            if len(near):
-                normal, support = separating_planes(moving[near], obstacle)
-                nearest = np.min(np.einsum("kd,kwd->kw", normal, moving[near]), axis=1)
-                found[near] = np.minimum(found[near], nearest - support - separation.distance)
+        for hull in self._moving:
+            moving = positions[:, list(hull.points)]
+            apart = hull.box_gaps(moving)
+            for index in np.flatnonzero(np.any(apart < found[:, None], axis=0)).tolist():
+                check_time()
+                separation, obstacle = hull.separations[index], hull.obstacles[index]
+                near = np.flatnonzero(apart[:, index] < found)
+                near = near[_facet_gap(moving[near], separation) < found[near]]
+                if len(near):
+                    normal, support = separating_planes(moving[near], obstacle)
+                    nearest = np.min(np.einsum("kd,kwd->kw", normal, moving[near]), axis=1)
+                    found[near] = np.minimum(found[near], nearest - support - separation.distance)
         return found
+
+
+@dataclass(frozen=True)
+class MovingHull:
+    """Points whose hull keeps its distance from obstacles, by ``separations``."""
+
+    points: tuple[int, ...]
+    separations: tuple[Separation, ...]
+
+    @cached_property
+    def obstacles(self) -> tuple[Obstacles, ...]:
+        """The obstacle of each separation."""
+        return tuple(Obstacles((separation.obstacle,)) for separation in self.separations)
+
+    @cached_property
+    def _boxes(self) -> tuple[Array, Array, Array]:
+        """The boxes of the obstacles, (O, d) each, and the distances (O,) from them."""
+        boxes = [separation.obstacle.box for separation in self.separations]
+        distances = np.array([separation.distance for separation in self.separations])
+        return np.array([box[0] for box in boxes]), np.array([box[1] for box in boxes]), distances
+
+    def box_gaps(self, moving: Array) -> Array:
+        """Lower bounds (K, O) of the gaps to moving points (K, w, d), by the boxes about both."""
+        lower, upper, distances = self._boxes
+        least, most = moving.min(axis=1), moving.max(axis=1)
+        found = np.full((len(moving), len(lower)), -np.inf)
+        for axis in range(moving.shape[2]):
+            np.maximum(found, lower[:, axis] - most[:, axis, None], out=found)
+            np.maximum(found, least[:, axis, None] - upper[:, axis], out=found)
+        return found - distances
 
 
 def body_clearance(avoidances: Avoidances) -> BodyClearance:
@@ -63,13 +99,6 @@ def body_clearance(avoidances: Avoidances) -> BodyClearance:
     dwells = [Dwell(effector, 0, 0, bounds) for effector in effectors]
     dwells += avoidances.bodies_within_bounds(0)
     return BodyClearance(tuple(avoidances.separations()), tuple(dwells))
-
-
-def _box_gap(moving: Array, separation: Separation) -> Array:
-    """A lower bound (K,) of the gaps, by the boxes about both."""
-    lower, upper = separation.obstacle.box
-    apart = np.maximum(lower - moving.max(axis=1), moving.min(axis=1) - upper)
-    return np.asarray(np.max(apart, axis=1) - separation.distance)
 
 
 def _facet_gap(moving: Array, separation: Separation) -> Array:

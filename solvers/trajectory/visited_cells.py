@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from solvers.trajectory.corridor import Entries
 from solvers.trajectory.trajectory import Trajectory
 
@@ -39,6 +41,20 @@ def visited_cells(
         return None
     found = tuple(cells), tuple(entries)
     return found if path_problem.along(*found).allows(found[1]) else None
+
+
+def depth_in_cells(path_problem: PathProblem, trajectory: Trajectory) -> float:
+    """By how much the leader keeps inside the cells that it is in at the samples, in metres."""
+    numeric, cells = path_problem.numeric, path_problem.abstraction.cells
+    positions = numeric.points(trajectory.x[:, : numeric.n], trajectory.theta).value
+    least = np.inf
+    for point in positions[:, path_problem.effector]:
+        cell = path_problem.abstraction.locate(point)
+        if cell is not None:
+            polytope = cells[cell].polytope
+            rows = np.linalg.norm(polytope.A, axis=1)
+            least = min(least, float(np.min((polytope.b - polytope.A @ point) / rows)))
+    return least
 
 
 def cell_names(

@@ -35,6 +35,10 @@ from srgc.time_limit import TimeLimit
 @click.option(
     "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
 )
+@click.option("--paths", type=click.IntRange(1), help="Tried for a structure at most; default 6.")
+@click.option(
+    "--evaluations", type=click.IntRange(1), help="Of parameters, for a path; default 12."
+)
 @click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
 @click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default) or nelder-mead.")
 @QUIET
@@ -50,6 +54,8 @@ def synth(
     time_limit: float | None,
     cells: int | None,
     every: bool,  # noqa: FBT001
+    paths: int | None,
+    evaluations: int | None,
     solver: str | None,
     search: str | None,
     quiet: bool,  # noqa: FBT001
@@ -59,8 +65,9 @@ def synth(
     """Find a robot and prove it, or prove that there is none.
 
     The verdict and all evidence are written to a folder, which `srgc verify` checks.  The same
-    file and seed give the same bytes, whatever --jobs.  An interrupted run, or one that the time
-    limit ended, is resumed by the same command.
+    file and seed give the same bytes, whatever --jobs.  The first proved design is in the folder at
+    once, and more robust ones replace it.  An interrupted run, or one that the time limit ended, is
+    resumed by the same command.
     """
     limit = TimeLimit(time_limit)
     if jobs is not None and cluster is not None:
@@ -80,7 +87,7 @@ def synth(
     folder = output or Path("out") / chosen_task.name
     options = SynthesisOptions(
         folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster, every,
-        named_solver(solver), named_search(search),
+        named_solver(solver), named_search(search), paths, evaluations,
     )  # fmt: skip
     result = run_synthesis(file, program, chosen_task, options)
     table = ""

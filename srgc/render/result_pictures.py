@@ -1,15 +1,19 @@
-"""The two pictures of a result: the workspace with the motion, and the inputs over time."""
+"""The pictures of a result: the workspace with its motion, or the nearest one, and the inputs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from compiler.arrays import Array
+from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_inputs
+from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.search.path_task import Design
+from solvers.search.search_state import NearestMotion
 from solvers.search.synthesis import Synthesis
 from srgc.render.charts import Curve, colour_class, curve_marks, plot_of, thinned
 from srgc.render.html_text import number, with_unit
@@ -40,6 +44,23 @@ PANEL, WIDE, HEADING = 200.0, 720.0, 20.0
 """Height, width and heading of a chart of inputs."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _DrawnMotion:
+    """A motion to draw: ``theta`` (p,), states ``x`` (k + 1, N) and the cells of the ``leader``.
+
+    It is drawn as far as it gets: up to ``stuck``, where that is a sample.
+    """
+
+    model: RobotModel
+    theta: Array
+    x: Array
+    abstraction: Abstraction
+    cells: tuple[int, ...]
+    leader: int
+    title: str
+    stuck: int | None = None
+
+
 def workspace_figure(
     result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task
 ) -> str:
@@ -47,19 +68,49 @@ def workspace_figure(
 
     Space is seen along z.
     """
-    robot = drawn_robot(design.model, np.array([float(value) for value in design.parameters]))
-    x, n = design.configuration.outcome.trajectory.x, len(design.model.dofs)
+    theta = np.array([float(value) for value in design.parameters])
+    robustness = design.configuration.outcome.robustness
+    drawn = _DrawnMotion(
+        design.model,
+        theta,
+        design.configuration.outcome.trajectory.x,
+        result.abstraction,
+        tuple(result.abstraction.index(name) for name in design.path[design.leader]),
+        design.leader,
+        f"{task.name}: {' '.join(design.derivation.word)}\n"
+        f"{_caption(design.model, theta, robustness)}",
+    )
+    return _motion_figure(drawn, workspace, task)
+
+
+def nearest_figure(nearest: NearestMotion, workspace: ir.Workspace, task: ir.Task) -> str:
+    """The same of the motion that came nearest to a design, up to where it is stuck."""
+    theta = nearest.trajectory.theta
+    title = f"{task.name}: {' '.join(nearest.derivation.word)}, the nearest motion, not proved"
+    caption = _caption(nearest.model, theta, nearest.robustness)
+    stuck = nearest.sample if nearest.sample is not None and nearest.sample <= task.steps else None
+    if stuck is not None:
+        caption += f"; it is stuck at {number(float(stuck * task.step))} s"
+    drawn = _DrawnMotion(
+        nearest.model, theta, nearest.trajectory.x, nearest.abstraction, nearest.cells,
+        nearest.leader, f"{title}\n{caption}", stuck,
+    )  # fmt: skip
+    return _motion_figure(drawn, workspace, task)
+
+
+def _motion_figure(drawn: _DrawnMotion, workspace: ir.Workspace, task: ir.Task) -> str:
+    robot = drawn_robot(drawn.model, drawn.theta)
+    n, dimension = len(drawn.model.dofs), workspace.dimension
+    x = drawn.x if drawn.stuck is None else drawn.x[: drawn.stuck + 1]
     poses = robot.points(x[:, :n])
-    names = set(design.path[design.leader])
-    cells = [cell for cell in result.abstraction.cells if cell.name in names]
+    cells = [drawn.abstraction.cells[cell] for cell in sorted(set(drawn.cells))]
+    names = {cell.name for cell in cells}
     shapes = workspace_shapes(workspace, cells)
-    dimension = workspace.dimension
     seen = np.concatenate([shapes[0].corners, robot.own(poses).reshape(-1, dimension)])
     view = from_above(seen)
-    way = cell_path(
-        result.abstraction, [result.abstraction.index(name) for name in design.path[design.leader]]
-    )
-    line = view.project(_effector_line(design, robot, float(task.step)))
+    way = cell_path(drawn.abstraction, list(drawn.cells))
+    line = view.project(_effector_line(drawn.model, drawn.leader, robot, x, float(task.step)))
+    last = symbol("finish", "star", *line[-1])
     marks = (
         plane_axes(view)
         + shape_marks(shapes, view, names)
@@ -67,47 +118,52 @@ def workspace_figure(
         + _ghosts(robot, poses, view)
         + f'<path class="trace" d="{line_path(line)}"/>{symbol("begin", "disc", *line[0])}'
         + f'<g class="robot">{pose_marks(robot, poses[-1], view)}</g>'
-        + symbol("finish", "star", *line[-1])
+        + (last if drawn.stuck is None else symbol("stuck", "cross", *line[-1]))
         + shape_names(shapes, view)
     )
     left, below = AXES_ROOM
     along = ", seen along z" if dimension == 3 else ""
-    title = f"{task.name}: {' '.join(design.derivation.word)}\n{_caption(design)}{along}"
-    kind = "scene space" if dimension == 3 else "scene"
     size = left + view.width, view.height + below
-    return document(moved(left, 0, marks), size, kind, title, _legend(shapes))
+    kind = "scene space" if dimension == 3 else "scene"
+    legend = _legend(shapes, stuck=drawn.stuck is not None)
+    return document(moved(left, 0, marks), size, kind, f"{drawn.title}{along}", legend)
 
 
-def _legend(shapes: Sequence[WorkspaceShape]) -> list[tuple[str, str]]:
+def _legend(shapes: Sequence[WorkspaceShape], *, stuck: bool) -> list[tuple[str, str]]:
     kinds = {shape.kind for shape in shapes}
-    found = [(sample, kind) for kind, sample in KIND_SAMPLES.items() if kind in kinds]
+    found: list[tuple[str, str]] = [
+        (sample, kind) for kind, sample in KIND_SAMPLES.items() if kind in kinds
+    ]
     line = f"M0 6h{SAMPLE:g}"
-    return [
-        *found,
+    found += [
         (f'<path class="way" d="{line}"/>', "cell path"),
         (f'<path class="trace" d="{line}"/>', "effector"),
         (f'<line class="rod" x1="2" x2="{SAMPLE - 2:g}" y1="6" y2="6"/>', "robot"),
     ]
+    if stuck:
+        found.append((symbol("stuck", "cross", SAMPLE / 2, 6), "stuck here"))
+    return found
 
 
-def _caption(design: Design) -> str:
+def _caption(model: RobotModel, theta: Array, robustness: float) -> str:
     values = [
         f"{p.name} {with_unit(float(value), p.unit, 3)}"
-        for p, value in zip(design.model.parameters, design.parameters, strict=True)
+        for p, value in zip(model.parameters, theta, strict=True)
     ]
-    margin = f"robustness {number(design.configuration.outcome.robustness)}"
-    return "; ".join([*filter(None, [", ".join(values)]), margin])
+    return "; ".join([*filter(None, [", ".join(values)]), f"robustness {number(robustness)}"])
 
 
-def _effector_line(design: Design, robot: DrawnRobot, step: float) -> Array:
+def _effector_line(
+    model: RobotModel, leader: int, robot: DrawnRobot, x: Array, step: float
+) -> Array:
     """The way of the leading effector, (K, d), between the samples by Hermite's cubic."""
-    x, n = design.configuration.outcome.trajectory.x, len(design.model.dofs)
-    turning = np.array([dof.kind == "revolute" for dof in design.model.dofs], dtype=bool)
+    n = len(model.dofs)
+    turning = np.array([dof.kind == "revolute" for dof in model.dofs], dtype=bool)
     found = motion_samples(
         np.arange(len(x), dtype=np.float64) * step, x[:, :n], x[:, n : 2 * n], turning=turning,
         most=MOST_INSTANTS, least=LEAST_INSTANTS,
     )  # fmt: skip
-    line: Array = robot.points(found.coordinates)[:, robot.effectors[design.leader]]
+    line: Array = robot.points(found.coordinates)[:, robot.effectors[leader]]
     return line
 
 

@@ -17,6 +17,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.exact_numbers import decimal, exact_decimal
 from compiler.robots.reconfiguration import Reconfiguration
+from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
@@ -24,6 +25,7 @@ from solvers.search.configuration_search import PathSamples, Sample
 from solvers.search.path_task import Design
 from solvers.search.search_state import BlockedPrefix
 from solvers.search.synthesis import Synthesis
+from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.agreement import satisfied_formulas, square_root
 from solvers.verifier.claims.certificate import (
     FoundClaim,
@@ -36,6 +38,7 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.spec_copy import bounded_text
 from solvers.verifier.proofs.effort_bounds import planned_efforts
+from srgc.results.nearest_motion import nearest_entry
 from srgc.results.result_folder import Identity
 
 
@@ -186,6 +189,7 @@ def design_text(
         "reconfiguration": None if change is None else change.describe(),
         "cells": result.abstraction.describe(),
         "structures_tried": [_structure(result, i, r) for i, r in enumerate(result.records)],
+        "nearest": None if design is not None else nearest_entry(result.nearest, task),
         "counterexamples": [_counterexample(each, task) for each in result.blocked],
         "iterations": result.counts,
         "seed": identity.seed,
@@ -193,6 +197,8 @@ def design_text(
         "all_designs": identity.all_designs,
         "solver": identity.solver,
         "search": identity.search,
+        "paths": identity.paths,
+        "evaluations": identity.evaluations,
         "spec_sha256": identity.spec_sha256,
         "version": identity.version,
     }
@@ -219,13 +225,19 @@ def design_text(
 
 
 def trajectory_csv(design: Design, task: ir.Task) -> str:
-    """The sampled trajectory in SI units: t, q, rates, own states, inputs, effector positions."""
-    trajectory = design.configuration.outcome.trajectory
-    n, d = len(design.model.dofs), design.model.dimension
-    states, inputs_of = robot_states(design.model), robot_inputs(design.model)
-    numeric = NumericRobot(robot_graph(design.model, task.gravity))
+    """The trajectory of a design, sampled."""
+    return samples_csv(design.model, design.configuration.outcome.trajectory, design.inputs, task)
+
+
+def samples_csv(
+    model: RobotModel, trajectory: Trajectory, inputs: Sequence[Sequence[str]], task: ir.Task
+) -> str:
+    """A sampled trajectory in SI units: t, q, rates, own states, inputs, effector positions."""
+    n, d = len(model.dofs), model.dimension
+    states, inputs_of = robot_states(model), robot_inputs(model)
+    numeric = NumericRobot(robot_graph(model, task.gravity))
     tips = numeric.points(trajectory.x[:, :n], trajectory.theta).value
-    effectors = len(design.model.effectors)
+    effectors = len(model.effectors)
     head = ["t", *(f"q{i + 1}" for i in range(n)), *(f"qd{i + 1}" for i in range(n))]
     head += [f"s{i + 1}" for i in range(len(states))]
     head += [f"u{i + 1}" for i in range(len(inputs_of))]
@@ -234,12 +246,12 @@ def trajectory_csv(design: Design, task: ir.Task) -> str:
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(head)
     for i, state in enumerate(trajectory.x):
-        inputs = design.inputs[i] if i < len(design.inputs) else ("",) * len(inputs_of)
+        row = inputs[i] if i < len(inputs) else ("",) * len(inputs_of)
         writer.writerow(
             [
                 decimal(float(i * task.step)),
                 *(decimal(value) for value in state),
-                *inputs,
+                *row,
                 *(decimal(value) for value in tips[i, :effectors].ravel()),
             ]
         )

@@ -26,7 +26,7 @@ LOCK = ".lock"
 """There while a run writes to the folder; what is left of it after a kill locks nothing."""
 OWN_FILES = (
     "design.json", "certificate.json", "trajectory.csv", "evaluations.csv", "landscape.csv",
-    "pareto.csv", "pareto.json", "log.json", "report.html", JOURNAL,
+    "nearest.csv", "pareto.csv", "pareto.json", "log.json", "report.html", JOURNAL,
 )  # fmt: skip
 OWN_FOLDERS = ("spec", "proofs", "figures", "designs")
 

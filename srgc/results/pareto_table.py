@@ -22,8 +22,9 @@ from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import WORLD, Joint, Offset, RobotModel
 from grammar_lang import ir
+from solvers.search.family_search import Proved
 from solvers.search.path_task import Design
-from solvers.search.synthesis import Proved, Synthesis
+from solvers.search.synthesis import Synthesis
 from srgc.results.design_file import efforts
 
 DIGITS = 4

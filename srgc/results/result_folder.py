@@ -31,7 +31,8 @@ class Identity:
 
     ``least_cells`` is how many a search was to begin with; ``all_designs``: it was to go on after
     the first design; ``solver`` is that of its convex programs, None: our own; ``search`` is that
-    of its parameters, None: the usual one.
+    of its parameters, None: the usual one; ``paths`` and ``evaluations`` are its budgets, None: the
+    usual ones.
     """
 
     spec_sha256: str
@@ -42,6 +43,8 @@ class Identity:
     all_designs: bool = False
     solver: str | None = None
     search: str | None = None
+    paths: int | None = None
+    evaluations: int | None = None
 
 
 @dataclass(slots=True)
@@ -165,6 +168,8 @@ def _difference(a: Identity, b: Identity) -> str:
         "least_cells": "number of cells",
         "all_designs": "search, for all designs or for the first",
         "search": "search of parameters",
+        "paths": "number of paths",
+        "evaluations": "number of evaluations",
     }
     for name in (item.name for item in fields(Identity)):
         if getattr(a, name) != getattr(b, name):
@@ -187,6 +192,8 @@ def _owner(path: Path) -> Identity | None:
                 bool(content.get("all_designs", False)),
                 None if content.get("solver") is None else str(content["solver"]),
                 None if content.get("search") is None else str(content["search"]),
+                None if content.get("paths") is None else int(content["paths"]),
+                None if content.get("evaluations") is None else int(content["evaluations"]),
             )
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
             continue

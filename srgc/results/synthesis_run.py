@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
+
+from compiler.expressions.exact_numbers import decimal
 from compiler.robots.normal_form import family_of
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
-from solvers.run_context import RunContext
+from solvers.run_context import EVALUATIONS, PATHS, RunContext
+from solvers.search.family_search import Proved
 from solvers.search.path_task import Design
-from solvers.search.synthesis import Proved, Synthesis, synthesise
+from solvers.search.synthesis import Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.claims.spec_copy import files_of
 from srgc.interruption import resumable
@@ -26,6 +30,7 @@ from srgc.results.design_file import (
     design_text,
     evaluations_csv,
     proof_name,
+    samples_csv,
     trajectory_csv,
 )
 from srgc.results.folder_writer import FolderWriter
@@ -38,6 +43,8 @@ from srgc.time_limit import TimeLimit
 from srgc.version import VERSION
 
 PICTURES = ("figures/workspace.svg", "figures/inputs.svg")
+NEAREST = "nearest.csv"
+NEAREST_PICTURE = "figures/nearest.svg"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +62,8 @@ class SynthesisOptions:
     every: bool = False
     solver: str | None = None
     search: str | None = None
+    paths: int | None = None
+    evaluations: int | None = None
 
 
 def run_synthesis(
@@ -78,7 +87,7 @@ def _run(
     digest = spec_digest(files)
     identity = Identity(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
-        options.solver, options.search,
+        options.solver, options.search, options.paths, options.evaluations,
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,
@@ -88,7 +97,13 @@ def _run(
             folder.files.write(f"spec/{name}", content)
         folder.files.keep_only("spec", files)
         program, task = expanded(program, task)
-        result = _searched(folder, program, task, options, workers, limit)
+
+        def keep(better: Synthesis) -> None:
+            """Leave a design in the folder whose search goes on."""
+            if not options.every:
+                _write(folder.files, better, program, task, path.name, identity, limit)
+
+        result = _searched(folder, program, task, options, workers, limit, keep)
         searched = clock.passed
         for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv", "report.html"):
             folder.files.discard(name)
@@ -112,8 +127,9 @@ def _searched(
     options: SynthesisOptions,
     workers: Workers,
     limit: TimeLimit,
+    told: Callable[[Synthesis], None],
 ) -> Synthesis:
-    """The search itself, with its progress."""
+    """The search itself, with its progress; ``told`` is given results with ever better designs."""
     with progress(
         f"synth {task.name}",
         quiet=options.quiet,
@@ -128,9 +144,13 @@ def _searched(
             reporter=display,
             journal=folder,
             out_of_time=limit.reached,
+            paths=options.paths or PATHS,
+            evaluations=options.evaluations or EVALUATIONS,
         )
         with limit.holds():
-            result = synthesise(program, task, context, options.cells, every=options.every)
+            result = synthesise(
+                program, task, context, options.cells, every=options.every, told=told
+            )
     return _told(result, limit)
 
 
@@ -230,18 +250,11 @@ def _write(
             files.write(boxes_name(index), record.boxes)
     if result.samples:
         files.write("evaluations.csv", evaluations_csv(result.samples))
-    design, drawn = result.design, True
+    design = result.design
     if design is None:
-        for name in ("trajectory.csv", "figures", "certificate.json"):
-            files.discard(name)
+        drawn = _write_nearest(files, result, program, task, limit)
     else:
-        files.write("trajectory.csv", trajectory_csv(design, task))
-        drawn = not (result.unfinished or limit.reached())
-        if drawn:
-            _draw(files, result, design, program.workspaces[task.workspace], task)
-        else:
-            for name in PICTURES:
-                files.discard(name)
+        drawn = _write_motion(files, result, design, program, task, limit)
     certificate = certificate_text(
         result, task, spec, identity.spec_sha256, task.modules, result.separation
     )
@@ -254,13 +267,49 @@ def _write(
     return drawn
 
 
-def _draw(
-    files: FolderWriter, result: Synthesis, design: Design, workspace: ir.Workspace, task: ir.Task
-) -> None:
+def _write_nearest(
+    files: FolderWriter, result: Synthesis, program: ir.Program, task: ir.Task, limit: TimeLimit
+) -> bool:
+    """Of a result without a design the nearest motion; whether it was drawn, or there is none."""
+    for name in ("trajectory.csv", "figures", "certificate.json"):
+        files.discard(name)
+    nearest = result.nearest
+    if nearest is None or not np.all(np.isfinite(nearest.trajectory.x)):
+        files.discard(NEAREST)
+        return True
+    inputs = [[decimal(value) for value in row] for row in nearest.trajectory.u]
+    files.write(NEAREST, samples_csv(nearest.model, nearest.trajectory, inputs, task))
+    if result.unfinished or limit.reached():
+        return False
+    from srgc.render.result_pictures import nearest_figure
+
+    workspace = program.workspaces[task.workspace]
+    files.write(NEAREST_PICTURE, nearest_figure(nearest, workspace, task))
+    return True
+
+
+def _write_motion(
+    files: FolderWriter,
+    result: Synthesis,
+    design: Design,
+    program: ir.Program,
+    task: ir.Task,
+    limit: TimeLimit,
+) -> bool:
+    """The motion of a design; whether it was drawn."""
+    for name in (NEAREST, NEAREST_PICTURE):
+        files.discard(name)
+    files.write("trajectory.csv", trajectory_csv(design, task))
+    if result.unfinished or limit.reached():
+        for name in PICTURES:
+            files.discard(name)
+        return False
     from srgc.render.result_pictures import input_figure, workspace_figure
 
+    workspace = program.workspaces[task.workspace]
     files.write(PICTURES[0], workspace_figure(result, design, workspace, task))
     files.write(PICTURES[1], input_figure(design, task))
+    return True
 
 
 # --- How many structures a search may have to try -------------------------------------------------

@@ -14,8 +14,10 @@ from compiler.robots.state_and_input import input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
 from solvers.search.path_task import Design
+from solvers.search.search_state import NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from solvers.verifier.claims.certificate import exact
+from srgc.results.nearest_motion import first_to_try, stuck_at
 
 # --- How much of its inputs a design uses, bound by bound -----------------------------------------
 
@@ -122,6 +124,19 @@ def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
         yield "effort:  none, no joint is driven"
 
 
+def _nearest(nearest: NearestMotion, task: ir.Task) -> Iterator[str]:
+    """The motion that came nearest to a design, where it is stuck, and what to try first."""
+    stuck = stuck_at(nearest, task)
+    where = ""
+    if stuck is not None:
+        place = ", ".join(f"{value:.3g}" for value in stuck.position)
+        where = f", stuck at {stuck.time:g} s at ({place}) m"
+    yield f"nearest: {' '.join(nearest.derivation.word)}{where}: {nearest.cause.value}"
+    first = first_to_try(nearest)
+    if first is not None:
+        yield f"         try first {first}"
+
+
 def synthesis_text(
     result: Synthesis,
     task: ir.Task,
@@ -159,11 +174,15 @@ def synthesis_text(
         if design.model.removed:
             gone = ", ".join(str(symbol) for symbol in design.model.removed)
             lines.append(f"removed: joints that move nothing (symbols {gone})")
+    elif result.nearest is not None:
+        lines += _nearest(result.nearest, task)
     refuted = sum(1 for r in result.records if r.verdict == "refuted")
     same = sum(1 for r in result.records if r.same_robot_as is not None)
+    undecided = sum(1 for r in result.records if r.verdict in ("unresolved", "inadmissible"))
     lines.append(
         f"tried:   {counted(len(result.records), 'structure')}, "
         f"{counted(refuted, 'robot')} refuted, {counted(same, 'duplicate')}"
+        + (f", {undecided} undecided" if undecided and design is not None else "")
     )
     if table:
         lines.append(f"designs: {len(result.designs)}\n{table}")

@@ -46,7 +46,10 @@ def test_the_trace_does_not_cut_corners(drawn):
     _, task, result = drawn
     (length,) = (float(p) for p in result.design.parameters)
     trajectory = result.design.configuration.outcome.trajectory
-    line = _effector_line(result.design, robot_of(result), float(task.step))
+    design = result.design
+    line = _effector_line(
+        design.model, design.leader, robot_of(result), trajectory.x, float(task.step)
+    )
     angles = np.unwrap(np.arctan2(line[:, 1], line[:, 0]))
     assert np.abs(np.diff(angles)).max() < np.abs(np.diff(trajectory.x[:, 0])).max() / 5
     middles = np.hypot(*((line[1:] + line[:-1]) / 2).T)

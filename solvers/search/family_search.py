@@ -1,0 +1,251 @@
+"""The search of a family of robots: structures come in order, have their turns, and go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.normal_form import RobotFamily
+from compiler.robots.robot import RobotModel
+from compiler.robots.robot_key import robot_key_in_task
+from compiler.tasks.specification import recorded_effector
+from compiler.workspaces.abstraction import Abstraction
+from grammar_lang import ir
+from grammar_lang.diagnostics.wording import counted
+from solvers.conclusion import (
+    DEFAULT_DESIGNS,
+    MOTION_SEARCHES,
+    StructureRecord,
+    StructureVerdict,
+    module_bound,
+    robot_limit,
+)
+from solvers.impossibility.box_evidence import out_of_reach_of_drives
+from solvers.impossibility.structure_refutation import Refutation
+from solvers.run_context import RunContext
+from solvers.search.path_task import Design
+from solvers.search.prefetch import Prefetch
+from solvers.search.search_queue import SearchQueue, StructureUnderWay
+from solvers.search.structure_search import StructureSearch
+
+NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
+
+
+@dataclass(frozen=True, slots=True)
+class Proved:
+    """A design, the number of its structure, and what its search took (a part of all counts)."""
+
+    number: int
+    design: Design
+    counts: dict[str, int]
+
+
+@dataclass(slots=True)
+class FamilySearch:
+    """The search of a family in progress; ``every``: it goes on after a design.
+
+    ``told`` is called when a design was proved.
+    """
+
+    program: ir.Program
+    task: ir.Task
+    context: RunContext
+    family: RobotFamily
+    abstraction: Abstraction
+    every: bool
+    queue: SearchQueue
+    smt: int = 0
+    records: dict[int, StructureRecord] = field(default_factory=dict[int, StructureRecord])
+    seen: dict[str, int] = field(default_factory=dict[str, int])
+    """By the key of a robot the first structure that has it."""
+    searched: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
+    """The structures that were searched, as they ended."""
+    stopped: str | None = None
+    told: Callable[[], None] = lambda: None
+
+    def structures(self) -> None:
+        """Let structures have their turns until one is proved, unless all are due."""
+        bound = module_bound(self.family, self.task)
+        drawn = candidates(self.family, bound, self.task.origin)
+        ahead = Prefetch(drawn, self.program, self.task, self.context)
+        left = iter(ahead)
+        following = next(left, None)
+        while following is not None or self.queue.under_way:
+            self.context.check_time()
+            if following is not None and self.may_enter():
+                if self.at_limit():
+                    following = None
+                    continue
+                self.enter(ahead, following)
+                following = next(left, None)
+                continue
+            structure = self.queue.turn()
+            if structure.state.design is not None:
+                self.queue.finish(structure)
+            if structure.state.is_over:
+                self.leave(structure)
+                if self.designs and not self.every:
+                    return
+
+    # --- a structure comes and goes -------------------------------------------------------------
+
+    def may_enter(self) -> bool:
+        """Whether another structure has the next turn."""
+        full = self.without_success + len(self.queue.under_way) >= MOTION_SEARCHES
+        return not self.queue.under_way if full else self.queue.wants_another()
+
+    def at_limit(self) -> bool:
+        """Whether a limit ends the search; all are counts, so that verdicts repeat."""
+        robots = robot_limit(self.family, self.task)
+        if self.without_success >= MOTION_SEARCHES:
+            self.stopped = (
+                f"the search ended at its limit of {MOTION_SEARCHES} robots that no motion was "
+                "found for: narrow `accept`, or weaken the task"
+            )
+        elif robots is not None and len(self.seen) >= robots:
+            self.stopped = (
+                f"the search ended at its limit of {robots} different robots: say `modules <= n` "
+                "in the task to try all up to a bound"
+            )
+        elif robots is not None and len(self.designs) >= DEFAULT_DESIGNS:
+            self.stopped = (
+                f"the search ended at its limit of {DEFAULT_DESIGNS} designs: say `modules <= n` "
+                "in the task to have all up to a bound"
+            )
+        return self.stopped is not None
+
+    def enter(self, ahead: Prefetch, candidate: Candidate) -> None:
+        """Refute a structure, or have it searched."""
+        self.context.reporter.structure(candidate.number, candidate.derivation.word)
+        if candidate.model is None:
+            self.records[candidate.number] = record_of(candidate, "inadmissible", candidate.fault)
+            return
+        key = robot_key_in_task(candidate.model, self.task)
+        if key in self.seen:
+            self.records[candidate.number] = record_of(candidate, "same", "", same=self.seen[key])
+            return
+        self.seen[key] = candidate.number
+        screened = ahead.screening(candidate)
+        answer = screened.refutation
+        self.smt += answer.solver_calls
+        if answer.refuted:
+            self.records[candidate.number] = record_of(
+                candidate, "refuted", answer.reason, answer.script, boxes=answer.boxes
+            )
+            return
+        if screened.inadmissible is not None:
+            self.records[candidate.number] = record_of(
+                candidate, "inadmissible", screened.inadmissible
+            )
+            return
+        entered = self.queue.enter(candidate, answer.solver_calls)
+        search = StructureSearch(
+            self.program, self.task, self.context, self.abstraction, candidate.derivation,
+            ahead.numeric(candidate), candidate.number, key, partial(self.keep, entered),
+            entered.see,
+        )  # fmt: skip
+        entered.states = search.states(self.effectors(candidate.model, answer))
+
+    def keep(self, structure: StructureUnderWay, design: Design) -> None:
+        """A design was proved: it is there from now on, whatever ends the search."""
+        before = structure.incumbent
+        structure.keep(design)
+        if structure.incumbent is not before:
+            self.told()
+
+    def leave(self, structure: StructureUnderWay) -> None:
+        """A structure is searched to its end."""
+        self.queue.leave(structure)
+        self.searched.append(structure)
+        candidate, state = structure.candidate, structure.state
+        if structure.incumbent is not None:
+            self.records[candidate.number] = record_of(candidate, "found", "proved")
+            return
+        late = out_of_reach_of_drives(candidate, self.program, self.task, self.context)
+        if late is not None:
+            self.records[candidate.number] = record_of(
+                candidate, "refuted", late.reason, boxes=late.boxes
+            )
+            return
+        self.records[candidate.number] = record_of(
+            candidate, "unresolved", f"{state.reason}{state.obstacle}"
+        )
+
+    def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
+        """The effectors that may start and reach, the one of the witness poses first."""
+        bound = recorded_effector(self.task)
+        if bound is not None:
+            return [bound] if bound < len(model.effectors) else []
+        order = list(range(len(model.effectors)))
+        return sorted(order, key=lambda e: (e != answer.effector, e))
+
+    # --- what there is in the end ---------------------------------------------------------------
+
+    @property
+    def without_success(self) -> int:
+        """How many structures were searched to their end without a design or a refutation."""
+        return sum(self.records[each.number].verdict == "unresolved" for each in self.searched)
+
+    @property
+    def all_searched(self) -> list[StructureUnderWay]:
+        """The structures that were searched, or are, in their order."""
+        return sorted([*self.searched, *self.queue.under_way], key=lambda each: each.number)
+
+    @property
+    def designs(self) -> tuple[Proved, ...]:
+        """The designs of all structures, in their order."""
+        return tuple(
+            Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **tried(each)})
+            for each in self.all_searched
+            if each.incumbent is not None
+        )
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """What was tried."""
+        found = {**NO_COUNTS, "structures": len(self.records), "smt": self.smt}
+        for each in self.all_searched:
+            for name, count in tried(each).items():
+                found[name] += count
+        return found
+
+    def all_records(self, why: str) -> tuple[StructureRecord, ...]:
+        """What became of the structures, in their order; equal robots share their reasons.
+
+        ``why`` those that are under way are not searched any more.
+        """
+        found = dict(self.records)
+        for each in self.queue.under_way:
+            design, tried = each.incumbent is not None, len(each.state.attempts)
+            reason = f"{why} after {counted(tried, 'path')}{each.state.obstacle}"
+            found[each.number] = record_of(
+                each.candidate, "found" if design else "unresolved", "proved" if design else reason
+            )
+        return tuple(
+            record
+            if record.same_robot_as is None
+            else replace(record, reason=found[record.same_robot_as].reason)
+            for _, record in sorted(found.items())
+        )
+
+
+def record_of(
+    candidate: Candidate,
+    verdict: StructureVerdict,
+    reason: str,
+    script: str | None = None,
+    same: int | None = None,
+    boxes: str | None = None,
+) -> StructureRecord:
+    """What became of a structure."""
+    word, labels = candidate.derivation.word, candidate.derivation.labels
+    return StructureRecord(word, labels, verdict, reason, script, same, boxes)
+
+
+def tried(structure: StructureUnderWay) -> dict[str, int]:
+    """How many paths were tried for a structure, and how many parameters evaluated."""
+    attempts = structure.state.evaluated
+    evaluations = sum(len(each.samples) for each in attempts)
+    return {"paths": len(attempts), "evaluations": evaluations}
