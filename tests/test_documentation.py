@@ -195,7 +195,11 @@ def test_the_fields_of_results_are_described(made: Callable[[str], Path], spec: 
         content = json.loads((folder / file).read_text(encoding="utf-8"))
         assert keys(content) <= words, file
     described = {"spec", "proofs", "figures", "design.json", "certificate.json", "trajectory.csv"}
-    assert {path.name for path in folder.iterdir()} <= described | {"log.json", "evaluations.csv"}
+    assert {path.name for path in folder.iterdir()} <= described | {
+        "log.json",
+        "evaluations.csv",
+        "nearest.csv",
+    }
     if spec in HEADS:
         head = (folder / "trajectory.csv").read_text(encoding="utf-8").splitlines()[0]
         assert head == HEADS[spec]

@@ -158,7 +158,7 @@ def nearest_text(
     """
     task = path_problem.task
     if sample > task.steps or found.outcome.robustness >= 0:
-        lacks = shortfall(path_problem.problem(found.entries), found.outcome)
+        lacks = shortfall(path_problem.problem(found.entries, released=True), found.outcome)
         what = f"the motion found {lacks}"
     else:
         what = stuck_text(sample, task)

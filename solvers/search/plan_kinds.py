@@ -85,7 +85,7 @@ def obstacle_points(workspace: ir.Workspace, task: ir.Task) -> Array:
 
 
 def kind_of(plan: Plan, cells: Abstraction, obstacles: Array) -> Kind:
-    """The kind of a plan: the words of its effectors' lines through the cells."""
+    """The kind of a plan: the words of its effectors' lines about obstacles, points (k, d)."""
     found = list[tuple[int, ...]]()
     for path in plan.paths:
         line = polyline(cells, path.cells).points

@@ -15,6 +15,7 @@ from srgc.report.charts import charts_section
 from srgc.report.controller import gains_section, width_section
 from srgc.report.evidence import Evidence, read_evidence
 from srgc.report.history import history_section
+from srgc.report.nearest import nearest_section
 from srgc.report.proof import check_section, margins_section
 from srgc.report.robot_and_word import change_section, robot_section
 from srgc.report.verdict import verdict_section
@@ -28,6 +29,7 @@ SECTIONS = (
     width_section,
     gains_section,
     margins_section,
+    nearest_section,
     history_section,
     why_not_section,
     check_section,

@@ -28,6 +28,8 @@ OWN_FILES = (
     "design.json", "certificate.json", "trajectory.csv", "evaluations.csv", "landscape.csv",
     "nearest.csv", "pareto.csv", "pareto.json", "log.json", "report.html", JOURNAL,
 )  # fmt: skip
+NEAREST_PICTURE = "figures/nearest.svg"
+"""Of a result without a design."""
 OWN_FOLDERS = ("spec", "proofs", "figures", "designs")
 
 _LONGEST = 60

@@ -33,7 +33,7 @@ from srgc.results.design_file import (
     samples_csv,
     trajectory_csv,
 )
-from srgc.results.folder_writer import FolderWriter
+from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.search_options import workers_for
@@ -44,7 +44,6 @@ from srgc.version import VERSION
 
 PICTURES = ("figures/workspace.svg", "figures/inputs.svg")
 NEAREST = "nearest.csv"
-NEAREST_PICTURE = "figures/nearest.svg"
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,6 +257,8 @@ def _write(
     certificate = certificate_text(
         result, task, spec, identity.spec_sha256, task.modules, result.separation
     )
+    # What is read together is never of two designs: one of them is missing meanwhile.
+    files.discard("design.json")
     if certificate is not None:
         files.write("certificate.json", certificate)
     files.write(

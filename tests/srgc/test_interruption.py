@@ -78,12 +78,14 @@ def test_a_kill_at_every_write(made, tmp_path, monkeypatch):
     task = program.tasks["Turn"]
     complete = tmp_path / "complete"
     # The search itself is made once: what matters here is how its outcome is written.
-    results = []
+    results, better = [], []
     search = synthesis_run.synthesise
 
-    def remembered(*arguments, **options):
+    def remembered(*arguments, told, **options):
         if not results:
-            results.append(search(*arguments, **options))
+            results.append(search(*arguments, told=better.append, **options))
+        for design in better:
+            told(design)
         return results[0]
 
     monkeypatch.setattr(synthesis_run, "synthesise", remembered)

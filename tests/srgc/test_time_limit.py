@@ -95,7 +95,7 @@ def content(folder: Path) -> dict[str, bytes]:
 def test_a_design_without_time_for_pictures_is_written(tmp_path: Path, made: Made) -> None:
     """The next run draws them, and leaves what a run without a limit leaves."""
     out, whole = tmp_path / "out", content(made("turner") / "out")
-    result = run(tmp_path, OnceSearched(1.0, file=out / "trajectory.csv"))
+    result = run(tmp_path, OnceSearched(1.0, file=out / "evaluations.csv"))
     assert (result.verdict, result.unfinished) == ("found", True)
     assert f"{OUT_OF_TIME} before it was improved or drawn" in result_lines(result)
     written = content(out)
