@@ -43,9 +43,9 @@ class Synthesis:
     ``abstraction`` has the cells of the design, else those without cuts.  A ``separation`` proves
     the task impossible before anything is tried.  ``design`` is the first of ``designs``, which
     are more than one only where all were asked for; ``ended`` says what kept the search from
-    trying all structures then.  ``nearest`` is the motion that came nearest to a design without
-    being proved.  ``unfinished``: the time limit was reached, and another run can go
-    on; ``last_step`` is what then took so long, if that could not be interrupted.
+    trying all structures then.  ``nearest`` is, of an unknown task, the motion that came nearest to
+    a design without being proved.  ``unfinished``: the time limit was reached, and another run can
+    go on; ``last_step`` is what then took so long, if that could not be interrupted.
     """
 
     verdict: Verdict
@@ -139,7 +139,10 @@ def _result(
     designs, searched = run.designs, run.all_searched
     if designs:
         verdict, reason, cells = "found", None, designs[0].design.abstraction
-    nearest = [each.state.nearest for each in searched if each.state.nearest is not None]
+    unknown = verdict == "unknown"
+    nearest = [
+        each.state.nearest for each in searched if unknown and each.state.nearest is not None
+    ]
     if records is None:
         records = run.all_records(PUT_OFF if late is None else OUT_OF_TIME)
     return Synthesis(
