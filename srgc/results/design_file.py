@@ -38,8 +38,8 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.spec_copy import bounded_text
 from solvers.verifier.proofs.effort_bounds import planned_efforts
-from srgc.results.nearest_motion import nearest_entry
 from srgc.results.result_folder import Identity
+from srgc.text_reports.nearest_motion import nearest_entry
 
 
 def proof_name(index: int) -> str:

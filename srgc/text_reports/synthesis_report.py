@@ -17,7 +17,7 @@ from solvers.search.path_task import Design
 from solvers.search.search_state import NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from solvers.verifier.claims.certificate import exact
-from srgc.results.nearest_motion import first_to_try, stuck_at
+from srgc.text_reports.nearest_motion import first_to_try, stuck_at
 
 # --- How much of its inputs a design uses, bound by bound -----------------------------------------
 
