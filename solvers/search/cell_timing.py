@@ -84,7 +84,8 @@ def _off_facets(path_problem: PathProblem, found: Timed, context: RunContext) ->
     """
     if depth_in_cells(path_problem, found.outcome.trajectory) >= path_problem.margin:
         return found
-    bound = _bound(path_problem, found.outcome, found.entries, context)
+    own = replace(found.path_problem, bound=True)
+    bound = _bound(own, found.outcome, found.entries, context)
     return found if bound is None or found.gains(bound) else bound
 
 
