@@ -40,8 +40,8 @@ HARD = 0.5
 """Where so many of the first motions do not get feasible, some with a price on rates are tried."""
 NEAR = 0.01
 """Units of length by which positions may be missed by motions that only lack dynamics."""
-CALM = "|calm"
-"""The label of these."""
+CALM_LABEL = "|calm"
+"""The label of these in the journal."""
 BASINS = 4
 """How many of the best evaluations are polished."""
 APART = 0.1
@@ -118,39 +118,45 @@ def search_configuration(
     """
     search = _Survey(path_problem, label, context, at_once)
     calm, slower = path_problem.rates > 0, None
+    may_calm = not calm and start is None
     if start is not None and not search.space.is_point:
         search.evaluate([start], SURVEY)
     else:
-        search.run(until=None if calm else lambda: search.wants_calm() or search.is_harder())
-    if not calm and start is None and (search.wants_calm() or search.is_harder()):
+        search.run(until=search.prefers_calm if may_calm else None)
+    if may_calm and search.prefers_calm():
         slower = calmed(path_problem, label, context, at_once)
         if slower.outcome.feasible:
             return replace(slower, samples=(*search.samples, *slower.samples))
         search.run()
     entries = path_problem.waypoints()[1]
     ranked = sorted(search.polished(entries), key=lambda outcome: -search.worth(outcome))
-    samples = (*search.samples, *(() if slower is None else slower.samples))
+    samples = tuple(search.samples)
+    with_price = search.calm_samples if slower is None else slower.samples
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
         # Tracking a line through cells may lead nowhere, where a way in joint space does.
         other = replace(path_problem, in_joints=True)
         found = search_configuration(other, f"{label}|joints", context, at_once, start)
         if found.outcome.robustness > ranked[0].robustness:
-            return replace(found, samples=samples + found.samples)
+            return replace(found, samples=samples + with_price + found.samples)
         samples += found.samples
-    if not calm and slower is None and wants_calm(path_problem, ranked):
+    if may_calm and slower is None and only_for_feedback(path_problem, ranked):
         slower = calmed(path_problem, label, context)
         if slower.outcome.feasible:
             return replace(slower, samples=samples + slower.samples)
-        samples += slower.samples
+        with_price = slower.samples
     top = _best(ranked, path_problem, entries, context)
-    calmed_before = calm or slower is not None
-    bound = top.path_problem.bound
     return Configuration(
-        top.outcome, top.entries, top.path_problem.cells, samples, bound, calm, calmed_before
+        top.outcome,
+        top.entries,
+        top.path_problem.cells,
+        samples + with_price,
+        top.path_problem.bound,
+        calm,
+        calmed=calm or slower is not None,
     )
 
 
-def wants_calm(path_problem: PathProblem, outcomes: Sequence[ControlOutcome]) -> bool:
+def only_for_feedback(path_problem: PathProblem, outcomes: Sequence[ControlOutcome]) -> bool:
     """Whether there are motions, none that its inputs alone cause, and feedback may be had."""
     regulated = [each.regulated for each in outcomes if each.feasible]
     return path_problem.task.control != "open loop" and bool(regulated) and all(regulated)
@@ -160,7 +166,7 @@ def calmed(
     path_problem: PathProblem, label: str, context: RunContext, at_once: AtOnce = None
 ) -> Configuration:
     """A configuration for the same path that suits feedback better; it may be infeasible."""
-    return search_configuration(calmer(path_problem), f"{label}{CALM}", context, at_once)
+    return search_configuration(calmer(path_problem), f"{label}{CALM_LABEL}", context, at_once)
 
 
 def searched_further(
@@ -217,7 +223,9 @@ class _Survey:
         self._at_once = at_once
         self._evaluator = Evaluator(path_problem, context.workers, context.journal, label)
         self._search = parameter_search(self.space.cube, context.seed, context.search)
-        self._calm_share: float | None = None
+        self._harder: bool | None = None
+        self.calm_samples: tuple[Sample, ...] = ()
+        """What was evaluated with a price on rates, to compare."""
 
     def run(self, until: Callable[[], bool] | None = None) -> None:
         """Evaluate what the search asks for, or go on with that, until that holds."""
@@ -248,16 +256,24 @@ class _Survey:
         feasible = sum(each.feasible for each in placed)
         return len(placed) >= HARD * len(self.attempts) and feasible <= HARD * len(placed)
 
-    def is_harder(self) -> bool:
-        """Whether the first parameters have fewer feasible motions than with a price on rates."""
-        if self._calm_share is None:
-            self._calm_share = 0.0
+    def prefers_calm(self) -> bool:
+        """Whether motions are for feedback alone, or are easier to find with a price on rates."""
+        return only_for_feedback(self._path_problem, self.attempts) or self._is_harder()
+
+    def _is_harder(self) -> bool:
+        """Whether the first parameters have fewer feasible motions than with a price on rates.
+
+        That is found out once, when it is asked first.
+        """
+        if self._harder is None:
+            self._harder = False
             if self._lacks_dynamics() and not self.space.is_point:
-                rival = calmer(self._path_problem), f"{self._label}{CALM}", self._context
-                calm = _Survey(*rival)
+                label = f"{self._label}{CALM_LABEL}"
+                calm = _Survey(calmer(self._path_problem), label, self._context)
                 calm.run(until=lambda: True)
-                self._calm_share = calm.share
-        return self._calm_share > self.share
+                self.calm_samples = tuple(calm.samples)
+                self._harder = calm.share > self.share
+        return self._harder
 
     def evaluate(self, thetas: list[Array], budget: IterationBudget) -> list[ControlOutcome]:
         """The best outcome at each of the parameters."""
@@ -273,10 +289,6 @@ class _Survey:
             if outcome.feasible and self._at_once is not None:
                 self._at_once(outcome)
         return found
-
-    def wants_calm(self) -> bool:
-        """Whether motions for feedback are all that there is."""
-        return wants_calm(self._path_problem, self.attempts)
 
     def worth(self, outcome: ControlOutcome) -> float:
         """The robustness of an outcome, the less the farther disturbed motions get from it."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 from compiler.robots.candidate import Candidate, candidates
 from compiler.robots.normal_form import RobotFamily
@@ -25,6 +24,7 @@ from solvers.conclusion import (
 from solvers.impossibility.box_evidence import out_of_reach_of_drives
 from solvers.impossibility.structure_refutation import Refutation
 from solvers.run_context import RunContext
+from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design
 from solvers.search.prefetch import Prefetch
 from solvers.search.search_queue import SearchQueue, StructureUnderWay
@@ -46,7 +46,7 @@ class Proved:
 class FamilySearch:
     """The search of a family in progress; ``every``: it goes on after a design.
 
-    ``told`` is called when a design was proved.
+    ``told`` is called with the search when a design was proved.
     """
 
     program: ir.Program
@@ -55,7 +55,8 @@ class FamilySearch:
     family: RobotFamily
     abstraction: Abstraction
     every: bool
-    queue: SearchQueue
+    told: Callable[[FamilySearch], None]
+    queue: SearchQueue = field(init=False)
     smt: int = 0
     records: dict[int, StructureRecord] = field(default_factory=dict[int, StructureRecord])
     seen: dict[str, int] = field(default_factory=dict[str, int])
@@ -63,7 +64,9 @@ class FamilySearch:
     searched: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
     """The structures that were searched, as they ended."""
     stopped: str | None = None
-    told: Callable[[], None] = lambda: None
+
+    def __post_init__(self) -> None:
+        self.queue = SearchQueue(self.every)
 
     def structures(self) -> None:
         """Let structures have their turns until one is proved, unless all are due."""
@@ -120,40 +123,37 @@ class FamilySearch:
         """Refute a structure, or have it searched."""
         self.context.reporter.structure(candidate.number, candidate.derivation.word)
         if candidate.model is None:
-            self.records[candidate.number] = record_of(candidate, "inadmissible", candidate.fault)
+            self.record(candidate, "inadmissible", candidate.fault)
             return
         key = robot_key_in_task(candidate.model, self.task)
         if key in self.seen:
-            self.records[candidate.number] = record_of(candidate, "same", "", same=self.seen[key])
+            self.record(candidate, "same", "", same=self.seen[key])
             return
         self.seen[key] = candidate.number
         screened = ahead.screening(candidate)
         answer = screened.refutation
         self.smt += answer.solver_calls
         if answer.refuted:
-            self.records[candidate.number] = record_of(
-                candidate, "refuted", answer.reason, answer.script, boxes=answer.boxes
-            )
+            self.record(candidate, "refuted", answer.reason, answer.script, boxes=answer.boxes)
             return
         if screened.inadmissible is not None:
-            self.records[candidate.number] = record_of(
-                candidate, "inadmissible", screened.inadmissible
-            )
+            self.record(candidate, "inadmissible", screened.inadmissible)
             return
-        entered = self.queue.enter(candidate, answer.solver_calls)
-        search = StructureSearch(
-            self.program, self.task, self.context, self.abstraction, candidate.derivation,
-            ahead.numeric(candidate), candidate.number, key, partial(self.keep, entered),
-            entered.see,
-        )  # fmt: skip
-        entered.states = search.states(self.effectors(candidate.model, answer))
-
-    def keep(self, structure: StructureUnderWay, design: Design) -> None:
-        """A design was proved: it is there from now on, whatever ends the search."""
-        before = structure.incumbent
-        structure.keep(design)
-        if structure.incumbent is not before:
-            self.told()
+        entered = StructureUnderWay(
+            self.queue.entered, candidate, answer.solver_calls, lambda: self.told(self)
+        )
+        given = StructureTask(
+            program=self.program,
+            task=self.task,
+            context=self.context,
+            derivation=candidate.derivation,
+            numeric=ahead.numeric(candidate),
+            number=candidate.number,
+            robot=key,
+            listener=entered,
+        )
+        effectors = self.effectors(candidate.model, answer)
+        self.queue.enter(entered, StructureSearch(given, self.abstraction).states(effectors))
 
     def leave(self, structure: StructureUnderWay) -> None:
         """A structure is searched to its end."""
@@ -161,17 +161,13 @@ class FamilySearch:
         self.searched.append(structure)
         candidate, state = structure.candidate, structure.state
         if structure.incumbent is not None:
-            self.records[candidate.number] = record_of(candidate, "found", "proved")
+            self.record(candidate, "found", "proved")
             return
         late = out_of_reach_of_drives(candidate, self.program, self.task, self.context)
         if late is not None:
-            self.records[candidate.number] = record_of(
-                candidate, "refuted", late.reason, boxes=late.boxes
-            )
+            self.record(candidate, "refuted", late.reason, boxes=late.boxes)
             return
-        self.records[candidate.number] = record_of(
-            candidate, "unresolved", f"{state.reason}{state.obstacle}"
-        )
+        self.record(candidate, "unresolved", f"{state.reason}{state.obstacle}")
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
         """The effectors that may start and reach, the one of the witness poses first."""
@@ -180,6 +176,22 @@ class FamilySearch:
             return [bound] if bound < len(model.effectors) else []
         order = list(range(len(model.effectors)))
         return sorted(order, key=lambda e: (e != answer.effector, e))
+
+    def record(
+        self,
+        candidate: Candidate,
+        verdict: StructureVerdict,
+        reason: str,
+        script: str | None = None,
+        *,
+        same: int | None = None,
+        boxes: str | None = None,
+    ) -> None:
+        """What became of a structure is known."""
+        found = record_of(candidate, verdict, reason)
+        self.records[candidate.number] = replace(
+            found, script=script, same_robot_as=same, boxes=boxes
+        )
 
     # --- what there is in the end ---------------------------------------------------------------
 
@@ -214,15 +226,16 @@ class FamilySearch:
     def all_records(self, why: str) -> tuple[StructureRecord, ...]:
         """What became of the structures, in their order; equal robots share their reasons.
 
-        ``why`` those that are under way are not searched any more.
+        ``why`` says what ended the search of those that are under way.
         """
         found = dict(self.records)
         for each in self.queue.under_way:
-            design, tried = each.incumbent is not None, len(each.state.attempts)
-            reason = f"{why} after {counted(tried, 'path')}{each.state.obstacle}"
-            found[each.number] = record_of(
-                each.candidate, "found" if design else "unresolved", "proved" if design else reason
-            )
+            if each.incumbent is not None:
+                found[each.number] = record_of(each.candidate, "found", "proved")
+                continue
+            paths = counted(len(each.state.attempts), "path")
+            reason = f"{paths} tried when {why}{each.state.obstacle}"
+            found[each.number] = record_of(each.candidate, "unresolved", reason)
         return tuple(
             record
             if record.same_robot_as is None
@@ -231,17 +244,10 @@ class FamilySearch:
         )
 
 
-def record_of(
-    candidate: Candidate,
-    verdict: StructureVerdict,
-    reason: str,
-    script: str | None = None,
-    same: int | None = None,
-    boxes: str | None = None,
-) -> StructureRecord:
-    """What became of a structure."""
+def record_of(candidate: Candidate, verdict: StructureVerdict, reason: str) -> StructureRecord:
+    """The record of a structure without evidence."""
     word, labels = candidate.derivation.word, candidate.derivation.labels
-    return StructureRecord(word, labels, verdict, reason, script, same, boxes)
+    return StructureRecord(word, labels, verdict, reason)
 
 
 def tried(structure: StructureUnderWay) -> dict[str, int]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
+from grammar_lang import ir
 from solvers.planner import CounterExample, EffectorPath, Plan
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer
@@ -15,6 +18,7 @@ from solvers.search.closed_loop import needs_feedback
 from solvers.search.configuration_search import Configuration, search_configuration
 from solvers.search.motion_proof import MotionProof
 from solvers.search.path_task import Design, PathTask, nearest_text
+from solvers.search.round_task import RoundTask
 from solvers.search.search_state import Blocked, Cause, Found, NearestMotion, PathAttempt
 from solvers.trajectory.control_problem import ControlOutcome, Ending
 from solvers.trajectory.counterexample import infeasible_prefix, infeasible_sample
@@ -24,22 +28,62 @@ GAIN = 1e-4
 """A motion is not worth a proof for less, relative to the robustness of a proved one."""
 
 
-@dataclass(frozen=True, slots=True)
-class PathSearch:
-    """Paths of one robot in a task; ``recorded`` (from 0) is the effector that reaches.
+class Listener(Protocol):
+    """Is told what a search comes to before an attempt has ended."""
 
-    ``number`` and ``robot`` name the structure, in journals and in counterexamples.  ``keep`` is
-    given each design as it is proved; ``seen`` the robustness of motions that wait for a proof.
+    def keep(self, design: Design) -> None:
+        """A design was proved."""
+        ...
+
+    def see(self, robustness: float) -> None:
+        """A motion of that robustness waits for its proof."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class StructureTask:
+    """A structure in a task, of which designs are looked for.
+
+    ``number`` is its place among all and names it in journals, ``robot`` is its key and names it in
+    counterexamples.
     """
 
-    place: PathTask
-    proof: MotionProof
+    program: ir.Program
+    task: ir.Task
     context: RunContext
-    recorded: int
+    derivation: Derivation
+    numeric: NumericRobot
     number: int
     robot: str
-    keep: Callable[[Design], None]
-    seen: Callable[[float], None]
+    listener: Listener
+
+
+@dataclass(frozen=True, slots=True)
+class PathSearch:
+    """Paths of a structure for motions of one ``shape``; ``recorded`` (from 0) is what reaches.
+
+    Where motions go on for ever, what is searched, the task of the shape, and what is proved, that
+    of the structure, differ.
+    """
+
+    structure: StructureTask
+    shape: RoundTask
+    recorded: int
+
+    @property
+    def place(self) -> PathTask:
+        """The robot in the task that is searched."""
+        given, context = self.structure, self.structure.context
+        return PathTask(
+            given.program, self.shape.task, given.numeric, self.shape.formula, context.seed,
+            context.solver, self.shape.loop,
+        )  # fmt: skip
+
+    @property
+    def proof(self) -> MotionProof:
+        """What proves motions."""
+        given = self.structure
+        return MotionProof(given.program, given.task, given.derivation, given.context)
 
     def attempt(self, cells: Abstraction, plan: Plan) -> PathAttempt:
         """A proved design for a plan; else the nearest motion and, where it fails, its prefix.
@@ -47,14 +91,15 @@ class PathSearch:
         The first feasible motion is proved at once; what comes after may be more robust.
         """
         path_problem, label = self.posed(cells, plan), self.label(cells, plan)
-        early = _Early(self, path_problem)
-        found = search_configuration(path_problem, label, self.context, at_once=early)
-        self.seen(found.outcome.robustness)
-        if not found.outcome.feasible:
-            return self.not_followed(path_problem, found)
-        attempt = self.proved(path_problem, found, label)
-        if attempt.design is None and early.design is not None:
-            return replace(attempt, answer=Found(early.design), robustness=early.design.robustness)
+        early, context = _Early(self, path_problem), self.structure.context
+        found = search_configuration(path_problem, label, context, at_once=early)
+        if found.outcome.feasible:
+            attempt = self.proved(path_problem, found, label)
+        else:
+            attempt = self.not_followed(path_problem, found)
+        first, last = early.design, attempt.design
+        if first is not None and (last is None or first.robustness > last.robustness):
+            return PathAttempt(Found(first), first.robustness, attempt.samples)
         return attempt
 
     def improved(self, cells: Abstraction, plan: Plan, best: Design) -> PathAttempt:
@@ -62,9 +107,11 @@ class PathSearch:
 
         The search begins with the parameters of that one.
         """
-        path_problem, label = self.posed(cells, plan), self.label(cells, plan)
+        path_problem, label = self.posed(cells, plan), f"{self.label(cells, plan)}|improved"
+        if best.controller is not None:
+            path_problem = calmer(path_problem)
         theta: Array = best.configuration.outcome.trajectory.theta
-        found = search_configuration(path_problem, f"{label}|improved", self.context, start=theta)
+        found = search_configuration(path_problem, label, self.structure.context, start=theta)
         outcome = found.outcome
         if not outcome.feasible or outcome.robustness <= best.robustness * (1 + GAIN):
             answer = Blocked(Cause.NO_MORE_ROBUST)
@@ -76,7 +123,7 @@ class PathSearch:
         path_problem = self.place.path_problem(cells, self.recorded, self.recorded, (cell,))
         answer = self.proof.as_found(path_problem, configuration)
         if isinstance(answer, Found):
-            self.keep(answer.design)
+            self.structure.listener.keep(answer.design)
         return PathAttempt(answer, configuration.outcome.robustness)
 
     # --- the parts of an attempt ----------------------------------------------------------------
@@ -84,7 +131,7 @@ class PathSearch:
     def posed(self, cells: Abstraction, plan: Plan) -> PathProblem:
         """The path problem of a plan, whose longest path leads."""
         leader = self.leader(plan)
-        self.context.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
+        self.structure.context.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
         others = tuple(path for path in plan.paths if path is not leader)
         found = self.place.path_problem(cells, self.recorded, leader.effector, leader.cells)
         found = timed(replace(found, others=others), leader.entries)
@@ -96,7 +143,7 @@ class PathSearch:
 
     def label(self, cells: Abstraction, plan: Plan) -> str:
         """The name of a plan in journals."""
-        return f"{self.number}|{self.recorded}|{len(cells.cuts)}|{plan}"
+        return f"{self.structure.number}|{self.recorded}|{len(cells.cuts)}|{plan}"
 
     def not_followed(self, path_problem: PathProblem, found: Configuration) -> PathAttempt:
         """What is known of a path along which there is no feasible motion."""
@@ -106,18 +153,20 @@ class PathSearch:
         names = tuple(path_problem.abstraction.cells[cell].name for cell in prefix)
         text = "" if sample is None else nearest_text(path_problem, found, sample, names)
         excluded = CounterExample(
-            path_problem.effector, prefix, f"robustness {outcome.robustness:.4g}", self.robot
-        )
+            path_problem.effector, prefix, f"robustness {outcome.robustness:.4g}",
+            self.structure.robot,
+        )  # fmt: skip
         blocked = blocked_by(outcome)
         nearest = self.nearest(path_problem, found, sample, blocked.cause, text)
         return PathAttempt(blocked, outcome.robustness, found.samples, excluded, nearest)
 
     def proved(self, path_problem: PathProblem, found: Configuration, label: str) -> PathAttempt:
         """The attempt at a proof of a feasible configuration."""
+        self.structure.listener.see(found.outcome.robustness)
         tried = self.proof.attempt(path_problem, found, label)
         samples = found.samples + tried.samples
         if isinstance(tried.answer, Found):
-            self.keep(tried.answer.design)
+            self.structure.listener.keep(tried.answer.design)
             return PathAttempt(tried.answer, tried.robustness, samples)
         nearest = self.nearest(path_problem, found, None, tried.answer.cause, tried.answer.text)
         return PathAttempt(tried.answer, tried.robustness, samples, nearest=nearest)
@@ -133,10 +182,19 @@ class PathSearch:
         """The motion of an attempt that was not proved."""
         outcome = found.outcome
         return NearestMotion(
-            self.proof.derivation, path_problem.model, path_problem.abstraction, found.cells,
-            self.recorded, path_problem.effector, outcome.trajectory, outcome.robustness,
-            outcome.feasible, sample, cause, text,
-        )  # fmt: skip
+            derivation=self.structure.derivation,
+            model=path_problem.model,
+            abstraction=path_problem.abstraction,
+            cells=found.cells,
+            effector=self.recorded,
+            leader=path_problem.effector,
+            trajectory=outcome.trajectory,
+            robustness=outcome.robustness,
+            feasible=outcome.feasible,
+            sample=sample,
+            cause=cause,
+            text=text,
+        )
 
 
 class _Early:
@@ -155,7 +213,7 @@ class _Early:
         self._tried = True
         self.design = self._search.proof.early(self._path_problem, outcome)
         if self.design is not None:
-            self._search.keep(self.design)
+            self._search.structure.listener.keep(self.design)
 
 
 def blocked_by(outcome: ControlOutcome) -> Blocked:

@@ -50,7 +50,7 @@ def other_kinds(
         known: counterexamples, which exclude plans.
     """
     found = {kind_of(plan, cells, obstacles): plan}
-    first, *_ = sorted(plan.paths, key=lambda path: -len(path.cells))
+    first = max(plan.paths, key=lambda path: len(path.cells))
     inner = list(dict.fromkeys(first.cells[1:-1]))
     chosen = np.unique(np.linspace(0, len(inner) - 1, MOST_DETOURS).round().astype(int))
     for cell in (inner[index] for index in chosen.tolist()) if len(obstacles) and inner else ():

@@ -8,7 +8,7 @@ the robustness of the nearest motion that it has come to; a new structure goes l
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,12 +25,14 @@ class StructureUnderWay:
     """A structure that is searched, and what is known of it; ``place`` is that among all searched.
 
     ``incumbent`` is a proved design, there before the attempt that it comes from has ended;
-    ``waiting`` is the robustness of the last motion that waits for a proof.
+    ``waiting`` is the robustness of the last motion that waited for a proof.  ``told`` is called
+    when a better design was proved.
     """
 
     place: int
     candidate: Candidate
     smt: int
+    told: Callable[[], None]
     states: Iterator[StructureState] = field(default_factory=lambda: iter(()))
     state: StructureState = field(default_factory=StructureState)
     incumbent: Design | None = None
@@ -63,9 +65,10 @@ class StructureUnderWay:
         self.state = next(self.states)
 
     def keep(self, design: Design) -> None:
-        """A design has been proved."""
+        """A design was proved: it is there from now on, whatever ends the search."""
         if self.incumbent is None or design.robustness > self.incumbent.robustness:
             self.incumbent = design
+            self.told()
 
     def see(self, robustness: float) -> None:
         """A motion waits for its proof."""
@@ -86,12 +89,11 @@ class SearchQueue:
     current: StructureUnderWay | None = None
     """The one that had the last turn."""
 
-    def enter(self, candidate: Candidate, smt: int) -> StructureUnderWay:
-        """Another structure."""
-        found = StructureUnderWay(self.entered, candidate, smt)
+    def enter(self, structure: StructureUnderWay, states: Iterator[StructureState]) -> None:
+        """Another structure, whose states are asked for one after another."""
+        structure.states = states
         self.entered += 1
-        self.under_way.append(found)
-        return found
+        self.under_way.append(structure)
 
     def wants_another(self) -> bool:
         """Whether a structure that is not under way has the next turn."""

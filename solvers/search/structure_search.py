@@ -12,25 +12,21 @@ at any time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Generator, Iterator, Sequence
+from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
 
-from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.tasks.specification import PlanningProblem, planning_problem
-from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.bisection import halving
 from grammar_lang import ir
-from solvers.planner import CounterExample, Plan, Planner
-from solvers.run_context import RunContext
-from solvers.search.motion_proof import MotionProof
-from solvers.search.path_search import PathSearch
-from solvers.search.path_task import Design, PathTask, exhausted_text
+from solvers.planner import CounterExample, EffectorPath, Plan, Planner
+from solvers.search.path_search import PathSearch, StructureTask
+from solvers.search.path_task import Design, exhausted_text
 from solvers.search.plan_kinds import obstacle_points, other_kinds
-from solvers.search.round_task import RoundTask, closing, round_tasks
+from solvers.search.round_task import closing, round_tasks
 from solvers.search.sampled_cells import (
     clear_of_bodies,
     standing_configurations,
@@ -51,25 +47,16 @@ Attempts: TypeAlias = Generator[PathAttempt, None, str]
 """Attempts one after another, and why they end."""
 Part: TypeAlias = Generator[PathAttempt, None, tuple[str, bool]]
 """The same of a part of them, and whether one had a design."""
+Taught: TypeAlias = "Generator[PathAttempt, None, tuple[str, bool, Lessons]]"
+"""The same with what is known afterwards."""
 
 
 @dataclass(frozen=True, slots=True)
 class StructureSearch:
-    """What is searched; ``number`` is the place of the structure among all, ``robot`` its key.
+    """The search of a structure in a workspace that is divided into ``cells``."""
 
-    ``keep`` is given each design as it is proved, ``seen`` the robustness of what waits for it.
-    """
-
-    program: ir.Program
-    task: ir.Task
-    context: RunContext
+    given: StructureTask
     cells: Abstraction
-    derivation: Derivation
-    numeric: NumericRobot
-    number: int
-    robot: str
-    keep: Callable[[Design], None]
-    seen: Callable[[float], None]
 
     def states(self, effectors: Sequence[int]) -> Iterator[StructureState]:
         """What is known after each attempt; the last one says why no more are made.
@@ -89,147 +76,184 @@ class StructureSearch:
     def _attempts(self, effectors: Sequence[int]) -> Attempts:
         reason = NO_EFFECTOR
         for effector in effectors:
-            for shape in round_tasks(self.task, effector):
-                reason, found = yield from _RoundSearch(self, shape, effector).attempts()
+            for shape in round_tasks(self.given.task, effector):
+                paths = PathSearch(self.given, shape, effector)
+                reason, found = yield from _RoundSearch(paths, self.cells).attempts()
                 if found:
                     return reason
         return reason
 
 
 @dataclass(frozen=True, slots=True)
-class _RoundSearch:
-    """The search of one shape of a motion, in which one effector reaches.
+class Lessons:
+    """What is known of the cells of a workspace: counterexamples, and paths with a motion.
 
-    Where motions go on for ever, what is searched and what is proved of it differ.
+    Both name effectors from 0.  No path along which a motion was found is ever excluded.
     """
 
-    search: StructureSearch
-    shape: RoundTask
-    recorded: int
+    blocked: tuple[CounterExample, ...] = ()
+    followed: tuple[tuple[int, tuple[int, ...]], ...] = ()
+
+    def excludes(self, plan: Plan) -> bool:
+        """Whether a counterexample excludes a plan."""
+        return any(
+            path.effector == item.effector and path.cells[: len(item.prefix)] == item.prefix
+            for path in plan.paths
+            for item in self.blocked
+        )
+
+    def after(self, attempt: PathAttempt, path: EffectorPath) -> Lessons:
+        """What is known after an attempt at a path of its leader."""
+        if attempt.excluded is not None:
+            spared = self._sparing(attempt.excluded, path.cells)
+            return self if spared is None else replace(self, blocked=(*self.blocked, spared))
+        if attempt.nearest is not None:
+            return replace(self, followed=(*self.followed, (path.effector, path.cells)))
+        return self
+
+    def _sparing(self, excluded: CounterExample, cells: tuple[int, ...]) -> CounterExample | None:
+        """A counterexample with so much more of the cells of its path that it spares all others.
+
+        None where another path with a motion begins with all of them.
+        """
+        others = [path for effector, path in self.followed if effector == excluded.effector]
+        for size in range(len(excluded.prefix), len(cells) + 1):
+            if all(path[:size] != cells[:size] for path in others):
+                return replace(excluded, prefix=cells[:size])
+        return None
+
+    def in_finer_cells(self, whole: Mapping[int, int]) -> Lessons:
+        """The same of finer cells, about those that are ``whole`` there; the rest is forgotten.
+
+        A counterexample need not hold of the halves of a cell.
+        """
+        return Lessons(
+            tuple(
+                replace(item, prefix=tuple(whole[cell] for cell in item.prefix))
+                for item in self.blocked
+                if whole.keys() >= set(item.prefix)
+            ),
+            tuple(
+                (effector, tuple(whole[cell] for cell in path))
+                for effector, path in self.followed
+                if whole.keys() >= set(path)
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _RoundSearch:
+    """The search of one shape of a motion, in which one effector reaches, along ``paths``."""
+
+    paths: PathSearch
+    cells: Abstraction
+
+    @property
+    def given(self) -> StructureTask:
+        """The structure."""
+        return self.paths.structure
 
     @property
     def task(self) -> ir.Task:
         """What is searched."""
-        return self.shape.task
-
-    @property
-    def paths(self) -> PathSearch:
-        """The search of single paths."""
-        search, context = self.search, self.search.context
-        place = PathTask(
-            search.program, self.task, search.numeric, self.shape.formula, context.seed,
-            context.solver, self.shape.loop,
-        )  # fmt: skip
-        proof = MotionProof(search.program, search.task, search.derivation, context)
-        return PathSearch(
-            place, proof, context, self.recorded, search.number, search.robot, search.keep,
-            search.seen,
-        )  # fmt: skip
+        return self.paths.shape.task
 
     def attempts(self) -> Part:
         """Attempts until one has a design, and those that make it more robust."""
-        if not self.search.numeric.graph.model.dofs:
+        if not self.given.numeric.graph.model.dofs:
             return (yield from self.standing())
-        paths = self.search.context.paths
-        cells, known = self.search.cells, list[CounterExample]()
+        budget = self.given.context.paths
+        cells, lessons = self.cells, Lessons()
         reason, found = "", False
-        for budget in (paths, (paths + 1) // 2):
-            reason, found = yield from self.planned(cells, known, budget)
-            finer = None if found else self.cut(cells, known)
+        for most in (budget, (budget + 1) // 2):
+            reason, found, lessons = yield from self.planned(cells, lessons, most)
+            finer = None if found else self.cut(cells, lessons)
             if finer is None:
                 break
-            cells, known = finer
+            cells, lessons = finer
         return reason, found
 
     def standing(self) -> Part:
         """A robot that cannot move does the task where it stands, or not at all."""
-        search = self.search
-        workspace = search.program.workspaces[self.task.workspace]
+        given = self.given
+        workspace = given.program.workspaces[self.task.workspace]
         found = standing_configurations(
-            search.numeric, workspace, self.task, search.cells, self.recorded, search.context.seed
-        )
+            given.numeric, workspace, self.task, self.cells, self.paths.recorded,
+            given.context.seed,
+        )  # fmt: skip
         for cell, configuration in found:
-            attempt = self.paths.standing(search.cells, cell, configuration)
+            attempt = self.paths.standing(self.cells, cell, configuration)
             yield attempt
             if attempt.design is not None:
                 return "proved", True
         return "the robot cannot move, and no place to stand was found for it", False
 
-    def planned(self, cells: Abstraction, known: list[CounterExample], budget: int) -> Part:
+    def planned(self, cells: Abstraction, lessons: Lessons, budget: int) -> Taught:
         """Attempts at plans until one leads to a design, none is left or the budget is used up.
 
         Where no plan goes through cells alone for which poses are found, others are tried, too.
-        What is learned is added to ``known``.
         """
-        search, reason = self.search, "the task leaves no cell to start in"
-        starts = start_cells(cells, self.task, search.numeric)
-        problem = planning_problem(cells, self.task, self.recorded, starts)
-        problem = clear_of_bodies(problem, search.numeric, cells, self.task)
-        for closed in closing(problem, self.shape):
-            reachable = within_reach(closed, search.numeric, cells, search.context.seed)
-            plans = _Plans(self, reachable, cells, known, budget)
+        given, reason, found = self.given, "the task leaves no cell to start in", False
+        starts = start_cells(cells, self.task, given.numeric)
+        problem = planning_problem(cells, self.task, self.paths.recorded, starts)
+        problem = clear_of_bodies(problem, given.numeric, cells, self.task)
+        for closed in closing(problem, self.paths.shape):
+            reachable = within_reach(closed, given.numeric, cells, given.context.seed)
+            plans = _Plans(self.paths, reachable, cells, lessons, budget)
             reason, found = yield from plans.attempts()
             if not plans.count and reachable != closed:
-                plans = _Plans(self, closed, cells, known, budget)
+                plans = _Plans(self.paths, closed, cells, lessons, budget)
                 reason, found = yield from plans.attempts()
+            lessons = plans.lessons
             if found:
-                return reason, True
-        return reason, False
+                break
+        return reason, found, lessons
 
-    def cut(
-        self, cells: Abstraction, known: Sequence[CounterExample]
-    ) -> tuple[Abstraction, list[CounterExample]] | None:
+    def cut(self, cells: Abstraction, lessons: Lessons) -> tuple[Abstraction, Lessons] | None:
         """The cells with that one cut at which the shortest excluded plan fails; None without one.
 
-        With them come the counterexamples that say nothing of that cell: the others need not hold
-        of its halves.
+        With them comes what is known of all other cells.
         """
-        if not known:
+        if not lessons.blocked:
             return None
-        failed = min(known, key=lambda item: len(item.prefix))
+        failed = min(lessons.blocked, key=lambda item: len(item.prefix))
         direction = None
         if len(failed.prefix) > 1:
             line = polyline(cells, failed.prefix).points
             direction = (line[-1] - line[-2]).tolist()
         finer, children = cells.refined([halving(cells, failed.prefix[-1], direction)])
         whole = {cell: parts[0] for cell, parts in enumerate(children) if len(parts) == 1}
-        kept = [
-            replace(item, prefix=tuple(whole[cell] for cell in item.prefix))
-            for item in known
-            if all(cell in whole for cell in item.prefix)
-        ]
         name = cells.cells[failed.prefix[-1]].name
-        self.search.context.reporter.note(f"no plan is left: `{name}` is cut")
-        return finer, kept
+        self.given.context.reporter.note(f"no plan is left: `{name}` is cut")
+        return finer, lessons.in_finer_cells(whole)
 
 
 class _Plans:
     """The plans of one planning problem, one of each kind first, and the attempts at them.
 
-    ``count`` is the number of those that were tried.
+    ``count`` is the number of those that were tried, ``lessons`` what is known after them.
     """
 
     def __init__(
         self,
-        round_search: _RoundSearch,
+        paths: PathSearch,
         problem: PlanningProblem,
         cells: Abstraction,
-        known: list[CounterExample],
+        lessons: Lessons,
         budget: int,
     ) -> None:
         self.count = 0
-        self._round = round_search
+        self.lessons = lessons
+        self._paths = paths
         self._problem = problem
         self._cells = cells
-        self._known = known
         self._budget = budget
 
     def attempts(self) -> Part:
         """Attempts until one has a design; then those that may make it more robust."""
-        context, paths, best = self._round.search.context, self._round.paths, -np.inf
-        planner, others = Planner(self._problem), list[Plan]()
-        tried = set[Plan]()
-        for counterexample in self._known:
+        best, context = -np.inf, self._paths.structure.context
+        planner, others, tried = Planner(self._problem), list[Plan](), set[Plan]()
+        for counterexample in self.lessons.blocked:
             planner.block(counterexample)
         while self.count < self._budget:
             if others:
@@ -241,40 +265,32 @@ class _Plans:
                     case Unknown(reason=limit):
                         return f"planning: {limit.value}", False
                     case ended:
-                        text = exhausted_text(ended.counterexample, best, self._round.task)
-                        return text, False
-            if plan in tried or self._is_blocked(plan):
+                        task = self._paths.shape.task
+                        return exhausted_text(ended.counterexample, best, task), False
+            if plan in tried or self.lessons.excludes(plan):
                 continue
             tried.add(plan)
             context.check_time()
             self.count += 1
-            attempt = paths.attempt(self._cells, plan)
+            attempt = self._paths.attempt(self._cells, plan)
             yield attempt
             if attempt.design is not None:
                 yield from self._improvements(plan, attempt.design, tried)
                 return "proved", True
             best = max(best, attempt.robustness)
-            if attempt.excluded is not None:
-                self._known.append(attempt.excluded)
-                planner.block(attempt.excluded)
+            before = self.lessons.blocked
+            self.lessons = self.lessons.after(attempt, self._paths.leader(plan))
+            for counterexample in self.lessons.blocked[len(before) :]:
+                planner.block(counterexample)
             if self.count == 1 < self._budget:
                 others = self._other_kinds(plan)
         return f"{self.count} paths tried, best robustness {best:.4g}", False
 
-    def _is_blocked(self, plan: Plan) -> bool:
-        """Whether a counterexample excludes a plan."""
-        return any(
-            path.effector == item.effector and path.cells[: len(item.prefix)] == item.prefix
-            for path in plan.paths
-            for item in self._known
-        )
-
     def _other_kinds(self, plan: Plan) -> list[Plan]:
         """Plans that go round the obstacles on other sides than a plan."""
-        round_search = self._round
-        workspace = round_search.search.program.workspaces[round_search.task.workspace]
-        points = obstacle_points(workspace, round_search.task)
-        return other_kinds(self._problem, plan, self._cells, points, self._known)
+        task, program = self._paths.shape.task, self._paths.structure.program
+        points = obstacle_points(program.workspaces[task.workspace], task)
+        return other_kinds(self._problem, plan, self._cells, points, self.lessons.blocked)
 
     def _improvements(
         self, plan: Plan, design: Design, tried: Collection[Plan]
@@ -283,13 +299,13 @@ class _Plans:
 
         Where disturbances are named or motions go on for ever, a proof takes too long for that.
         """
-        task = self._round.search.task
-        if task.repeat or task.robust is not None:
+        given = self._paths.structure
+        if given.task.repeat or given.task.robust is not None:
             return
         kinds = [other for other in self._other_kinds(plan) if other not in tried]
         for other in kinds[:OTHER_WAYS]:
-            self._round.search.context.check_time()
-            attempt = self._round.paths.improved(self._cells, other, design)
+            given.context.check_time()
+            attempt = self._paths.improved(self._cells, other, design)
             yield attempt
             if attempt.design is not None and attempt.design.robustness > design.robustness:
                 design = attempt.design

@@ -25,7 +25,7 @@ from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.path_task import Design
-from solvers.search.search_queue import SearchQueue, StructureUnderWay
+from solvers.search.search_queue import StructureUnderWay
 from solvers.search.search_state import BlockedPrefix, NearestMotion
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
@@ -33,7 +33,7 @@ from solvers.verifier.claims.certificate import SeparationClaim
 OUT_OF_TIME = "the time limit was reached"
 BEGUN = "srgc was started and the spec was read"
 NOT_COVERED = f"{OUT_OF_TIME} before every refutation had a second proof"
-PUT_OFF = "put off, as another structure was proved"
+PUT_OFF = "another structure was proved"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,8 +97,12 @@ def synthesise(
             "unknown", OUT_OF_TIME, None, (), cells, dict(NO_COUNTS),
             unfinished=True, last_step=late.step,
         )  # fmt: skip
-    run = FamilySearch(program, task, context, family, finer, every, SearchQueue(every))
-    run.told = lambda: told(_result(run, "found", None, cells, OutOfTimeError()))
+
+    def better(search: FamilySearch) -> None:
+        """Tell of a design, as if time were out."""
+        told(_result(search, "found", None, cells, OutOfTimeError()))
+
+    run = FamilySearch(program, task, context, family, finer, every, better)
     try:
         run.structures()
         if run.designs:

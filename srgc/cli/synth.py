@@ -100,7 +100,8 @@ def synth(
     else:
         change = change_of(program, chosen_task, result.design)
         click.echo(synthesis_text(result, chosen_task, str(folder), table, change))
-        if result.design is None:
+        kept = result.verdict == "unknown" and (folder / "certificate.json").exists()
+        if result.design is None and not kept:
             from solvers.explanation.posed_task import PosedTask
             from solvers.run_context import RunContext
             from srgc.text_reports.why_report import ending

@@ -68,6 +68,14 @@ class ResultFolder:
         self.values[key] = value
         self.files.append(JOURNAL, json.dumps([key, value]) + "\n")
 
+    def holds_design(self) -> bool:
+        """Whether a run of the same synthesis has left a design with its certificate."""
+        try:
+            verdict = json_object(self.path / "design.json", needed=False).get("verdict")
+        except UsageFault:
+            return False
+        return verdict == "found" and (self.path / "certificate.json").is_file()
+
     def finish(self) -> None:
         """The run is complete: nothing is left to resume."""
         self.files.discard(JOURNAL)

@@ -44,6 +44,7 @@ from srgc.version import VERSION
 
 PICTURES = ("figures/workspace.svg", "figures/inputs.svg")
 NEAREST = "nearest.csv"
+KEPT = "the design that an earlier run proved is kept"
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +100,12 @@ def _run(
 
         def keep(better: Synthesis) -> None:
             """Leave a design in the folder whose search goes on."""
-            if not options.every:
-                _write(folder.files, better, program, task, path.name, identity, limit)
+            _write(folder.files, better, program, task, path.name, identity, limit)
 
         result = _searched(folder, program, task, options, workers, limit, keep)
         searched = clock.passed
+        if result.unfinished and result.design is None and folder.holds_design():
+            return replace(result, reason=f"{result.reason}; {KEPT}")
         for name in ("designs", "pareto.csv", "pareto.json", "evaluations.csv", "report.html"):
             folder.files.discard(name)
         drawn = True

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from solvers.planner import CounterExample
-from solvers.search.search_queue import SearchQueue
+from solvers.search.search_queue import SearchQueue, StructureUnderWay
 from solvers.search.search_state import Blocked, Cause, PathAttempt, StructureState
 
 
@@ -35,7 +35,8 @@ def turns(worths: list[list[float]], *, every: bool) -> list[int]:
         if left and queue.wants_another():
             number, own = left.pop(0)
             candidate: Any = SimpleNamespace(number=number)
-            queue.enter(candidate, 0).states = states(own)
+            entered = StructureUnderWay(queue.entered, candidate, 0, lambda: None)
+            queue.enter(entered, states(own))
             continue
         structure = queue.turn()
         found.append(structure.number)

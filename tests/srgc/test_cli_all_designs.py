@@ -103,7 +103,7 @@ def test_a_time_limit_leaves_the_first_design_and_the_next_run_goes_on(
     given = StructureSearch.states
 
     def late(self: StructureSearch, effectors: Sequence[int]) -> Iterator[StructureState]:
-        if self.number:
+        if self.given.number:
             raise OutOfTimeError
         return given(self, effectors)
 

@@ -108,6 +108,19 @@ def test_a_design_without_time_for_pictures_is_written(tmp_path: Path, made: Mad
     assert content(out) == whole
 
 
+def test_a_shorter_limit_keeps_what_an_earlier_run_has_proved(tmp_path: Path, made: Made) -> None:
+    out = tmp_path / "out"
+    assert run(tmp_path, OnceSearched(1.0, file=out / "design.json")).verdict == "found"
+    before = content(out)
+    late = run(tmp_path, TimeLimit(1e-9))
+    assert (late.verdict, late.unfinished) == ("unknown", True)
+    assert str(late.reason).endswith("the design that an earlier run proved is kept")
+    assert {**content(out), "journal.jsonl": b""} == {**before, "journal.jsonl": b""}
+    assert verify_directory(out).outcome is Outcome.VALID
+    assert run(tmp_path, None).verdict == "found"
+    assert content(out) == content(made("turner") / "out")
+
+
 def test_a_cut_run_says_by_how_much_the_limit_was_passed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
