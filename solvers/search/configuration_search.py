@@ -111,8 +111,8 @@ def search_configuration(
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal; ``at_once`` is told of feasible outcomes
-    as they are evaluated.  Where there are only motions that their inputs alone do not cause, and
+    ``label`` names the structure and path in the journal; ``at_once`` is told of outcomes as
+    they are evaluated.  Where there are only motions that their inputs alone do not cause, and
     the task does not ask for an open loop, a calm one is preferred, and looked for at once.
     With a ``start`` (p,), parameters in SI units, others are looked for from these alone.
     """
@@ -236,7 +236,7 @@ class _Survey:
         while len(self.samples) < self._context.evaluations:
             if self.samples and until is not None and until():
                 break
-            points = self._search.ask(BATCH)
+            points = self._search.ask(min(BATCH, self._context.evaluations - len(self.samples)))
             if not points:
                 break
             thetas = [self.space.from_cube(point) for point in points]
@@ -286,7 +286,7 @@ class _Survey:
             self.attempts += outcomes
             self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
             self._context.reporter.robustness(max(o.robustness for o in self.attempts))
-            if outcome.feasible and self._at_once is not None:
+            if self._at_once is not None:
                 self._at_once(outcome)
         return found
 

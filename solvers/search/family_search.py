@@ -12,7 +12,6 @@ from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.specification import recorded_effector
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
-from grammar_lang.diagnostics.wording import counted
 from solvers.conclusion import (
     DEFAULT_DESIGNS,
     MOTION_SEARCHES,
@@ -167,7 +166,8 @@ class FamilySearch:
         if late is not None:
             self.record(candidate, "refuted", late.reason, boxes=late.boxes)
             return
-        self.record(candidate, "unresolved", f"{state.reason}{state.obstacle}")
+        tried = f"; {state.tried}" if state.attempts else ""
+        self.record(candidate, "unresolved", f"{state.reason}{tried}{state.obstacle}")
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
         """The effectors that may start and reach, the one of the witness poses first."""
@@ -209,7 +209,7 @@ class FamilySearch:
     def designs(self) -> tuple[Proved, ...]:
         """The designs of all structures, in their order."""
         return tuple(
-            Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **tried(each)})
+            Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **spent(each)})
             for each in self.all_searched
             if each.incumbent is not None
         )
@@ -219,7 +219,7 @@ class FamilySearch:
         """What was tried."""
         found = {**NO_COUNTS, "structures": len(self.records), "smt": self.smt}
         for each in self.all_searched:
-            for name, count in tried(each).items():
+            for name, count in spent(each).items():
                 found[name] += count
         return found
 
@@ -233,8 +233,7 @@ class FamilySearch:
             if each.incumbent is not None:
                 found[each.number] = record_of(each.candidate, "found", "proved")
                 continue
-            paths = counted(len(each.state.attempts), "path")
-            reason = f"{paths} tried when {why}{each.state.obstacle}"
+            reason = f"{each.state.tried} when {why}{each.state.obstacle}"
             found[each.number] = record_of(each.candidate, "unresolved", reason)
         return tuple(
             record
@@ -250,7 +249,7 @@ def record_of(candidate: Candidate, verdict: StructureVerdict, reason: str) -> S
     return StructureRecord(word, labels, verdict, reason)
 
 
-def tried(structure: StructureUnderWay) -> dict[str, int]:
+def spent(structure: StructureUnderWay) -> dict[str, int]:
     """How many paths were tried for a structure, and how many parameters evaluated."""
     attempts = structure.state.evaluated
     evaluations = sum(len(each.samples) for each in attempts)

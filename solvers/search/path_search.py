@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+import numpy as np
+
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.words.derivation import Derivation
@@ -35,8 +37,8 @@ class Listener(Protocol):
         """A design was proved."""
         ...
 
-    def see(self, robustness: float) -> None:
-        """A motion of that robustness waits for its proof."""
+    def see(self, motion: NearestMotion) -> None:
+        """A motion was found that may become a design yet."""
         ...
 
 
@@ -162,7 +164,7 @@ class PathSearch:
 
     def proved(self, path_problem: PathProblem, found: Configuration, label: str) -> PathAttempt:
         """The attempt at a proof of a feasible configuration."""
-        self.structure.listener.see(found.outcome.robustness)
+        self.see(path_problem, found)
         tried = self.proof.attempt(path_problem, found, label)
         samples = found.samples + tried.samples
         if isinstance(tried.answer, Found):
@@ -170,6 +172,11 @@ class PathSearch:
             return PathAttempt(tried.answer, tried.robustness, samples)
         nearest = self.nearest(path_problem, found, None, tried.answer.cause, tried.answer.text)
         return PathAttempt(tried.answer, tried.robustness, samples, nearest=nearest)
+
+    def see(self, path_problem: PathProblem, found: Configuration) -> None:
+        """Tell of a motion whose search or proof goes on."""
+        cause = Cause.UNDER_WAY
+        self.structure.listener.see(self.nearest(path_problem, found, None, cause, ""))
 
     def nearest(
         self,
@@ -198,17 +205,25 @@ class PathSearch:
 
 
 class _Early:
-    """Proves the first feasible outcome of a search; ``design`` is what came of it."""
+    """Is told of the outcomes of a search, and proves the first one that is feasible.
+
+    ``design`` is what came of that.
+    """
 
     def __init__(self, search: PathSearch, path_problem: PathProblem) -> None:
         self._search = search
         self._path_problem = path_problem
         self._tried = False
+        self._best = -np.inf
         self.design: Design | None = None
 
     def __call__(self, outcome: ControlOutcome) -> None:
-        """Told of a feasible outcome."""
-        if self._tried:
+        """Told of an outcome."""
+        if outcome.robustness > self._best:
+            self._best = outcome.robustness
+            cells, entries = self._path_problem.cells, self._path_problem.waypoints()[1]
+            self._search.see(self._path_problem, Configuration(outcome, entries, cells))
+        if self._tried or not outcome.feasible:
             return
         self._tried = True
         self.design = self._search.proof.early(self._path_problem, outcome)

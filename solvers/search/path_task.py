@@ -165,13 +165,10 @@ def nearest_text(
     return f"; nearest, through {' > '.join(names)}, {what}"
 
 
-def exhausted_text(ended: Exhausted, best: float, task: ir.Task) -> str:
-    """Why there is no plan, in words; ``best`` is the best robustness of those before."""
-    if ended.blocked:
-        count = len(ended.blocked)
-        return f"no path is left after {count} counterexamples; best robustness {best:.4g}"
-    if ended.plans:
-        return f"no path is left; best robustness {best:.4g}"
+def exhausted_text(ended: Exhausted, task: ir.Task) -> str:
+    """Why there is no plan, in words."""
+    if ended.blocked or ended.plans:
+        return "no path is left"
     return (
         f"planning: {ended.why.value}; the task has {task.steps + 1} samples, "
         "and a step has one change of cell at most"

@@ -11,13 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from compiler.robots.candidate import Candidate
 from compiler.words.derivation import Derivation
 from solvers.search.configuration_search import PathSamples
 from solvers.search.path_task import Design
-from solvers.search.search_state import StructureState
+from solvers.search.search_state import NearestMotion, StructureState
 
 
 @dataclass(slots=True)
@@ -25,8 +23,8 @@ class StructureUnderWay:
     """A structure that is searched, and what is known of it; ``place`` is that among all searched.
 
     ``incumbent`` is a proved design, there before the attempt that it comes from has ended;
-    ``waiting`` is the robustness of the last motion that waited for a proof.  ``told`` is called
-    when a better design was proved.
+    ``waiting`` is the last motion that was seen, whose search or proof may go on.  ``told`` is
+    called when a better design was proved.
     """
 
     place: int
@@ -36,7 +34,7 @@ class StructureUnderWay:
     states: Iterator[StructureState] = field(default_factory=lambda: iter(()))
     state: StructureState = field(default_factory=StructureState)
     incumbent: Design | None = None
-    waiting: float = -np.inf
+    waiting: NearestMotion | None = None
 
     @property
     def number(self) -> int:
@@ -62,7 +60,7 @@ class StructureUnderWay:
 
     def advance(self) -> None:
         """One attempt more."""
-        self.state = next(self.states)
+        self.state, self.waiting = next(self.states), None
 
     def keep(self, design: Design) -> None:
         """A design was proved: it is there from now on, whatever ends the search."""
@@ -70,9 +68,15 @@ class StructureUnderWay:
             self.incumbent = design
             self.told()
 
-    def see(self, robustness: float) -> None:
-        """A motion waits for its proof."""
-        self.waiting = robustness
+    def see(self, motion: NearestMotion) -> None:
+        """A motion was found that may become a design yet."""
+        self.waiting = motion
+
+    @property
+    def nearest(self) -> NearestMotion | None:
+        """The motion that came nearest to a design; one under way only where it is nearer."""
+        known = [each for each in (self.state.nearest, self.waiting) if each is not None]
+        return max(known, key=lambda motion: motion.rank, default=None)
 
 
 @dataclass(slots=True)

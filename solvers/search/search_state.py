@@ -39,6 +39,7 @@ class Cause(Enum):
     BETWEEN_SAMPLES = "a formula fails between the samples"
     ENDED = "the enclosure of the motion ended"
     UNPROVED = "a condition was not proved"
+    UNDER_WAY = "its search or its proof had not ended"
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +172,15 @@ class StructureState:
         texts = (answer.text for answer in answers if isinstance(answer, Blocked) and answer.text)
         nearest = self.nearest
         return next(texts, "" if nearest is None else nearest.text)
+
+    @property
+    def tried(self) -> str:
+        """How many paths were tried, and how near they came, in words."""
+        count = len(self.attempts)
+        if not count:
+            return "no path tried"
+        paths = "1 path" if count == 1 else f"{count} paths"
+        return f"{paths} tried, best robustness {self.best:.4g}"
 
     @property
     def evaluated(self) -> tuple[PathAttempt, ...]:

@@ -16,8 +16,6 @@ from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-import numpy as np
-
 from compiler.tasks.specification import PlanningProblem, planning_problem
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.bisection import halving
@@ -251,7 +249,7 @@ class _Plans:
 
     def attempts(self) -> Part:
         """Attempts until one has a design; then those that may make it more robust."""
-        best, context = -np.inf, self._paths.structure.context
+        context = self._paths.structure.context
         planner, others, tried = Planner(self._problem), list[Plan](), set[Plan]()
         for counterexample in self.lessons.blocked:
             planner.block(counterexample)
@@ -265,8 +263,7 @@ class _Plans:
                     case Unknown(reason=limit):
                         return f"planning: {limit.value}", False
                     case ended:
-                        task = self._paths.shape.task
-                        return exhausted_text(ended.counterexample, best, task), False
+                        return exhausted_text(ended.counterexample, self._paths.shape.task), False
             if plan in tried or self.lessons.excludes(plan):
                 continue
             tried.add(plan)
@@ -277,14 +274,13 @@ class _Plans:
             if attempt.design is not None:
                 yield from self._improvements(plan, attempt.design, tried)
                 return "proved", True
-            best = max(best, attempt.robustness)
             before = self.lessons.blocked
             self.lessons = self.lessons.after(attempt, self._paths.leader(plan))
             for counterexample in self.lessons.blocked[len(before) :]:
                 planner.block(counterexample)
             if self.count == 1 < self._budget:
                 others = self._other_kinds(plan)
-        return f"{self.count} paths tried, best robustness {best:.4g}", False
+        return "the budget of paths is used up", False
 
     def _other_kinds(self, plan: Plan) -> list[Plan]:
         """Plans that go round the obstacles on other sides than a plan."""

@@ -126,9 +126,10 @@ def _under_way(structure: StructureUnderWay | None) -> str:
     if structure is None or structure.state.is_over:
         return ""
     word = " ".join(structure.derivation.word)
-    if structure.waiting < 0:
+    waiting = structure.waiting
+    if waiting is None or not waiting.feasible:
         return f" while a motion of {word} was searched"
-    return f" while a motion of {word}, of robustness {structure.waiting:.4g}, was proved"
+    return f" while a motion of {word}, of robustness {waiting.robustness:.4g}, was proved"
 
 
 def _result(
@@ -144,9 +145,7 @@ def _result(
     if designs:
         verdict, reason, cells = "found", None, designs[0].design.abstraction
     unknown = verdict == "unknown"
-    nearest = [
-        each.state.nearest for each in searched if unknown and each.state.nearest is not None
-    ]
+    nearest = [each.nearest for each in searched if unknown and each.nearest is not None]
     if records is None:
         records = run.all_records(PUT_OFF if late is None else OUT_OF_TIME)
     return Synthesis(

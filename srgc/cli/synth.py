@@ -35,9 +35,13 @@ from srgc.time_limit import TimeLimit
 @click.option(
     "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
 )
-@click.option("--paths", type=click.IntRange(1), help="Tried for a structure at most; default 6.")
 @click.option(
-    "--evaluations", type=click.IntRange(1), help="Of parameters, for a path; default 12."
+    "--paths",
+    type=click.IntRange(1),
+    help="Tried for a structure, and half as many once a cell is cut; default 6.",
+)
+@click.option(
+    "--evaluations", type=click.IntRange(1), help="Of parameters, in a search of them; default 12."
 )
 @click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
 @click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default) or nelder-mead.")

@@ -87,7 +87,8 @@ def _run(
     digest = spec_digest(files)
     identity = Identity(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
-        options.solver, options.search, options.paths, options.evaluations,
+        options.solver, options.search, unusual(options.paths, PATHS),
+        unusual(options.evaluations, EVALUATIONS),
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,
@@ -119,6 +120,11 @@ def _run(
         if not result.unfinished:
             folder.finish()
     return result
+
+
+def unusual(budget: int | None, usual: int) -> int | None:
+    """A budget that differs from the usual one; None: that."""
+    return None if budget == usual else budget
 
 
 def _searched(
@@ -253,7 +259,8 @@ def _write(
         files.write("evaluations.csv", evaluations_csv(result.samples))
     design = result.design
     if design is None:
-        drawn = _write_nearest(files, result, program, task, limit)
+        _write_nearest(files, result, program, task)
+        drawn = True
     else:
         drawn = _write_motion(files, result, design, program, task, limit)
     certificate = certificate_text(
@@ -271,24 +278,21 @@ def _write(
 
 
 def _write_nearest(
-    files: FolderWriter, result: Synthesis, program: ir.Program, task: ir.Task, limit: TimeLimit
-) -> bool:
-    """Of a result without a design the nearest motion; whether it was drawn, or there is none."""
+    files: FolderWriter, result: Synthesis, program: ir.Program, task: ir.Task
+) -> None:
+    """Of a result without a design the nearest motion, with its picture, if there is one."""
     for name in ("trajectory.csv", "figures", "certificate.json"):
         files.discard(name)
     nearest = result.nearest
     if nearest is None or not np.all(np.isfinite(nearest.trajectory.x)):
         files.discard(NEAREST)
-        return True
+        return
     inputs = [[decimal(value) for value in row] for row in nearest.trajectory.u]
     files.write(NEAREST, samples_csv(nearest.model, nearest.trajectory, inputs, task))
-    if result.unfinished or limit.reached():
-        return False
     from srgc.render.result_pictures import nearest_figure
 
     workspace = program.workspaces[task.workspace]
     files.write(NEAREST_PICTURE, nearest_figure(nearest, workspace, task))
-    return True
 
 
 def _write_motion(

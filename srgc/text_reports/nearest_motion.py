@@ -28,6 +28,7 @@ FIRST = {
     Cause.BETWEEN_SAMPLES: "shorter steps",
     Cause.ENDED: "`control feedback`, or shorter steps",
     Cause.UNPROVED: "shorter steps",
+    Cause.UNDER_WAY: "a longer `--time-limit`",
 }
 """What is tried first against a cause."""
 

@@ -132,6 +132,8 @@ def _nearest(nearest: NearestMotion, task: ir.Task) -> Iterator[str]:
         place = ", ".join(f"{value:.3g}" for value in stuck.position)
         where = f", stuck at {stuck.time:g} s at ({place}) m"
     yield f"nearest: {' '.join(nearest.derivation.word)}{where}: {nearest.cause.value}"
+    if nearest.text:
+        yield f"         {nearest.text.removeprefix('; ').removeprefix('nearest, ')}"
     first = first_to_try(nearest)
     if first is not None:
         yield f"         try first {first}"
