@@ -1,4 +1,4 @@
-"""Changes of one line of a task that make it weaker, by a value or as a whole.
+"""Changes of one line of a task that make it weaker, by a value or as a whole; or of no line.
 
 A scale is a line with the values that it may take, the nearest first; each of its tasks is weaker
 than those before.  What a change says follows "with" or "without".
@@ -28,14 +28,16 @@ BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
 class Change:
     """A weaker task: the line that is changed, what is changed in words, and the value if one.
 
-    The changes of a line that differ in their value alone have the same ``way``.
+    The changes of a line that differ in their value alone have the same ``way``.  Without a line
+    the task is the same, and ``budget`` times as much is searched.
     """
 
-    line: TaskLine
+    line: TaskLine | None
     says: str
     posed: PosedTask
     value: Fraction | None = None
     way: str = ""
+    budget: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +112,19 @@ def with_shorter_steps(posed: PosedTask, line: TaskLine, parts: int) -> Change:
     says = f"with `horizon {steps} steps of {f'({length})' if '/' in length else length} s`"
     shorter = posed.with_task(steps=steps, step=step)
     return Change(line, says, shorter, Fraction(steps), "shorter")
+
+
+def with_fewer_steps(posed: PosedTask, line: TaskLine, steps: int) -> Change:
+    """With a shorter horizon: what takes long may sway."""
+    return Change(
+        line, f"with {steps} steps", posed.with_task(steps=steps), Fraction(steps), "fewer"
+    )
+
+
+def with_budget(posed: PosedTask, times: int, paths: int, evaluations: int) -> Change:
+    """The same task with so many times the budgets of a structure and of a path."""
+    says = f"with `--paths {times * paths} --evaluations {times * evaluations}`"
+    return Change(None, says, posed, budget=times)
 
 
 def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:

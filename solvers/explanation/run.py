@@ -65,6 +65,7 @@ class _Meter(Silent):
     """Counts what a run does, and says when that is enough."""
 
     overtime: Callable[[], bool]
+    budget: int = 1
     paths: int = 0
     pauses: int = 0
 
@@ -75,7 +76,8 @@ class _Meter(Silent):
     def ended(self) -> bool:
         """Whether the run is to end; asked again and again."""
         self.pauses += 1
-        return self.paths > MOST_PATHS or self.pauses > MOST_PAUSES or self.overtime()
+        many = self.paths > MOST_PATHS * self.budget or self.pauses > MOST_PAUSES * self.budget
+        return many or self.overtime()
 
 
 @dataclass(slots=True)
@@ -123,8 +125,13 @@ class Runs:
         return found
 
     def _result(self, change: Change) -> Synthesis:
-        meter = _Meter(self.context.out_of_time)
+        meter = _Meter(self.context.out_of_time, change.budget)
         context = replace(
-            self.context, journal=_Shared(self.scripts), reporter=meter, out_of_time=meter.ended
+            self.context,
+            journal=_Shared(self.scripts),
+            reporter=meter,
+            out_of_time=meter.ended,
+            paths=change.budget * self.context.paths,
+            evaluations=change.budget * self.context.evaluations,
         )
         return synthesise(change.posed.program, change.posed.task, context)

@@ -29,7 +29,9 @@ from solvers.explanation.change import (
     rounded_up,
     scales,
     single_changes,
+    with_budget,
     with_feedback,
+    with_fewer_steps,
     with_modules,
     with_shorter_steps,
 )
@@ -52,6 +54,12 @@ NEARER = 3
 """So many runs look for a smaller change once one has succeeded."""
 SHORTER = (5, 2)
 """Into so many parts steps are divided, the fewer once the more have helped."""
+HALVES = 2
+"""Into so many parts steps are divided without disturbances: they follow an obstacle closer."""
+LONGER = 2
+"""So many times the budgets are tried."""
+FEWER = Fraction(3, 4), Fraction(1, 2)
+"""The parts of a horizon that are tried."""
 MOST_STRUCTURES = 300
 """Structures whose poses are looked for."""
 
@@ -83,26 +91,37 @@ class SuggestionSearch:
 
     def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
         """Changes that may help where there are poses and no motion was found or proved."""
+        horizon = next(line for line in lines if line.kind == "horizon")
         self.feedback("open loop")
-        self.shorter(next(line for line in lines if line.kind == "horizon"))
+        self.shorter(horizon)
+        self.drives(lines)
+        for line in lines:
+            if line.kind not in LIMITS:
+                self.singles(line)
+        self.undisturbed(next(line for line in lines if line.kind == "start"))
+        if bound is not None:
+            self.modules(bound)
+        if not self.runs.found:
+            self.otherwise(horizon)
+        for line in () if self.runs.found else lines:
+            if line.kind in LIMITS:
+                self.singles(line)
+
+    def drives(self, lines: Sequence[TaskLine]) -> None:
+        """More effort, then more steps."""
         for line in sorted(lines, key=lambda line: line.kind != "effort"):
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
                     self.far(scale)
-        for line in lines:
-            if line.kind not in LIMITS:
-                self.singles(line)
-        if self.posed.task.robust is not None:
-            start = next(line for line in lines if line.kind == "start")
-            calm = self.posed.with_task(robust=None)
-            self.tried(Change(start, "without `robust`", calm))
-            # Last: a search that may choose has tried feedback, unless it was ended before.
-            self.feedback(None)
-        if bound is not None:
-            self.modules(bound)
-        for line in () if self.runs.found else lines:
-            if line.kind in LIMITS:
-                self.singles(line)
+
+    def undisturbed(self, line: TaskLine) -> None:
+        """Without disturbances, and with feedback about them."""
+        if self.posed.task.robust is None:
+            return
+        calm = self.posed.with_task(robust=None)
+        self.tried(Change(line, "without `robust`", calm))
+        # Last: a search that may choose has tried feedback, unless it was ended before.
+        self.feedback(None)
 
     def feedback(self, control: str | None) -> None:
         """Inputs that follow what is measured, where this is what the task says of ``control``."""
@@ -120,6 +139,20 @@ class SuggestionSearch:
                 continue
             if self.tried(with_shorter_steps(self.posed, line, parts)) is None:
                 return
+
+    def otherwise(self, line: TaskLine) -> None:
+        """Shorter horizons, the longest first, finer steps, and a longer search of the same task.
+
+        They take longest, and so come where nothing else has helped.
+        """
+        task, context = self.posed.task, self.runs.context
+        for part in FEWER:
+            fewer = int(task.steps * part)
+            if fewer and self.tried(with_fewer_steps(self.posed, line, fewer)) is not None:
+                return
+        finer = with_shorter_steps(self.posed, line, HALVES)
+        if task.robust is not None or HALVES * task.steps > MOST_STEPS or not self.tried(finer):
+            self.tried(with_budget(self.posed, LONGER, context.paths, context.evaluations))
 
     def tried(self, change: Change) -> Suggestion | None:
         """A run of a change, if there may be one."""
@@ -228,7 +261,7 @@ def _between(low: Fraction, high: Fraction) -> Fraction:
 
 def smallest(found: Sequence[Suggestion]) -> tuple[Suggestion, ...]:
     """Of the suggestions that change one line in one way the smallest: what was found last."""
-    kept: dict[tuple[TaskLine, str], Suggestion] = {}
+    kept: dict[tuple[TaskLine | None, str], Suggestion] = {}
     for one in found:
         kept[one.change.line, one.change.way] = one
     return tuple(kept.values())

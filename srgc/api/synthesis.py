@@ -216,16 +216,13 @@ def why(
     """
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
-    from solvers.run_context import RunContext
     from srgc.results.why_folder import tried_folder
 
     limit = TimeLimit(time_limit)
     tried = tried_folder(Path(result))
     if tried.tried is None:
         raise UsageFault("a robot was found: there is nothing to explain, `verify` checks it")
-    context = RunContext(
-        seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
-    )
+    context = tried.context(limit.reached)
     # Places are told as in the specification itself, not in the copy, which may be anywhere.
     program = tried.posed.program
     sources = tuple(replace(source, name=source.path) for source in program.sources)

@@ -43,7 +43,6 @@ def why(
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
-    from solvers.run_context import RunContext
     from srgc.results.progress_display import progress
     from srgc.results.why_folder import tried_folder
     from srgc.terminal import out_colours
@@ -54,9 +53,7 @@ def why(
         click.echo("verdict: found\nThere is nothing to explain: `srgc verify` checks the design.")
         return 0
     with limit.holds(), progress("why", quiet=quiet or as_json) as display:
-        context = RunContext(
-            seed=tried.seed, search=tried.search, solver=tried.solver, out_of_time=limit.reached
-        )
+        context = tried.context(limit.reached)
         asked = Asked(context, 0 if no_runs else MOST_RUNS, display.note)
         found = explain(tried.posed, tried.tried, asked)
     text = why_json(found) if as_json else why_text(found, colour=out_colours())

@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from compiler.words.derivation import BadDerivation
 from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried
 from solvers.explanation.posed_task import PosedTask
+from solvers.run_context import EVALUATIONS, PATHS, RunContext
 from solvers.verdict import NotFound
 from solvers.verifier.claims.certificate import CertificateError
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_copy
@@ -35,7 +36,20 @@ class TriedFolder:
     seed: int
     search: str | None
     solver: str | None
+    paths: int
+    evaluations: int
     tried: Tried | None
+
+    def context(self, out_of_time: Callable[[], bool]) -> RunContext:
+        """How its synthesis was run, with a limit of time of its own."""
+        return RunContext(
+            seed=self.seed,
+            search=self.search,
+            solver=self.solver,
+            paths=self.paths,
+            evaluations=self.evaluations,
+            out_of_time=out_of_time,
+        )
 
 
 def tried_folder(folder: Path) -> TriedFolder:
@@ -86,7 +100,21 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
     if seed < 0:
         raise ValueError(seed)
     search, solver = named_search(content["search"]), named_solver(content["solver"])
-    return TriedFolder(posed, seed, search, solver, tried)
+    paths, evaluations = (
+        _budget(content, "paths", PATHS),
+        _budget(content, "evaluations", EVALUATIONS),
+    )
+    return TriedFolder(posed, seed, search, solver, paths, evaluations, tried)
+
+
+def _budget(content: Mapping[str, Any], name: str, usual: int) -> int:
+    """A budget of a run; folders from before there were any have the usual one."""
+    found = content.get(name)
+    if found is None:
+        return usual
+    if not isinstance(found, int) or found < 1:
+        raise ValueError(found)
+    return found
 
 
 def _verdict(text: str) -> NotFound:

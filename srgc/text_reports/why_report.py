@@ -202,7 +202,7 @@ def _suggested_change(one: Suggestion, sources: Sequence[Source]) -> dict[str, A
     value = one.change.value
     return {
         "says": one.change.says,
-        "line": _line(one.change.line, sources),
+        "line": None if one.change.line is None else _line(one.change.line, sources),
         "value": None if value is None else float(value),
         "word": list(one.word),
         "effort_peak": one.effort_peak,

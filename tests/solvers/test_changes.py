@@ -6,13 +6,17 @@ from fractions import Fraction
 
 import pytest
 
+import solvers.explanation.run as run_module
+from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.ir.constants import rational
 from grammar_lang.load import load_text
 from solvers.explanation.change import (
+    Change,
     Scale,
     scales,
     single_changes,
+    with_budget,
     with_feedback,
     with_modules,
     with_shorter_steps,
@@ -23,6 +27,7 @@ from solvers.explanation.run import Runs
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, control_line, modules_line, task_lines
 from solvers.run_context import RunContext
+from solvers.search.synthesis import Synthesis
 from tests.oracles.small_specs import TURNER, replaced
 
 
@@ -199,3 +204,41 @@ def test_shorter_steps_are_not_tried_where_nothing_is_fed_back(clause: str) -> N
     runs = Runs(RunContext(), 1)
     SuggestionSearch(asked, runs).shorter(line(asked, "horizon"))
     assert runs.made == 0
+
+
+class Vain(Runs):
+    """Runs that all fail, at once."""
+
+    def run(self, change: Change) -> None:
+        self.failed.append(change)
+
+
+def test_where_nothing_helps_shorter_horizons_finer_steps_and_budgets_are_tried() -> None:
+    """Of ten steps of 0.2 s; limits of joints come after all of them."""
+    asked = posed(TURNER)
+    runs = Vain(RunContext(paths=3, evaluations=5), limit=100)
+    SuggestionSearch(asked, runs).after_motions(task_lines(asked), None)
+    said = [change.says for change in runs.failed]
+    tried = [
+        "with 7 steps", "with 5 steps", "with `horizon 20 steps of 0.1 s`",
+        "with `--paths 6 --evaluations 10`",
+    ]  # fmt: skip
+    first = said.index(tried[0])
+    assert said[first : first + 4] == tried
+    assert all("limit of" not in each for each in said[:first])
+    assert [each.line for each in runs.failed if each.budget > 1] == [None]
+
+
+def test_a_larger_budget_is_what_its_run_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, seen = posed(TURNER), list[RunContext]()
+
+    def searched(_program: object, _task: object, context: RunContext) -> Synthesis:
+        seen.append(context)
+        raise OutOfTimeError
+
+    monkeypatch.setattr(run_module, "synthesise", searched)
+    runs = Runs(RunContext(paths=3, evaluations=5))
+    for change in (with_budget(asked, 4, 3, 5), scale(asked, "horizon").at(Fraction(13))):
+        with pytest.raises(OutOfTimeError):
+            runs.run(change)
+    assert [(each.paths, each.evaluations) for each in seen] == [(12, 20), (3, 5)]
