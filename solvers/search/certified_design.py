@@ -9,13 +9,12 @@ from compiler.expressions.exact_numbers import decimal
 from compiler.robots.parameter_values import nearest_values
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
-from solvers.search.closed_loop import controlled, feedback_choices, loop_claim
+from solvers.search.closed_loop import controlled, loop_claim
 from solvers.search.configuration_search import Configuration
 from solvers.search.constraint_tightening import beyond_loop, missing_margin
 from solvers.search.path_task import Design, motion_of
 from solvers.search.search_state import Answer, Blocked, Cause, Found
-from solvers.trajectory.control_problem import ControlOutcome
-from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy, unstable
+from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
 from solvers.trajectory.visited_cells import cell_names
@@ -122,34 +121,3 @@ def seen_broken(
     if last or seems_to_satisfy(path_problem, seen):
         return None
     return Blocked(Cause.BETWEEN_SAMPLES, f"; {Cause.BETWEEN_SAMPLES.value}")
-
-
-# --- The first feasible motion, proved before anything is improved -------------------------------
-
-
-def early_design(
-    program: ir.Program,
-    task: ir.Task,
-    derivation: Derivation,
-    path_problem: PathProblem,
-    outcome: ControlOutcome,
-    tick: Callable[[], None],
-) -> Design | None:
-    """The design of a motion as it was found, if it is proved to do the task.
-
-    None, and no proof is tried, where motions go on for ever, where the task names disturbances or
-    where inputs alone do not cause the motion: such ones take preparation.
-    """
-    if (
-        task.repeat
-        or task.robust is not None
-        or False not in feedback_choices(path_problem, outcome)
-    ):
-        return None
-    found = replace(path_problem, bound=False)
-    if unstable(found, outcome.trajectory):
-        return None
-    entries = path_problem.waypoints()[1]
-    configuration = Configuration(outcome, entries, path_problem.cells, bound=False)
-    answer = certified_design(program, task, derivation, found, configuration, tick, last=False)
-    return answer.design if isinstance(answer, Found) else None

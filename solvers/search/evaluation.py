@@ -34,6 +34,7 @@ from solvers.trajectory.control_problem import (
     IterationBudget,
 )
 from solvers.trajectory.corridor import Entries
+from solvers.trajectory.linear_model import bends
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 
@@ -149,10 +150,12 @@ def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajec
 
 def _excess(problem: ControlProblem, seed: Trajectory) -> float:
     """By how much a seed breaks the half-planes of a problem at most, metres."""
-    points = problem.numeric.points(seed.x[:, : problem.numeric.n], seed.theta)
+    n = problem.numeric.n
+    points = problem.numeric.points(seed.x[:, :n], seed.theta)
     if not np.isfinite(points.value).all():
         return float("inf")
-    return float(np.max(problem.rows_of(points.value).excess(points), initial=0.0))
+    bend = bends(points, seed.x[:, n : 2 * n], problem.dt)
+    return float(np.max(problem.rows_of(points.value, bend).excess(points), initial=0.0))
 
 
 def _requests(seeds: Iterable[Trajectory], budget: IterationBudget) -> list[SolveRequest]:

@@ -12,7 +12,7 @@ from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer
-from solvers.search.certified_design import certified_design, early_design
+from solvers.search.certified_design import certified_design
 from solvers.search.closed_loop import feedback_choices, unbearable_noise
 from solvers.search.configuration_search import (
     Configuration,
@@ -30,6 +30,8 @@ from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 
+EARLY = 2
+"""So many margins are tried for a motion that was just found."""
 UNSTABLE_TEXT = "; the motion is unstable: its inputs alone do not cause it"
 
 
@@ -58,12 +60,21 @@ class MotionProof:
             self.context.check_time, last=True,
         )  # fmt: skip
 
+    def is_plain(self, path_problem: PathProblem, outcome: ControlOutcome) -> bool:
+        """Whether hardly anything has to be prepared for the proof of a motion that was just found.
+
+        Not so where motions go on for ever, where the task names disturbances or where inputs alone
+        do not cause the motion.
+        """
+        endless, robust = self.task.repeat, self.task.robust is not None
+        return not (endless or robust) and False in feedback_choices(path_problem, outcome)
+
     def early(self, path_problem: PathProblem, outcome: ControlOutcome) -> Design | None:
-        """The design of a motion as it was found, if that is proved without any preparation."""
-        return early_design(
-            self.program, self.task, self.derivation, path_problem, outcome,
-            self.context.check_time,
-        )  # fmt: skip
+        """The design of such a motion, if it is proved at once."""
+        entries = path_problem.waypoints()[1]
+        found = Configuration(outcome, entries, path_problem.cells, bound=False)
+        answer = self.with_margins(replace(path_problem, bound=False), found, EARLY).answer
+        return answer.design if isinstance(answer, Found) else None
 
     def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:
         """A proved design from a feasible configuration, or from a closer look at parameters."""
@@ -105,11 +116,14 @@ class MotionProof:
         lost = isinstance(answer, Blocked) and answer.cause in (Cause.UNSTABLE, Cause.ENDED)
         return lost and not self.task.control
 
-    def with_margins(self, path_problem: PathProblem, found: Configuration) -> ProofAttempt:
-        """A proved design with as much tightening as that takes."""
+    def with_margins(
+        self, path_problem: PathProblem, found: Configuration, most: int | None = None
+    ) -> ProofAttempt:
+        """A proved design with as much tightening as that takes, ``most`` times at most."""
         tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
-        blocked = Blocked(Cause.UNPROVED)
-        while tightening is not None:
+        blocked, tried = Blocked(Cause.UNPROVED), 0
+        while tightening is not None and tried != most:
+            tried += 1
             wider = tightened(path_problem, found.outcome.trajectory, tightening)
             given = path_problem.spread, path_problem.margin, path_problem.substeps
             if (wider.spread, wider.margin, wider.substeps) != given:

@@ -29,6 +29,9 @@ from solvers.trajectory.path_following import PathProblem
 GAIN = 1e-4
 """A motion is not worth a proof for less, relative to the robustness of a proved one."""
 
+EARLY_PROOFS = 3
+"""So many motions that were just found are tried to be proved, until one is."""
+
 
 class Listener(Protocol):
     """Is told what a search comes to before an attempt has ended."""
@@ -95,11 +98,14 @@ class PathSearch:
         path_problem, label = self.posed(cells, plan), self.label(cells, plan)
         early, context = _Early(self, path_problem), self.structure.context
         found = search_configuration(path_problem, label, context, at_once=early)
-        if found.outcome.feasible:
-            attempt = self.proved(path_problem, found, label)
-        else:
+        first = early.design
+        if not found.outcome.feasible:
             attempt = self.not_followed(path_problem, found)
-        first, last = early.design, attempt.design
+        elif first is not None and not gains(found.outcome.robustness, first):
+            attempt = PathAttempt(Found(first), first.robustness, found.samples)
+        else:
+            attempt = self.proved(path_problem, found, label)
+        last = attempt.design
         if first is not None and (last is None or first.robustness > last.robustness):
             return PathAttempt(Found(first), first.robustness, attempt.samples)
         return attempt
@@ -115,7 +121,7 @@ class PathSearch:
         theta: Array = best.configuration.outcome.trajectory.theta
         found = search_configuration(path_problem, label, self.structure.context, start=theta)
         outcome = found.outcome
-        if not outcome.feasible or outcome.robustness <= best.robustness * (1 + GAIN):
+        if not outcome.feasible or not gains(outcome.robustness, best):
             answer = Blocked(Cause.NO_MORE_ROBUST)
             return PathAttempt(answer, outcome.robustness, found.samples)
         return self.proved(path_problem, found, label)
@@ -205,30 +211,37 @@ class PathSearch:
 
 
 class _Early:
-    """Is told of the outcomes of a search, and proves the first one that is feasible.
+    """Is told of the outcomes of a search, and proves the first ones that are feasible.
 
-    ``design`` is what came of that.
+    ``design`` is what came of that; with one, no more are proved.
     """
 
     def __init__(self, search: PathSearch, path_problem: PathProblem) -> None:
         self._search = search
         self._path_problem = path_problem
-        self._tried = False
+        self._left = EARLY_PROOFS
         self._best = -np.inf
         self.design: Design | None = None
 
     def __call__(self, outcome: ControlOutcome) -> None:
         """Told of an outcome."""
+        search, path_problem = self._search, self._path_problem
         if outcome.robustness > self._best:
             self._best = outcome.robustness
-            cells, entries = self._path_problem.cells, self._path_problem.waypoints()[1]
-            self._search.see(self._path_problem, Configuration(outcome, entries, cells))
-        if self._tried or not outcome.feasible:
+            cells, entries = path_problem.cells, path_problem.waypoints()[1]
+            search.see(path_problem, Configuration(outcome, entries, cells))
+        tried = self.design is not None or not self._left
+        if tried or not outcome.feasible or not search.proof.is_plain(path_problem, outcome):
             return
-        self._tried = True
-        self.design = self._search.proof.early(self._path_problem, outcome)
+        self._left -= 1
+        self.design = search.proof.early(path_problem, outcome)
         if self.design is not None:
-            self._search.structure.listener.keep(self.design)
+            search.structure.listener.keep(self.design)
+
+
+def gains(robustness: float, proved: Design) -> bool:
+    """Whether a motion is worth a proof when there is a proved one."""
+    return robustness > proved.robustness * (1 + GAIN)
 
 
 def blocked_by(outcome: ControlOutcome) -> Blocked:

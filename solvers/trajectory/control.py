@@ -64,8 +64,6 @@ NEAR = 0.1
 """Units of length up to which a seed may break its half-planes without fictitious inputs."""
 WORST = 10.0
 """The largest violation that is told apart, in units of the effort bound."""
-EXCESS = 1e-4
-"""Position excess, in units of length, that the margin absorbs."""
 LIMIT_EXCESS = 1e-4
 """The same for joint limits and rates, in rad or m (/s)."""
 DEFECT = 1e-3
@@ -187,10 +185,11 @@ class _Iteration:
         return self.quiet >= self.budget.quiet
 
     def polish(self) -> None:
-        """Remove the defects that the last moves left, by steps that hardly move."""
+        """Remove what the last moves left of defects and excess, by steps that hardly move."""
         region = TrustRegion(self.region.radius, POLISHING_PROXIMAL)
         for _ in range(self.budget.polish_steps):
-            if self.current.defect <= POLISHED_DEFECT:
+            at = self.current
+            if at.defect <= POLISHED_DEFECT and at.excess <= self.problem.excess:
                 break
             result = self.solved(region, self.budget.accuracy)
             trial = None if result is None else measured(self.problem, result.trajectory)
@@ -240,7 +239,7 @@ def _outcome(problem: ControlProblem, iteration: _Iteration) -> ControlOutcome:
     defect = float(np.max(at.fictitious, initial=0.0))
     found, regulated = None, False
     if (
-        at.excess <= EXCESS * problem.unit
+        at.excess <= problem.excess
         and defect < DEFECT * problem.scale
         and at.outside <= LIMIT_EXCESS
     ):
@@ -275,7 +274,7 @@ def _closed(
 ) -> MeasuredMotion | None:
     """A motion without defects, if it keeps to what binds the one that it comes from."""
     found = measured(problem, motion)
-    if found is None or found.excess > 3 * EXCESS * problem.unit or found.outside > LIMIT_EXCESS:
+    if found is None or found.excess > 3 * problem.excess or found.outside > LIMIT_EXCESS:
         return None
     return found if found.margin >= 0 else None
 
@@ -299,7 +298,7 @@ def shortfall(problem: ControlProblem, outcome: ControlOutcome) -> str:
     at = measured(problem, outcome.trajectory)
     if at is None:
         return "has no finite equations of motion"
-    if at.excess > EXCESS * problem.unit:
+    if at.excess > problem.excess:
         return f"lacks {1000 * at.excess:.2g} mm of the margins to the sets around it"
     if at.outside > LIMIT_EXCESS:
         return f"passes a limit of a joint or a rate by {at.outside:.2g} (SI)"

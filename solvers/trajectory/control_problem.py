@@ -11,13 +11,16 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
-from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
+from solvers.trajectory.linear_model import Model, PositionRows, bends, fictitious_inputs
 from solvers.trajectory.mobility import mobility
 from solvers.trajectory.task_limits import ROUNDING, InputGroup, MotionLimits, effort_scale
 from solvers.trajectory.trajectory import Trajectory
 
-RowsOf = Callable[[Array], PositionRows]
-"""Position rows for the positions (k + 1, m, d) of a reference trajectory."""
+RowsOf = Callable[[Array, Array], PositionRows]
+"""Position rows for the positions (k + 1, m, d) of a reference trajectory and its bends (k, m, d),
+by how far its points are from their chords half way through a step (m)."""
+EXCESS = 1e-4
+"""Position excess, in units of length, that the margin absorbs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +31,7 @@ class ControlProblem:
     solves the convex steps, ``rates`` is the price of squares of rates in them, in SI.
     ``mobility`` is the price of phi (``mobility.py``) per sample, for efforts at joints that are
     off by ``errors`` (n,).  What is said of metres is meant of the robot's ``unit`` of length (m).
+    Positions may exceed their rows by ``excess``, in metres.
     """
 
     numeric: NumericRobot
@@ -41,6 +45,7 @@ class ControlProblem:
     mobility: float = 0.0
     errors: Array = field(default_factory=lambda: np.zeros(0))
     unit: float = 1.0
+    excess: float = EXCESS
 
     @property
     def scale(self) -> float:
@@ -197,7 +202,7 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
         return None
     if np.max(np.abs(dynamics.state)) > STEEPEST:
         return None
-    rows = problem.rows_of(points.value)
+    rows = problem.rows_of(points.value, bends(points, x[:, numeric.n : 2 * numeric.n], problem.dt))
     return MeasuredMotion(
         Model(trajectory, dynamics, points, fictitious, pushed),
         rows,

@@ -91,3 +91,13 @@ def fictitious_inputs(numeric: NumericRobot, trajectory: Trajectory, dt: float) 
     own = np.arange(2 * n, numeric.size)
     matrix[:, own, own] = dt
     return matrix
+
+
+def bends(points: Points, rates: Array, dt: float) -> Array:
+    """How far points are from their chords half way through the steps, (k, m, d), in metres.
+
+    ``rates`` are (k + 1, n), a step takes ``dt`` seconds.  The deviation of a cubic is the largest
+    there; of the true motion it is that to third order.
+    """
+    velocities = np.einsum("kmdn,kn->kmd", points.by_q, rates)
+    return np.asarray(dt / 8 * (velocities[:-1] - velocities[1:]))

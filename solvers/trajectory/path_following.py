@@ -16,7 +16,13 @@ from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.trajectory.body_clearance import body_clearance
 from solvers.trajectory.control import WORST, synthesise_control
-from solvers.trajectory.control_problem import FULL, ControlOutcome, ControlProblem, IterationBudget
+from solvers.trajectory.control_problem import (
+    EXCESS,
+    FULL,
+    ControlOutcome,
+    ControlProblem,
+    IterationBudget,
+)
 from solvers.trajectory.convex_set import convex_set
 from solvers.trajectory.convex_step import step_maker
 from solvers.trajectory.corridor import (
@@ -52,6 +58,8 @@ if TYPE_CHECKING:
     from solvers.planner import EffectorPath
 
 SUBSTEPS = 2
+ABSORBED = 0.05
+"""The part of the margin by which the control synthesis may exceed it."""
 LIMIT_MARGIN = 1e-3
 """Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
 OVERSHOOT = 4.0
@@ -209,6 +217,7 @@ class PathProblem:
             self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
             step_maker(self.solver), self.rates / (task.steps + 1), self.mobility / task.steps,
             joint_errors(self.numeric, task) if self.mobility else np.zeros(0), self.unit,
+            min(EXCESS * self.unit, ABSORBED * self.margin),
         )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------

@@ -154,9 +154,13 @@ class PositionPlan:
     spread: Array | None = None
     astray: float = ASTRAY
 
-    def rows(self, positions: Array) -> PositionRows:
-        """The half-planes about reference positions of shape (k + 1, m, d)."""
-        parts = [*self._dwell_rows, *self._separated(self._anchored(positions))]
+    def rows(self, positions: Array, bends: Array | None = None) -> PositionRows:
+        """The half-planes about reference positions of shape (k + 1, m, d).
+
+        With its ``bends`` (k, m, d), half-planes hold half way through the steps, too, as far as
+        these are those of the reference.
+        """
+        parts = [*self._dwell_rows, *self._separated(self._anchored(positions), bends)]
         d = positions.shape[2]
         none = np.zeros(0, dtype=np.int64)
         parts.append((none, none, np.zeros((0, d)), np.zeros(0)))
@@ -206,7 +210,7 @@ class PositionPlan:
             kinds.setdefault(kind, []).append((number, separation))
         return tuple(_Alike.of(numbered) for numbered in kinds.values())
 
-    def _separated(self, positions: Array) -> list[Rows]:
+    def _separated(self, positions: Array, bends: Array | None) -> list[Rows]:
         """The half-planes of the separations, in their order.
 
         Of a great many, those whose boxes are far from what moves in a step are left out there.
@@ -220,7 +224,7 @@ class PositionPlan:
             steps = alike.steps(len(positions) - 1)
             if len(self.separations) > MANY:
                 steps = alike.close(positions, far, steps)
-            part = self._halves(alike, positions, far, steps)
+            part = self._halves(alike, positions, bends, far, steps)
             number.append(np.repeat(alike.numbers[steps[0]], 2 * alike.points.shape[1]))
             parts.append(part)
         if len(parts) < 2:
@@ -232,7 +236,12 @@ class PositionPlan:
         return [(sample, point, normal, offset)]
 
     def _halves(
-        self, alike: _Alike, positions: Array, far: float, steps: tuple[Indices, Indices, Indices]
+        self,
+        alike: _Alike,
+        positions: Array,
+        bends: Array | None,
+        far: float,
+        steps: tuple[Indices, Indices, Indices],
     ) -> Rows:
         """The half-planes of some steps."""
         which, first, last = steps
@@ -246,4 +255,10 @@ class PositionPlan:
         offset = np.repeat(-(support + alike.distances[which] + self.margin), width)
         if self.spread is not None:
             offset -= self.spread[sample.ravel(), point.ravel()]
+        if bends is not None:
+            # Chords keep so much more distance that the curves keep enough.
+            moving = (first < last)[:, None]
+            bent = bends[np.minimum(first, len(bends) - 1)[:, None], group]
+            toward = np.where(moving, -np.einsum("kpd,kd->kp", bent, normal), 0.0)
+            offset -= np.tile(np.maximum(0.0, toward), 2).ravel()
         return sample.ravel(), point.ravel(), normals, offset

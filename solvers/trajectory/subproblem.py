@@ -30,7 +30,7 @@ class Weights:
     """
 
     fictitious: float = 20.0
-    position: float = 200.0
+    position: float = 2000.0
     quadratic: float = 1e-4
     regular: float = 1e-9
     rates: float = 0.0

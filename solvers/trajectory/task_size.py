@@ -14,7 +14,7 @@ from compiler.tasks.formula_parts import atoms
 from grammar_lang import ir
 from solvers.trajectory.convex_set import ConvexSet, region_set
 
-LEAST_MARGIN = 2e-3
+LEAST_MARGIN = 2e-4
 """The position margin that a search begins with, of tasks of a metre or so (m)."""
 SHARE = 0.1
 """It is no more than this part of the least radius of a region that is to be reached."""
