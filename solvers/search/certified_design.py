@@ -77,7 +77,9 @@ def certified_design(
     broken = seen_broken(scene, design, path_problem, last=last)
     if broken is not None:
         return broken
-    conditions = prove_motion(scene, motion_of(design), Watch(tick))
+    conditions = prove_motion(
+        scene, motion_of(design), Watch(tick, brief=path_problem.spread is None)
+    )
     obstacle = decisive(conditions)
     if obstacle is not None:
         spread = path_problem.spread

@@ -50,11 +50,13 @@ class Watch:
             structures of a family.  Work that is done again begins at none.
         each: does parts that do not depend on each other, perhaps in several processes: a function
             found by its name in a module, and jobs that can be pickled.  Results are in order.
+        brief: whether the first condition that fails ends the proof; others are then not known.
     """
 
     tick: Callable[[], None] = lambda: None
     part: Callable[[int, int], None] = lambda _done, _count: None
     each: Each = in_turn
+    brief: bool = False
 
 
 UNWATCHED = Watch()

@@ -44,6 +44,8 @@ from solvers.verifier.proofs.tube_checks import (
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, zonotope
 
+FAILED = "a condition fails"
+"""Why a brief proof goes no farther."""
 LONGEST_TEXT = 72
 """Characters of a formula in a report."""
 LEAST_IN_MACHINE = 200
@@ -158,6 +160,13 @@ class Followed:
     time: float = 0.0
     ended: str = ""
 
+    @property
+    def fails(self) -> bool:
+        """Whether something that has to hold at every instant has failed."""
+        return any(
+            item.status is Status.FAILS for item in (*self.constraints, *self.limits, self.defined)
+        )
+
     def positions(self) -> list[list[list[arb]]]:
         """Positions (samples, points, d)."""
         return [self.robot.point_map.positions(sample) for sample in self.samples]
@@ -238,9 +247,14 @@ def follow(
                 last = last if segment.last is None else segment.last
                 # Conditions keep segments for their margins, whose sets of states are large.
                 _check(found, replace(segment, last=None))
+                if watch.brief and found.fails:
+                    found.ended = FAILED
+                    break
                 if segment.steps[1].denominator == 1:
                     ends[int(segment.steps[1])] = segment.end
                     watch.part(int(segment.steps[1]), scene.task.steps)
+            if found.ended:
+                break
             found.reached.append(last)
     except EnclosureFailure as failure:
         found.ended = str(failure)
