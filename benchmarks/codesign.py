@@ -96,7 +96,9 @@ def _run(taken: float, outcome: ControlOutcome) -> Run:
 def by_ipopt(one: FixedProblem, steps: int, ours: Trajectory) -> tuple[float, list[Run], Run]:
     """Seconds to make the program, what IPOPT finds from every start, and from our own motion."""
     started = time.perf_counter()
-    program = ipopt_problem(one.problem, one.problem.rows_of(np.zeros(0)), steps, one.box)
+    program = ipopt_problem(
+        one.problem, one.problem.rows_of(np.zeros(0), np.zeros(0)), steps, one.box
+    )
     made = time.perf_counter() - started
     runs = []
     for start in [*one.starts, ours]:

@@ -28,7 +28,7 @@ from solvers.search.evaluation import hopeful
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
 from solvers.trajectory.corridor import Entries
-from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.linear_model import PositionRows, bends
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_size import LEAST_MARGIN
 from solvers.trajectory.trajectory import Trajectory
@@ -115,11 +115,11 @@ def quarter_turn(links: int, steps: int = STEPS) -> Case:
 
 def fixed(problem: ControlProblem, outcome: ControlOutcome) -> ControlProblem:
     """The problem with the half-planes that belong to an outcome, whatever the reference."""
-    points = problem.numeric.points(outcome.trajectory.x[:, : problem.numeric.n],
-                                    outcome.trajectory.theta)  # fmt: skip
-    rows = problem.rows_of(points.value)
+    trajectory, n = outcome.trajectory, problem.numeric.n
+    points = problem.numeric.points(trajectory.x[:, :n], trajectory.theta)
+    rows = problem.rows_of(points.value, bends(points, trajectory.x[:, n : 2 * n], problem.dt))
 
-    def same(_: Array) -> PositionRows:
+    def same(*_: Array) -> PositionRows:
         return rows
 
     return replace(problem, rows_of=same)
@@ -131,4 +131,4 @@ def shared_problem(one: Case) -> tuple[ControlProblem, PositionRows, ControlOutc
     if not outcome.feasible:
         raise SystemExit(f"our own control synthesis failed: {outcome.ending}")
     problem = fixed(one.problem, outcome)
-    return problem, problem.rows_of(np.zeros(0)), outcome
+    return problem, problem.rows_of(np.zeros(0), np.zeros(0)), outcome

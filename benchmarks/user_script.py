@@ -259,6 +259,8 @@ def main() -> None:
     parser.add_argument("--ways", action="store_true", help="compare planners alone")
     parser.add_argument("--child", choices=(*SIDES, "ways"), help=argparse.SUPPRESS)
     options = parser.parse_args()
+    if options.ways and not options.libraries:
+        parser.error("--ways needs --libraries")
     folder = options.o.resolve()
     if options.libraries:
         site.addsitedir(str(options.libraries))

@@ -36,7 +36,8 @@ class Dwell:
     """A point stays in a convex set at the samples ``first`` to ``last`` (included).
 
     ``shares`` (m,) says what part of the margin is kept from each facet; None: all of it.
-    ``spreads`` (m,) says the same of the spread of disturbed motions.
+    ``spreads`` (m,) says the same of the spread of disturbed motions, and of what a motion takes up
+    between samples.
     """
 
     point: int
@@ -160,7 +161,7 @@ class PositionPlan:
         With its ``bends`` (k, m, d), half-planes hold half way through the steps, too, as far as
         these are those of the reference.
         """
-        parts = [*self._dwell_rows, *self._separated(self._anchored(positions), bends)]
+        parts = [*self._dwelling(bends), *self._separated(self._anchored(positions), bends)]
         d = positions.shape[2]
         none = np.zeros(0, dtype=np.int64)
         parts.append((none, none, np.zeros((0, d)), np.zeros(0)))
@@ -173,6 +174,15 @@ class PositionPlan:
     def _dwell_rows(self) -> tuple[Rows, ...]:
         """The half-planes of the dwells, which are those of the sets wherever the reference is."""
         return tuple(self._dwell(dwell) for dwell in self.dwells)
+
+    def _dwelling(self, bends: Array | None) -> tuple[Rows, ...]:
+        """The half-planes of the dwells, also half way through the steps between their samples."""
+        if bends is None:
+            return self._dwell_rows
+        return tuple(
+            _within(dwell, rows, bends)
+            for dwell, rows in zip(self.dwells, self._dwell_rows, strict=True)
+        )
 
     def _anchored(self, positions: Array) -> Array:
         """The reference with the anchored point brought back where it has left its dwells."""
@@ -262,3 +272,16 @@ class PositionPlan:
             toward = np.where(moving, -np.einsum("kpd,kd->kp", bent, normal), 0.0)
             offset -= np.tile(np.maximum(0.0, toward), 2).ravel()
         return sample.ravel(), point.ravel(), normals, offset
+
+
+def _within(dwell: Dwell, rows: Rows, bends: Array) -> Rows:
+    """The rows of a dwell with the room that the motion takes up in the steps next to a sample."""
+    if dwell.first == dwell.last:
+        return rows
+    sample, point, normal, offset = rows
+    kept = np.ones(len(dwell.region.offsets)) if dwell.spreads is None else dwell.spreads
+    taken = np.zeros(len(offset))
+    for step, bound in ((sample - 1, sample > dwell.first), (sample, sample < dwell.last)):
+        bent = bends[np.clip(step, 0, len(bends) - 1), point]
+        taken = np.maximum(taken, np.where(bound, np.einsum("rd,rd->r", normal, bent), 0.0))
+    return sample, point, normal, offset - taken * np.tile(kept, dwell.last - dwell.first + 1)

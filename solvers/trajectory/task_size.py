@@ -16,6 +16,8 @@ from solvers.trajectory.convex_set import ConvexSet, region_set
 
 LEAST_MARGIN = 2e-4
 """The position margin that a search begins with, of tasks of a metre or so (m)."""
+DISTURBED_MARGIN = 2e-3
+"""The same where many motions are proved at once: a wider one costs another proof, a long one."""
 SHARE = 0.1
 """It is no more than this part of the least radius of a region that is to be reached."""
 SMALLEST = 1e-6
@@ -39,7 +41,9 @@ def least_margin(workspace: ir.Workspace, task: ir.Task) -> float:
     names |= set() if task.reach is None else {task.reach.region}
     sets = [region_set(workspace.region(name).shape, workspace.dimension) for name in names]
     least = SHARE * min((_radius(each) for each in sets), default=np.inf)
-    return float(np.clip(least, SMALLEST * unit, LEAST_MARGIN * unit))
+    several = task.repeat or task.robust is not None
+    most = DISTURBED_MARGIN if several else LEAST_MARGIN
+    return float(np.clip(least, SMALLEST * unit, most * unit))
 
 
 def _radius(region: ConvexSet) -> float:

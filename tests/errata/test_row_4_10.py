@@ -46,7 +46,7 @@ def two_links() -> tuple[ControlProblem, Trajectory]:
     x = np.zeros((STEPS + 1, 4))
     x[:, :2] = np.linspace([0, 0], [0.9, 0.6], STEPS + 1)
     seed = Trajectory(x, np.zeros((STEPS, 2)), LENGTHS)
-    return ControlProblem(numeric, DT, 16, limits(2, 0.0), groups, lambda _: rows), seed
+    return ControlProblem(numeric, DT, 16, limits(2, 0.0), groups, lambda *_: rows), seed
 
 
 def simulated_end(at: Trajectory) -> Array:

@@ -36,7 +36,7 @@ def test_what_one_length_cannot_follow_another_can(length: float, *, possible: b
         np.array([STEPS]), np.array([0]), np.array([[0.0, -1.0]]), np.array([-HEIGHT])
     )
     seed = replace(seed, theta=np.array([length]))
-    outcome = synthesise_control(replace(problem, rows_of=lambda _: rows), seed)
+    outcome = synthesise_control(replace(problem, rows_of=lambda *_: rows), seed)
     assert outcome.feasible == possible
     if possible:
         assert outcome.effort_peak == pytest.approx(least_torque(length), rel=1e-3)

@@ -47,7 +47,7 @@ def test_a_robot_that_needs_no_effort_has_its_whole_margin() -> None:
         np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros(0)
     )
     still = replace(seed, x=np.zeros_like(seed.x))
-    outcome = synthesise_control(replace(problem, rows_of=lambda _: nowhere), still)
+    outcome = synthesise_control(replace(problem, rows_of=lambda *_: nowhere), still)
     assert outcome.feasible
     assert outcome.robustness == pytest.approx(BOUND, rel=1e-6)
 

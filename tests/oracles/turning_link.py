@@ -53,7 +53,7 @@ def one_link(
         1,
         limits(1, final, **changes),
         (InputGroup((0,), -bound, bound, norm2=False),),
-        lambda _: rows,
+        lambda *_: rows,
     )
     x = np.stack([np.linspace(0, angle, steps + 1), np.full(steps + 1, angle / steps / DT)], axis=1)
     x[0, 1] = 0.0

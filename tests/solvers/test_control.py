@@ -18,7 +18,7 @@ from solvers.trajectory.control_problem import (
     effort_peak,
     input_margin,
 )
-from solvers.trajectory.linear_model import PositionRows
+from solvers.trajectory.linear_model import PositionRows, bends
 from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
@@ -78,7 +78,8 @@ def check_motion(problem: ControlProblem, outcome: ControlOutcome) -> None:
     after = numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
     np.testing.assert_allclose(at.x[1:], after, atol=1e-9)
     points = numeric.points(at.x[:, : numeric.n], at.theta)
-    assert problem.rows_of(points.value).excess(points).max(initial=0.0) < 1e-5
+    bent = bends(points, at.x[:, numeric.n : 2 * numeric.n], problem.dt)
+    assert problem.rows_of(points.value, bent).excess(points).max(initial=0.0) < 1e-5
     assert input_margin(problem.groups, at.u) >= 0
     assert outcome.robustness == pytest.approx(input_margin(problem.groups, at.u))
     bounds, n = problem.limits, numeric.n
@@ -139,7 +140,7 @@ def test_two_links_reach_a_height_at_rest(norm2: bool) -> None:
         np.array([-0.9, 0.8]),
     )  # fmt: skip
     problem = ControlProblem(
-        numeric, DT, 2, limits(2, 0.0), (InputGroup((0, 1), -10.0, 10.0, norm2),), lambda _: rows
+        numeric, DT, 2, limits(2, 0.0), (InputGroup((0, 1), -10.0, 10.0, norm2),), lambda *_: rows
     )
     x = np.zeros((steps + 1, 4))
     x[:, :2] = np.linspace([0, 0], [0.9, 0.6], steps + 1)
@@ -157,7 +158,12 @@ def test_free_lengths_are_used() -> None:
         np.array([steps]), np.array([0]), np.array([[0.0, -1.0]]), np.array([-height])
     )
     problem = ControlProblem(
-        ONE, DT, 1, limits(1, np.inf), (InputGroup((0,), -10.0, 10.0, norm2=False),), lambda _: rows
+        ONE,
+        DT,
+        1,
+        limits(1, np.inf),
+        (InputGroup((0,), -10.0, 10.0, norm2=False),),
+        lambda *_: rows,
     )
     x = np.stack([np.linspace(0, 0.8, steps + 1), np.full(steps + 1, 0.8)], axis=1)
     seed = Trajectory(x, np.zeros((steps, 1)), np.array([1.5]))

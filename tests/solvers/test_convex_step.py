@@ -100,7 +100,7 @@ class Case:
 
     @property
     def question(self) -> SubproblemSpec:
-        weights = Weights(rates=self.rates, mobility=self.mobility)
+        weights = Weights(position=200.0, rates=self.rates, mobility=self.mobility)
         return SubproblemSpec(self.limits, self.groups, self.box, weights, self.epsilon)
 
     @property

@@ -19,6 +19,7 @@ from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
 from solvers.trajectory.task_limits import motion_limits
+from solvers.trajectory.task_size import LEAST_MARGIN
 from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.small_specs import TURNER
 
@@ -39,7 +40,7 @@ def path_problem(tmp_path, *changes):
     model = family.robot(family.replay(WORD))
     numeric = NumericRobot(robot_graph(model, task.gravity))
     cells = abstract(workspace)
-    return PathProblem(numeric, workspace, task, cells, 0, (cells.index("S"),), 2e-3, 0)
+    return PathProblem(numeric, workspace, task, cells, 0, (cells.index("S"),), LEAST_MARGIN, 0)
 
 
 def test_limits_are_kept_at_a_distance_that_grows_with_the_margin(tmp_path):

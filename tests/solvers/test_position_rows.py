@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import Points
 from solvers.trajectory.convex_set import ConvexSet
+from solvers.trajectory.linear_model import bends
 from solvers.trajectory.position_plan import Dwell, PositionPlan, Separation
 from solvers.trajectory.separating_planes import Obstacles, separating_planes
 from tests.oracles.some_cases import some
@@ -332,3 +333,78 @@ def test_rows_of_separations_of_many_kinds_are_those_of_each_in_order() -> None:
     far = alone[3].normal
     assert all(np.abs(sets[3].normals + row).sum(axis=1).min() < 1e-12 for row in far)
     assert np.all((far @ sets[3].vertices.T).min(axis=1) >= alone[3].offset)
+
+
+def parabolas(rng: np.random.Generator, steps: int) -> tuple[Array, Array]:
+    """Positions (steps + 1, 3, 2) of points with constant accelerations in steps, and their rates.
+
+    A step takes one second; the rates (steps + 1, 3, 2) are continuous.
+    """
+    x, v = [around(rng, 1)[0]], [rng.uniform(-0.3, 0.3, (3, 2))]
+    for _ in range(steps):
+        a = rng.uniform(-1.0, 1.0, (3, 2)) * rng.choice([0.05, 0.6])
+        x.append(x[-1] + v[-1] + a / 2)
+        v.append(v[-1] + a)
+    return np.array(x), np.array(v)
+
+
+def bent(rates: Array) -> Array:
+    """The bends of such motions, whose coordinates are their positions themselves."""
+    k, m, d = rates.shape
+    by_q = np.broadcast_to(np.eye(m * d).reshape(m, d, m * d), (k, m, d, m * d))
+    points = Points(np.zeros((k, m, d)), by_q, np.zeros((k, m, d, 0)))
+    return bends(points, rates.reshape(k, m * d), 1.0)
+
+
+def test_bends_are_what_curves_are_off_their_chords_half_way() -> None:
+    x, v = parabolas(np.random.default_rng(3), 6)
+    middle = x[:-1] + v[:-1] / 2 + (v[1:] - v[:-1]) / 8
+    np.testing.assert_allclose(bent(v), middle - (x[:-1] + x[1:]) / 2, atol=1e-12)
+
+
+def test_curves_that_keep_their_rows_are_clear_between_samples() -> None:
+    """Looked at 21 times a step, against exact distances; chords alone would not do."""
+    rng, plan = (
+        np.random.default_rng(7),
+        PositionPlan(1, (), (Separation(GROUP, OBSTACLE, 0.02),), 0.0),
+    )
+    kept, caught = 0, 0
+    for _ in range(3000):
+        x, v = parabolas(rng, 1)
+        a = rng.uniform(-3.0, 3.0, (3, 2))
+        v[0] = -rng.uniform(0.3, 0.7) * a  # there and back again
+        v[1] = v[0] + a
+        x[1] = x[0] + v[0] + a / 2
+        with_bends = plan.rows(x, bent(v)).excess(points_of(x)).max() <= 0
+        if not with_bends and plan.rows(x).excess(points_of(x)).max() > 0:
+            continue
+        times = np.linspace(0, 1, 21)[:, None, None]
+        curve = x[0] + times * v[0] + times**2 / 2 * (v[1] - v[0])
+        least = min(distance(each[list(GROUP)], OBSTACLE) for each in curve)
+        if with_bends:
+            kept += 1
+            assert least >= 0.02 - 1e-9
+        else:
+            caught += least < 0.02
+    assert kept > 100
+    assert caught >= 5
+
+
+def test_curves_that_keep_their_rows_stay_in_a_dwell_between_its_samples() -> None:
+    """Not so beyond its first and last sample, nor through facets of which only samples speak."""
+    rng = np.random.default_rng(8)
+    region = ConvexSet(np.array([[1.0, 0.0], [0.0, 1.0]]), np.array([2.6, 2.6]), OBSTACLE.vertices)
+    plan = PositionPlan(4, (Dwell(1, 1, 3, region, spreads=np.array([1.0, 0.0])),), (), 0.0)
+    kept, beyond = 0, 0
+    for _ in range(4000):
+        x, v = parabolas(rng, 4)
+        if plan.rows(x, bent(v)).excess(points_of(x)).max() > 0:
+            continue
+        kept += 1
+        times = np.linspace(0, 1, 21)[:, None, None]
+        curves = [x[i] + times * v[i] + times**2 / 2 * (v[i + 1] - v[i]) for i in range(4)]
+        first, second = (np.array([c[:, 1, axis].max() for c in curves]) for axis in (0, 1))
+        assert first[1:3].max() <= 2.6 + 1e-9
+        beyond += first[0] > 2.6 or first[3] > 2.6 or second[1:3].max() > 2.6
+    assert kept > 50
+    assert beyond > 10

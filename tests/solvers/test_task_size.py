@@ -49,7 +49,12 @@ def test_the_first_margin_leaves_room_in_what_is_to_be_reached() -> None:
     workspace = found.workspaces["W"]
     assert least_margin(workspace, found.tasks["T"]) == LEAST_MARGIN
     # V is 1 cm wide.
-    assert least_margin(workspace, found.tasks["U"]) == pytest.approx(0.0005)
+    assert least_margin(workspace, found.tasks["U"]) == LEAST_MARGIN
+    several = replace(found.tasks["U"], repeat=True)
+    assert least_margin(workspace, several) == pytest.approx(0.0005)
+    narrow = box("V", "region", (0, Fraction("0.001")), (0, 1))
+    small = replace(workspace, regions=(workspace.regions[0], narrow))
+    assert least_margin(small, found.tasks["U"]) == pytest.approx(0.00005)
     line = box("V", "region", (0, 0), (0, 1))
     flat = replace(workspace, regions=(workspace.regions[0], line))
     assert least_margin(flat, found.tasks["U"]) == pytest.approx(SMALLEST)
@@ -62,7 +67,7 @@ def test_the_least_torque_is_found_whatever_the_size(scale: float) -> None:
     problem, seed = one_link(steps, bound, 0.0)
     rows, longer = beyond(steps, ANGLE, scale * LENGTH), scale**3
     groups = (replace(problem.groups[0], lower=-bound * longer, upper=bound * longer),)
-    problem = replace(problem, groups=groups, rows_of=lambda _: rows, unit=scale)
+    problem = replace(problem, groups=groups, rows_of=lambda *_: rows, unit=scale)
     outcome = synthesise_control(problem, replace(seed, theta=scale * seed.theta))
     assert outcome.feasible
     least = double_integrator(steps, rest=True, reach=ANGLE)

@@ -163,9 +163,9 @@ class Followed:
     @property
     def fails(self) -> bool:
         """Whether something that has to hold at every instant has failed."""
-        return any(
-            item.status is Status.FAILS for item in (*self.constraints, *self.limits, self.defined)
-        )
+        states = [item.status for item in self.constraints]
+        states += [item.status for item in self.limits]
+        return Status.FAILS in (*states, self.defined.status)
 
     def positions(self) -> list[list[list[arb]]]:
         """Positions (samples, points, d)."""
