@@ -25,6 +25,7 @@ from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer, chosen_by_spread
 from solvers.search.cell_timing import Timed, settled
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of, free_parameters
+from solvers.search.first_motion import first_motion
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
 from solvers.trajectory.corridor import Entries
 from solvers.trajectory.fine_motion import narrowed
@@ -119,6 +120,10 @@ def search_configuration(
     search = _Survey(path_problem, label, context, at_once)
     calm, slower = path_problem.rates > 0, None
     may_calm = not calm and start is None
+    plain = may_calm and at_once is not None and not path_problem.in_joints
+    first = first_motion(path_problem, context.seed, context.check_time) if plain else None
+    if first is not None and at_once is not None:
+        at_once(first)
     if start is not None and not search.space.is_point:
         search.evaluate([start], SURVEY)
     else:
@@ -129,16 +134,17 @@ def search_configuration(
             return replace(slower, samples=(*search.samples, *slower.samples))
         search.run()
     entries = path_problem.waypoints()[1]
-    ranked = sorted(search.polished(entries), key=lambda outcome: -search.worth(outcome))
+    found = [*search.polished(entries), *([] if first is None else [first])]
+    ranked = sorted(found, key=lambda outcome: -search.worth(outcome))
     samples = tuple(search.samples)
     with_price = search.calm_samples if slower is None else slower.samples
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
         # Tracking a line through cells may lead nowhere, where a way in joint space does.
         other = replace(path_problem, in_joints=True)
-        found = search_configuration(other, f"{label}|joints", context, at_once, start)
-        if found.outcome.robustness > ranked[0].robustness:
-            return replace(found, samples=samples + with_price + found.samples)
-        samples += found.samples
+        again = search_configuration(other, f"{label}|joints", context, at_once, start)
+        if again.outcome.robustness > ranked[0].robustness:
+            return replace(again, samples=samples + with_price + again.samples)
+        samples += again.samples
     if may_calm and slower is None and only_for_feedback(path_problem, ranked):
         slower = calmed(path_problem, label, context)
         if slower.outcome.feasible:

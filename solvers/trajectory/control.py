@@ -250,10 +250,7 @@ def _outcome(problem: ControlProblem, iteration: _Iteration) -> ControlOutcome:
     if found is not None:
         best, value = found, found.margin
     else:
-        violation = (
-            defect + max(0.0, -at.margin) + problem.scale * (at.excess / problem.unit + at.outside)
-        )
-        best, value = at, -min(violation, WORST * problem.scale)
+        best, value = at, -_violation(problem, at)
     return ControlOutcome(
         best.trajectory,
         closed,
@@ -267,6 +264,36 @@ def _outcome(problem: ControlProblem, iteration: _Iteration) -> ControlOutcome:
         regulated,
         iteration.detail if iteration.ending is Ending.UNSOLVED else "",
     )
+
+
+def as_it_is(problem: ControlProblem, motion: Trajectory) -> ControlOutcome | None:
+    """What a motion that its inputs cause is worth without any change; None where that has no use.
+
+    It is a motion of the robot: what its inputs do not cause counts as a violation.
+    """
+    at = measured(problem, motion)
+    if at is None:
+        return None
+    kept = at.excess <= problem.excess and at.outside <= LIMIT_EXCESS and at.margin >= 0
+    feasible = kept and at.defect <= POLISHED_DEFECT
+    return ControlOutcome(
+        motion,
+        feasible,
+        at.margin if feasible else -_violation(problem, at),
+        effort_peak(problem.groups, motion.u),
+        at.fictitious,
+        at.excess,
+        0,
+        Ending.FIXPOINT if feasible else Ending.VIOLATIONS,
+        at.defect,
+    )
+
+
+def _violation(problem: ControlProblem, at: MeasuredMotion) -> float:
+    """What a motion breaks in all, in units of effort."""
+    largest = float(np.max(at.fictitious, initial=0.0))
+    places = problem.scale * (at.excess / problem.unit + at.outside)
+    return min(largest + max(0.0, -at.margin) + places, WORST * problem.scale)
 
 
 def _closed(

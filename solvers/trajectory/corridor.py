@@ -24,6 +24,7 @@ from solvers.trajectory.body_clearance import Avoidances, BodyClearance
 from solvers.trajectory.convex_set import ConvexSet, convex_set, region_set
 from solvers.trajectory.inverse_kinematics import Pool, pool
 from solvers.trajectory.joint_ways import looked_at, positions_of, straight_ways
+from solvers.trajectory.monotone_cubic import monotone_cubic
 from solvers.trajectory.position_plan import Dwell, Separation
 
 Entries: TypeAlias = tuple[int, ...]
@@ -89,18 +90,13 @@ def smooth_timing(line: Polyline, steps: int) -> tuple[Array, Entries]:
 def timing_of(line: Polyline, entries: Entries, steps: int) -> Array:
     """Lengths (steps + 1,) in m along the line that enter the cells at given samples.
 
-    A monotone cubic (Fritsch & Carlson 1980) through the gates, half a step before each entry, at
-    rest at both ends.
+    A monotone cubic through the gates, half a step before each entry, at rest at both ends.
     """
-    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
-
     along = line.along
     times = np.array([0.0, *(entry - 0.5 for entry in entries[1:]), float(steps)])
     values = np.array([0.0, *along[list(line.gates)], along[-1]])
-    slopes = PchipInterpolator(times, values).derivative()(times)
-    slopes[0] = slopes[-1] = 0.0
-    curve = np.asarray(CubicHermiteSpline(times, values, slopes)(np.arange(steps + 1)))
-    return np.clip(curve.astype(np.float64), 0.0, along[-1])
+    curve = monotone_cubic(times, values, np.arange(steps + 1.0))
+    return np.clip(curve, 0.0, along[-1])
 
 
 def gentle_entries(

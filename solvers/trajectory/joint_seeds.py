@@ -19,6 +19,7 @@ from compiler.time_limits.time_limit import check_time
 from solvers.trajectory.convex_set import ConvexSet
 from solvers.trajectory.inverse_kinematics import Pool, apart, solve_positions
 from solvers.trajectory.joint_ways import ClearSpace, joint_way
+from solvers.trajectory.monotone_cubic import monotone_cubic
 from solvers.trajectory.position_plan import Dwell
 
 POSES = 16
@@ -58,10 +59,13 @@ def joint_seeds(
     first: Array | None,
     count: int,
     seed: int,
+    *,
+    straight: bool = False,
 ) -> list[Array]:
     """Motions (k + 1, n) through all stops, at most ``count``, the shortest first.
 
-    ``drawn`` are random poses; ``first`` (n,) is the only pose to start from, None: any.
+    ``drawn`` are random poses; ``first`` (n,) is the only pose to start from, None: any.  Ways that
+    have to be ``straight`` between stops are not led around obstacles.
     """
     rng = np.random.default_rng(seed)
     known: dict[tuple[tuple[int, int], ...], Array] = {}
@@ -76,7 +80,7 @@ def joint_seeds(
         poses[0] = first[None]
     if not all(map(len, poses)):
         return []
-    chains = _Chains(space, tuple(stops), tuple(poses), seed)
+    chains = _Chains(space, tuple(stops), tuple(poses), seed, straight)
     return chains.motions(count)
 
 
@@ -126,6 +130,7 @@ class _Chains:
     stops: tuple[Stop, ...]
     poses: tuple[Array, ...]
     seed: int
+    straight: bool
 
     def motions(self, count: int) -> list[Array]:
         """The motions of the best chains, which end in different poses."""
@@ -140,7 +145,7 @@ class _Chains:
             for number, (i, j) in enumerate(itertools.pairwise(chain)):
                 if (number, i, j) not in ways:
                     start, end = self.poses[number][i], self.poses[number + 1][j]
-                    ways[number, i, j] = joint_way(self.space, start, end, self.seed)
+                    ways[number, i, j] = self._way(start, end)
                 if ways[number, i, j] is None:
                     costs[number][i, j] = np.inf
                     good = False
@@ -152,6 +157,13 @@ class _Chains:
                 costs[-1][:, chain[-1]] = np.inf
         return found
 
+    def _way(self, start: Array, end: Array) -> Array | None:
+        """Poses (w, n) on a clear way, None where none is found."""
+        if not self.straight:
+            return joint_way(self.space, start, end, self.seed)
+        clear = bool(self.space.passable(start[None], end[None])[0])
+        return np.array([start, end]) if clear else None
+
     def _costs(self, number: int) -> Array:
         """The squares of lengths over times, from each pose of a stop to each of the next."""
         before, after = self.poses[number], self.poses[number + 1]
@@ -160,8 +172,6 @@ class _Chains:
 
     def _timed(self, ways: Sequence[Array]) -> Array:
         """Coordinates (k + 1, n) along ways, at each stop in time, from rest to rest."""
-        from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
-
         steps = self.stops[-1].sample
         poses, times, along = [ways[0][0]], [0.0], [0.0]
         for way in ways:
@@ -170,11 +180,9 @@ class _Chains:
             along += (along[-1] + np.cumsum(lengths)).tolist()
             times.append(along[-1])
         places = np.array(along)
-        gates, samples = np.array(times), np.array([stop.sample for stop in self.stops])
-        slopes = PchipInterpolator(samples, gates).derivative()(samples)
-        slopes[0] = slopes[-1] = 0.0
-        curve = CubicHermiteSpline(samples, gates, slopes)(np.arange(steps + 1))
-        at = np.clip(np.asarray(curve), 0.0, places[-1])
+        gates, samples = np.array(times), np.array([float(stop.sample) for stop in self.stops])
+        curve = monotone_cubic(samples, gates, np.arange(steps + 1.0))
+        at = np.clip(curve, 0.0, places[-1])
         kept = np.concatenate([[True], np.diff(places) > 0])
         columns = [np.interp(at, places[kept], column[kept]) for column in np.array(poses).T]
         return np.stack(columns, axis=1)

@@ -229,7 +229,7 @@ class PathProblem:
         that are clear, or such as a roadmap of clear poses gives.
         """
         limits = self.limits
-        ways = self._joint_seeds(theta) if self.in_joints else []
+        ways = self.joint_ways(theta, straight=False) if self.in_joints else []
         if ways:
             return [self._seed(q, theta) for q in ways]
         place, box = self.waypoints()[0], limits.box
@@ -254,8 +254,8 @@ class PathProblem:
         u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.numeric.m)
         return Trajectory(np.concatenate([q, v, own], axis=1), u, theta)
 
-    def _joint_seeds(self, theta: Array) -> list[Array]:
-        """Motions (k + 1, n) in joint space through the places that bind points."""
+    def joint_ways(self, theta: Array, *, straight: bool) -> list[Array]:
+        """Coordinates (k + 1, n) of ways in joint space through the places that bind points."""
         corridor, entries = self.corridor(theta), self.waypoints()[1]
         drawn = corridor.drawn(np.random.default_rng(self.seed))
         numeric = self.numeric
@@ -266,7 +266,9 @@ class PathProblem:
         )  # fmt: skip
         stops = stops_of(self.plan(entries, released=True).dwells, self.task.steps)
         first = self.limits.start_values
-        return joint_seeds(space, stops, drawn, first, self.branch_count, self.seed)
+        return joint_seeds(
+            space, stops, drawn, first, self.branch_count, self.seed, straight=straight
+        )
 
     @property
     def binds_bodies(self) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from compiler.arrays import Array
 from solvers.trajectory.corridor import Corridor, Entries, Flags, Layers
 from solvers.trajectory.inverse_kinematics import Pool, apart, poses_in
+from solvers.trajectory.monotone_cubic import monotone_cubic
 
 TOUCHING = -0.02
 """Clearance, in units of length, down to which a seed counts as clear: programs mend the rest."""
@@ -286,8 +287,6 @@ def timed(corridor: Corridor, path: JointPath, entries: Entries, steps: int) -> 
     A monotone cubic in time through the gates, half a step before each entry; corners are rounded
     where the body stays clear.
     """
-    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
-
     ways = np.linalg.norm(np.diff(path.q, axis=0) * corridor.levers, axis=1)
     along = np.concatenate([[0.0], np.cumsum(ways)])
     if along[-1] <= 0:
@@ -296,10 +295,8 @@ def timed(corridor: Corridor, path: JointPath, entries: Entries, steps: int) -> 
     gates = dense[_gates(corridor, _at(path, along, dense))]
     times = np.array([0.0, *(entry - 0.5 for entry in entries[1:]), float(steps)])
     values = np.array([0.0, *gates, along[-1]])
-    slopes = PchipInterpolator(times, values).derivative()(times)
-    slopes[0] = slopes[-1] = 0.0
-    curve = np.asarray(CubicHermiteSpline(times, values, slopes)(np.arange(steps + 1)))
-    q = _at(path, along, np.clip(curve.astype(np.float64), 0.0, along[-1]))
+    curve = monotone_cubic(times, values, np.arange(steps + 1.0))
+    q = _at(path, along, np.clip(curve, 0.0, along[-1]))
     rounded = _rounded(q, steps)
     clear = corridor.clearance.of(corridor.positions(rounded)).min()
     return rounded if clear >= min(0.0, corridor.clearance.of(corridor.positions(q)).min()) else q
