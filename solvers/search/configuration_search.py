@@ -122,7 +122,7 @@ def search_configuration(
     may_calm = not calm and start is None
     plain = may_calm and at_once is not None and not path_problem.in_joints
     first = first_motion(path_problem, context.seed, context.check_time) if plain else None
-    if first is not None and at_once is not None:
+    if first is not None and at_once is not None and not search.space.is_point:
         at_once(first)
     if start is not None and not search.space.is_point:
         search.evaluate([start], SURVEY)

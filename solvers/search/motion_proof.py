@@ -60,20 +60,23 @@ class MotionProof:
             self.context.check_time, last=True,
         )  # fmt: skip
 
-    def is_plain(self, path_problem: PathProblem, outcome: ControlOutcome) -> bool:
-        """Whether hardly anything has to be prepared for the proof of a motion that was just found.
-
-        Not so where motions go on for ever, where the task names disturbances or where inputs alone
-        do not cause the motion.
-        """
-        endless, robust = self.task.repeat, self.task.robust is not None
-        return not (endless or robust) and False in feedback_choices(path_problem, outcome)
-
     def early(self, path_problem: PathProblem, outcome: ControlOutcome) -> Design | None:
-        """The design of such a motion, if it is proved at once."""
+        """The design of a motion that was just found, if it is proved with little preparation.
+
+        None, and no proof is tried, where motions go on for ever, where the task names
+        disturbances, or where a motion needs feedback and its rates had no price.
+        """
+        if self.task.repeat or self.task.robust is not None:
+            return None
+        finer = refined(path_problem, outcome.trajectory)
+        opened = False in feedback_choices(path_problem, outcome)
+        feedback = not opened or unstable(finer, outcome.trajectory)
+        if feedback and (self.task.control == "open loop" or not path_problem.rates):
+            return None
+        given = replace(path_problem, bound=False, feedback=feedback, refines=feedback)
         entries = path_problem.waypoints()[1]
         found = Configuration(outcome, entries, path_problem.cells, bound=False)
-        answer = self.with_margins(replace(path_problem, bound=False), found, EARLY).answer
+        answer = self.with_margins(given, found, EARLY).answer
         return answer.design if isinstance(answer, Found) else None
 
     def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:

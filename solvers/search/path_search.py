@@ -230,8 +230,7 @@ class _Early:
             self._best = outcome.robustness
             cells, entries = path_problem.cells, path_problem.waypoints()[1]
             search.see(path_problem, Configuration(outcome, entries, cells))
-        tried = self.design is not None or not self._left
-        if tried or not outcome.feasible or not search.proof.is_plain(path_problem, outcome):
+        if self.design is not None or not self._left or not outcome.feasible:
             return
         self._left -= 1
         self.design = search.proof.early(path_problem, outcome)
