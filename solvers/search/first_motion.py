@@ -24,8 +24,9 @@ DRAWN = 3
 """Parameters that are drawn, besides those in the middle of their bounds."""
 BROUGHT_BACK = 0.5
 """The part of a deviation from the way that is made up for within a step."""
-CORRECTIONS = 2
-"""Steps are hardly curved in their inputs."""
+CORRECTIONS = 4
+SETTLED = 1e-3
+"""Inputs are corrected until no rate is missed by more (rad/s or m/s), so many times at most."""
 PUSHED = 1e-6
 """Directions that no input moves, relative to the one that is moved most."""
 
@@ -85,12 +86,14 @@ def followed(path_problem: PathProblem, ways: Array, theta: Array) -> list[Traje
     with np.errstate(all="ignore"):
         for sample in range(1, k + 1):
             at = numeric.step(x, u, theta, dt, path_problem.substeps)
+            back = 0.0 if sample == k else BROUGHT_BACK / dt
             for _ in range(CORRECTIONS):
                 wanted = rates[:, sample] - at.value[:, n : 2 * n]
-                if sample < k:
-                    wanted += (ways[:, sample] - at.value[:, :n]) * BROUGHT_BACK / dt
-                pushes = np.linalg.pinv(np.nan_to_num(at.input[:, n : 2 * n]), rcond=PUSHED)
-                u = u + np.einsum("smn,sn->sm", pushes, wanted)
+                wanted += back * (ways[:, sample] - at.value[:, :n])
+                if not np.max(np.abs(wanted)) > SETTLED:
+                    break
+                pushed = np.nan_to_num(at.input[:, n : 2 * n] + back * at.input[:, :n])
+                u = u + np.einsum("smn,sn->sm", np.linalg.pinv(pushed, rcond=PUSHED), wanted)
                 at = numeric.step(x, u, theta, dt, path_problem.substeps)
             x = at.value
             states.append(x)
