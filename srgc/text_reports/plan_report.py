@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from compiler.robots.candidate import candidates
+from compiler.robots.normal_form import family_of
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.tasks.plan_script import dimacs, smt2
 from compiler.tasks.specification import PlanningProblem, planning_problem, recorded_effector
 from compiler.tasks.word_formula import holds
+from compiler.words.budget import WordsTooLongError
+from compiler.words.finite_automaton import AutomatonTooLargeError
+from compiler.words.structures import InfiniteAmbiguityError
 from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
+from solvers.conclusion import module_bound
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
 from solvers.search.round_task import closing, round_tasks
 from solvers.trajectory.corridor import Entries, gentle_entries, polyline, word_of
@@ -45,11 +52,12 @@ def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = No
     """The plan with the fewest changes of cell, one cell a line; or why there is none.
 
     Where it matters when cells are entered, lines say so; paths of several effectors have headings.
+    A plan keeps effectors that are on a body out of what bodies avoid, where there is such a plan.
     """
     program, task = expanded(program, task)
     workspace, cells = program.workspaces[task.workspace], _cells(program, task, least_cells)
     found = PlanReport("unknown", "unknown: there is no cell to start in", workspace, cells)
-    for problem in _problems(cells, task):
+    for problem in (*_clear_problems(program, task, cells), *_problems(cells, task)):
         match Planner(problem).next_plan():
             case Holds(witness=plan):
                 gentle = _gentle(plan, problem, cells)
@@ -113,6 +121,32 @@ def _problems(cells: Abstraction, task: ir.Task) -> Iterator[PlanningProblem]:
     recorded = recorded_effector(task) or 0
     for part in round_tasks(task, recorded):
         yield from closing(planning_problem(cells, part.task, recorded), part)
+
+
+def _clear_problems(
+    program: ir.Program, task: ir.Task, cells: Abstraction
+) -> Iterator[PlanningProblem]:
+    """The same without the cells that bodies avoid, for effectors that are on a body.
+
+    They are those of the smallest robot that can move.
+    """
+    if all(avoid.subject != "body" for avoid in task.avoid):
+        return
+    # They load casadi, which other plans do not need.
+    from compiler.discretisation.numeric_robot import NumericRobot
+    from compiler.dynamics.equations_of_motion import robot_graph
+    from solvers.search.sampled_cells import clear_of_bodies
+
+    family = family_of(program, task)
+    model = None
+    with suppress(InfiniteAmbiguityError, AutomatonTooLargeError, WordsTooLongError):
+        robots = candidates(family, module_bound(family, task), task.origin)
+        models = (each.model for each in robots if each.model is not None)
+        model = next((each for each in models if each.dofs), None)
+    if model is not None:
+        numeric = NumericRobot(robot_graph(model, task.gravity))
+        for problem in _problems(cells, task):
+            yield clear_of_bodies(problem, numeric, cells, task)
 
 
 def _lines(plan: Plan, cells: Abstraction, task: ir.Task) -> Iterator[str]:

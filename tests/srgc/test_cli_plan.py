@@ -178,3 +178,49 @@ def test_what_cannot_be_drawn_or_written(srgc: Srgc, spec: Spec, tmp_path: Path,
     assert ran.status == 2
     assert ran.err.startswith("error: ")
     assert not (tmp_path / name).exists()
+
+
+LIMBS = """
+module Base { role base; }
+module Limb { role link; dof q: revolute z in [-170, 170] deg; param length in [0.4, 0.9] m; }
+module Hand { role effector; }
+grammar Arm { start R; hand: R -> Ls Hand; limb: Ls -> Ls Limb; base: Ls -> Base; }
+semantics Arm {
+  base { this.tip = world; }
+  hand { effector(frame: Ls.tip); }
+  limb { this.tip = Ls.tip * rot(z, Limb.q) * move(x, Limb.length);
+         rod(frame: this.tip, axis: -x, length: Limb.length, density: 1 kg/m); }
+}
+workspace Place {
+  plane xy;
+  bounds box [-2, 2] x [-2, 2] m;
+  region Home box [0.9, 1.1] x [-0.6, -0.4] m;
+  target Goal box [0.9, 1.1] x [0.5, 0.7] m;
+  region Mud box [0.6, 1.5] x [-0.1, 0.1] m;
+}
+task T {
+  robot Arm; workspace Place; start in Home at rest; reach Goal; avoid Mud with body;
+  effort <= 20 N*m; horizon 40 steps of 0.1 s;
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "through"),
+    [
+        ("", "", False),
+        ("avoid Mud with body;", "", True),
+        # The hand is not on a body.
+        ("effector(frame: Ls.tip);", "effector(frame: Ls.tip * move(y, 0.3 m));", True),
+        # There is no other way.
+        ("Mud box [0.6, 1.5]", "Mud box [-2, 2]", True),
+    ],
+)
+def test_effectors_on_bodies_keep_out_of_what_bodies_avoid(
+    srgc: Srgc, tmp_path: Path, old: str, new: str, through: bool
+) -> None:
+    spec = tmp_path / "limbs.srg"
+    spec.write_text(LIMBS.replace(old, new) if old else LIMBS, encoding="utf-8")
+    ran = srgc("plan", spec)
+    assert (ran.status, ran.err) == (0, "")
+    assert any(line.startswith("Mud") for line in ran.out.splitlines()) is through
