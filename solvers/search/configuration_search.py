@@ -354,7 +354,7 @@ def _moves_apart(one: ControlOutcome, other: ControlOutcome) -> bool:
 
 
 def within_limits(
-    path_problem: PathProblem, found: Configuration
+    path_problem: PathProblem, found: Configuration, budget: IterationBudget = FULL
 ) -> tuple[PathProblem, Configuration]:
     """A configuration whose motion keeps the limits of joints and rates within its steps too.
 
@@ -367,12 +367,14 @@ def within_limits(
         if closer is None:
             break
         path_problem = closer
-        found = resolved(path_problem, found)
+        found = resolved(path_problem, found, budget)
     return path_problem, found
 
 
-def resolved(path_problem: PathProblem, found: Configuration) -> Configuration:
+def resolved(
+    path_problem: PathProblem, found: Configuration, budget: IterationBudget = FULL
+) -> Configuration:
     """A configuration under other margins; the parameters may move along with the motion."""
     trajectory = found.outcome.trajectory
     box = free_parameters(path_problem, trajectory)
-    return replace(found, outcome=path_problem.solve(trajectory, found.entries, box))
+    return replace(found, outcome=path_problem.solve(trajectory, found.entries, box, budget))

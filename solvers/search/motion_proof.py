@@ -25,7 +25,7 @@ from solvers.search.configuration_search import (
 from solvers.search.constraint_tightening import ConstraintTightening, no_margin_text
 from solvers.search.path_task import Design
 from solvers.search.search_state import Answer, Blocked, Cause, Found
-from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
 from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
@@ -76,7 +76,7 @@ class MotionProof:
         given = replace(path_problem, bound=False, feedback=feedback, refines=feedback)
         entries = path_problem.waypoints()[1]
         found = Configuration(outcome, entries, path_problem.cells, bound=False)
-        answer = self.with_margins(given, found, EARLY).answer
+        answer = self.with_margins(given, found, EARLY, SURVEY).answer
         return answer.design if isinstance(answer, Found) else None
 
     def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:
@@ -120,9 +120,16 @@ class MotionProof:
         return lost and not self.task.control
 
     def with_margins(
-        self, path_problem: PathProblem, found: Configuration, most: int | None = None
+        self,
+        path_problem: PathProblem,
+        found: Configuration,
+        most: int | None = None,
+        budget: IterationBudget = FULL,
     ) -> ProofAttempt:
-        """A proved design with as much tightening as that takes, ``most`` times at most."""
+        """A proved design with as much tightening as that takes, ``most`` times at most.
+
+        ``budget`` is that of the motion under each tightening.
+        """
         tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
         blocked, tried = Blocked(Cause.UNPROVED), 0
         while tightening is not None and tried != most:
@@ -131,9 +138,9 @@ class MotionProof:
             given = path_problem.spread, path_problem.margin, path_problem.substeps
             if (wider.spread, wider.margin, wider.substeps) != given:
                 path_problem = wider
-                found = resolved(path_problem, found)
+                found = resolved(path_problem, found, budget)
             path_problem = replace(path_problem, slack=tightening.slack)
-            path_problem, found = within_limits(path_problem, found)
+            path_problem, found = within_limits(path_problem, found, budget)
             if not found.outcome.feasible:
                 blocked = without_motion(path_problem, found, blocked)
                 break
