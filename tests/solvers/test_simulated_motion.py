@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -20,7 +21,9 @@ from solvers.trajectory.simulated_motion import (
 )
 from solvers.verifier.proofs.checked_condition import CheckedCondition, decisive
 from solvers.verifier.proofs.control_law import ControlLaw
+from solvers.verifier.proofs.scene import Watch
 from solvers.verifier.proofs.trajectory_proof import Motion, Scene, prove_motion
+from solvers.verifier.proofs.tube_checks import Status
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.some_cases import some as chosen
 from tests.solvers.test_disturbed_proof import ONE, TWO, scene, spec, tips
@@ -122,6 +125,9 @@ def gaps(motion: Motion) -> dict[str, float]:
     return found
 
 
+Conditions: TypeAlias = tuple[CheckedCondition, ...]
+
+
 def violated(here: Scene, motion: Motion) -> dict[str, CheckedCondition]:
     found = clear_violations(here, motion, robot(here), simulated(here, motion))
     # Which cells a random motion passes is not known here.
@@ -160,6 +166,32 @@ def test_no_proof_goes_through_where_a_violation_is_clear(closed: bool) -> None:
             worst = decisive(prove_motion(here, motion))
             assert worst is not None
     assert looked_at
+
+
+def proved(here: Scene, motion: Motion, *, brief: bool) -> tuple[Conditions, int]:
+    """The conditions, and how many steps were looked at."""
+    steps = [0]
+    watch = Watch(part=lambda done, _: steps.append(done), brief=brief)
+    return prove_motion(here, motion, watch), max(steps)
+
+
+def failed(conditions: Conditions) -> set[str]:
+    return {each.name for each in conditions if each.status is Status.FAILS}
+
+
+def test_a_brief_proof_ends_at_the_first_violation() -> None:
+    """What fails in it fails in the whole one; where nothing fails, both are the same."""
+    here, shorter = where("reach End; avoid Post with effector, margin 1 cm;"), 0
+    for seed in range(8):
+        motion = random_motion(seed, closed=False)
+        brief, some = proved(here, motion, brief=True)
+        whole, every = proved(here, motion, brief=False)
+        assert failed(brief) <= failed(whole)
+        assert bool(failed(brief)) == bool(failed(whole))
+        shorter += some < every
+        assert some == every or failed(brief)
+        assert brief == whole or failed(brief)
+    assert shorter
 
 
 def test_what_the_errors_may_explain_is_not_clear() -> None:
