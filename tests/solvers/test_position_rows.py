@@ -363,7 +363,7 @@ def test_bends_are_what_curves_are_off_their_chords_half_way() -> None:
 
 
 def test_curves_that_keep_their_rows_are_clear_between_samples() -> None:
-    """Looked at 21 times a step, against exact distances; chords alone would not do."""
+    """Looked at 11 times a step, against exact distances; chords alone would not do."""
     rng, plan = (
         np.random.default_rng(7),
         PositionPlan(1, (), (Separation(GROUP, OBSTACLE, 0.02),), 0.0),
@@ -375,13 +375,14 @@ def test_curves_that_keep_their_rows_are_clear_between_samples() -> None:
         v[0] = -rng.uniform(0.3, 0.7) * a  # there and back again
         v[1] = v[0] + a
         x[1] = x[0] + v[0] + a / 2
-        with_bends = plan.rows(x, bent(v)).excess(points_of(x)).max() <= 0
-        if not with_bends and plan.rows(x).excess(points_of(x)).max() > 0:
+        whole = plan.rows(x, bent(v)).excess(points_of(x)).max()
+        chords = plan.rows(x).excess(points_of(x)).max()
+        if chords > 0 or whole < -0.2:
             continue
-        times = np.linspace(0, 1, 21)[:, None, None]
+        times = np.linspace(0, 1, 11)[:, None, None]
         curve = x[0] + times * v[0] + times**2 / 2 * (v[1] - v[0])
         least = min(distance(each[list(GROUP)], OBSTACLE) for each in curve)
-        if with_bends:
+        if whole <= 0:
             kept += 1
             assert least >= 0.02 - 1e-9
         else:
