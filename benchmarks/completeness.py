@@ -2,10 +2,10 @@
 
 The tasks are those of `tests/oracles/feasible_tasks.py`, each with a motion that does it by an
 independent simulation; whatever is not found is a shortcoming of the search, and *impossible* is a
-fault. `synth` ends after `--limit` seconds; what it finds is verified. Every task has a file under
-the folder of ``-o``, and what is there is not run again unless the text has changed: a run goes on
-where the last one ended, ``--part 1/2`` and ``--part 2/2`` may run side by side, and ``--tree``
-runs the code of another checkout on the same tasks.
+fault. `synth` ends after `--limit` seconds of processor time; what it finds is verified. Every task
+has a file under the folder of ``-o``, and what is there is not run again unless the text has
+changed: a run goes on where the last one ended, ``--part 1/2`` and ``--part 2/2`` may run side by
+side, and ``--tree`` runs the code of another checkout on the same tasks.
 
     python benchmarks/completeness.py --families "two links" motors --seeds 1 2 3
     python benchmarks/completeness.py --tree ../parent -o out/parent --record parent.json
@@ -32,6 +32,8 @@ from tests.oracles.feasible_tasks import KINDS, FeasibleTask, feasible_task
 Told = dict[str, Any]
 GRACE = 10
 """Seconds."""
+SYNTH = Path(__file__).with_name("synth_by_processor_time.py")
+"""`srgc synth` with a limit of processor time."""
 
 
 def digest(task: FeasibleTask) -> str:
@@ -46,10 +48,11 @@ def result(task: FeasibleTask, tree: Path, folder: Path, limit: int) -> Told:
     for name, content in task.files.items():
         (folder / name).write_bytes(content)
     out = folder / "out"
-    command = ["synth", str(folder / "task.srg"), "-q", "--force", "-o", str(out)]
+    command = [str(folder / "task.srg"), "-q", "--force", "-o", str(out)]
     command += ["--time-limit", str(limit)]
     # The search ends itself, with what it has; a little later the system ends it.
-    status, seconds = limited(command, tree, limit + GRACE, folder / "synth.log")
+    program = str(SYNTH), str(folder / "times.json")
+    status, seconds = limited(command, tree, limit + GRACE, folder / "synth.log", program)
     told: Told = {
         "family": task.family,
         "seed": task.seed,

@@ -34,12 +34,18 @@ VERIFY_SECONDS = 300
 """The limit of a verification, in processor time."""
 
 
-def limited(command: list[str], tree: Path, seconds: int, log: Path) -> tuple[int, float]:
+def limited(
+    command: list[str],
+    tree: Path,
+    seconds: int,
+    log: Path,
+    program: tuple[str, ...] = ("-m", "srgc"),
+) -> tuple[int, float]:
     """Exit status and processor seconds of a command of srgc that may use so many of them."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(tree)}
     with log.open("w", encoding="utf-8") as out:
         child = subprocess.Popen(
-            [sys.executable, "-m", "srgc", *command],
+            [sys.executable, *program, *command],
             cwd=tree, stdout=out, stderr=subprocess.STDOUT, env=environment,
         )  # fmt: skip
         resource.prlimit(child.pid, resource.RLIMIT_CPU, (seconds, seconds + 5))

@@ -123,7 +123,7 @@ def ours(folder: Path, limit: int, tree: Path) -> Told:
     """`synth` and `verify`, and when the first motion and the first design were there."""
     times, out = folder / "ours_times.json", folder / "out"
     times.unlink(missing_ok=True)
-    command = [sys.executable, str(HERE / "user_script_ours.py"), str(times)]
+    command = [sys.executable, str(HERE / "synth_by_processor_time.py"), str(times)]
     command += [str(folder / "task.srg"), "-q", "--force", "-o", str(out)]
     with (folder / "ours.log").open("w", encoding="utf-8") as log:
         run = subprocess.Popen(
