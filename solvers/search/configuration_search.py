@@ -100,7 +100,7 @@ class Configuration:
     calmed: bool = False
 
 
-AtOnce: TypeAlias = "Callable[[ControlOutcome], None] | None"
+AtOnce: TypeAlias = "Callable[[PathProblem, ControlOutcome], None] | None"
 
 
 def search_configuration(
@@ -123,7 +123,7 @@ def search_configuration(
     plain = may_calm and at_once is not None and not path_problem.in_joints
     first = first_motion(path_problem, context.seed, context.check_time) if plain else None
     if first is not None and at_once is not None and not search.space.is_point:
-        at_once(first)
+        at_once(path_problem, first)
     if start is not None and not search.space.is_point:
         search.evaluate([start], SURVEY)
     else:
@@ -293,7 +293,7 @@ class _Survey:
             self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
             self._context.reporter.robustness(max(o.robustness for o in self.attempts))
             if self._at_once is not None:
-                self._at_once(outcome)
+                self._at_once(self._path_problem, outcome)
         return found
 
     def worth(self, outcome: ControlOutcome) -> float:

@@ -60,11 +60,11 @@ class MotionProof:
             self.context.check_time, last=True,
         )  # fmt: skip
 
-    def early(self, path_problem: PathProblem, outcome: ControlOutcome) -> Design | None:
-        """The design of a motion that was just found, if it is proved with little preparation.
+    def prepared(self, path_problem: PathProblem, outcome: ControlOutcome) -> PathProblem | None:
+        """The problem of which a motion that was just found may be proved at once.
 
-        None, and no proof is tried, where motions go on for ever, where the task names
-        disturbances, or where a motion needs feedback and its rates had no price.
+        None where motions go on for ever, where the task names disturbances, or where a motion
+        needs feedback and its rates had no price: such ones take more preparation.
         """
         if self.task.repeat or self.task.robust is not None:
             return None
@@ -73,10 +73,15 @@ class MotionProof:
         feedback = not opened or unstable(finer, outcome.trajectory)
         if feedback and (self.task.control == "open loop" or not path_problem.rates):
             return None
-        given = replace(path_problem, bound=False, feedback=feedback, refines=feedback)
-        entries = path_problem.waypoints()[1]
-        found = Configuration(outcome, entries, path_problem.cells, bound=False)
-        answer = self.with_margins(given, found, EARLY, SURVEY).answer
+        return replace(path_problem, bound=False, feedback=feedback, refines=feedback)
+
+    def early(self, prepared: PathProblem, outcome: ControlOutcome) -> Design | None:
+        """The design of such a motion, if it is proved with little more."""
+        entries = prepared.waypoints()[1]
+        found = Configuration(
+            outcome, entries, prepared.cells, bound=False, calm=bool(prepared.rates)
+        )
+        answer = self.with_margins(prepared, found, EARLY, SURVEY).answer
         return answer.design if isinstance(answer, Found) else None
 
     def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:

@@ -96,7 +96,7 @@ class PathSearch:
         The first feasible motion is proved at once; what comes after may be more robust.
         """
         path_problem, label = self.posed(cells, plan), self.label(cells, plan)
-        early, context = _Early(self, path_problem), self.structure.context
+        early, context = _Early(self), self.structure.context
         found = search_configuration(path_problem, label, context, at_once=early)
         first = early.design
         if not found.outcome.feasible:
@@ -216,24 +216,26 @@ class _Early:
     ``design`` is what came of that; with one, no more are proved.
     """
 
-    def __init__(self, search: PathSearch, path_problem: PathProblem) -> None:
+    def __init__(self, search: PathSearch) -> None:
         self._search = search
-        self._path_problem = path_problem
         self._left = EARLY_PROOFS
         self._best = -np.inf
         self.design: Design | None = None
 
-    def __call__(self, outcome: ControlOutcome) -> None:
-        """Told of an outcome."""
-        search, path_problem = self._search, self._path_problem
+    def __call__(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        """Told of an outcome, and of the problem that it is one of."""
+        search = self._search
         if outcome.robustness > self._best:
             self._best = outcome.robustness
             cells, entries = path_problem.cells, path_problem.waypoints()[1]
             search.see(path_problem, Configuration(outcome, entries, cells))
         if self.design is not None or not self._left or not outcome.feasible:
             return
+        prepared = search.proof.prepared(path_problem, outcome)
+        if prepared is None:
+            return
         self._left -= 1
-        self.design = search.proof.early(path_problem, outcome)
+        self.design = search.proof.early(prepared, outcome)
         if self.design is not None:
             search.structure.listener.keep(self.design)
 
