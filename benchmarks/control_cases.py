@@ -28,7 +28,7 @@ from solvers.search.evaluation import hopeful
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
 from solvers.trajectory.corridor import Entries
-from solvers.trajectory.linear_model import PositionRows, bends
+from solvers.trajectory.linear_model import PositionRows
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_size import LEAST_MARGIN
 from solvers.trajectory.trajectory import Trajectory
@@ -115,9 +115,9 @@ def quarter_turn(links: int, steps: int = STEPS) -> Case:
 
 def fixed(problem: ControlProblem, outcome: ControlOutcome) -> ControlProblem:
     """The problem with the half-planes that belong to an outcome, whatever the reference."""
-    trajectory, n = outcome.trajectory, problem.numeric.n
-    points = problem.numeric.points(trajectory.x[:, :n], trajectory.theta)
-    rows = problem.rows_of(points.value, bends(points, trajectory.x[:, n : 2 * n], problem.dt))
+    trajectory = outcome.trajectory
+    points = problem.numeric.points(trajectory.x[:, : problem.numeric.n], trajectory.theta)
+    rows = problem.rows(trajectory, points)
 
     def same(*_: Array) -> PositionRows:
         return rows

@@ -122,6 +122,7 @@ def search_configuration(
     may_calm = not calm and start is None
     plain = may_calm and at_once is not None and not path_problem.in_joints
     first = first_motion(path_problem, context.seed, context.check_time) if plain else None
+    # Without parameters the search itself takes no longer than such a proof.
     if first is not None and at_once is not None and not search.space.is_point:
         at_once(path_problem, first)
     if start is not None and not search.space.is_point:
@@ -134,8 +135,9 @@ def search_configuration(
             return replace(slower, samples=(*search.samples, *slower.samples))
         search.run()
     entries = path_problem.waypoints()[1]
-    found = [*search.polished(entries), *([] if first is None else [first])]
-    ranked = sorted(found, key=lambda outcome: -search.worth(outcome))
+    polished = search.polished(entries)
+    every = polished if first is None else [*polished, first]
+    ranked = sorted(every, key=lambda outcome: -search.worth(outcome))
     samples = tuple(search.samples)
     with_price = search.calm_samples if slower is None else slower.samples
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
@@ -145,8 +147,8 @@ def search_configuration(
         if again.outcome.robustness > ranked[0].robustness:
             return replace(again, samples=samples + with_price + again.samples)
         samples += again.samples
-    if may_calm and slower is None and only_for_feedback(path_problem, ranked):
-        slower = calmed(path_problem, label, context)
+    if may_calm and slower is None and only_for_feedback(path_problem, polished):
+        slower = calmed(path_problem, label, context, at_once)
         if slower.outcome.feasible:
             return replace(slower, samples=samples + slower.samples)
         with_price = slower.samples

@@ -34,7 +34,6 @@ from solvers.trajectory.control_problem import (
     IterationBudget,
 )
 from solvers.trajectory.corridor import Entries
-from solvers.trajectory.linear_model import bends
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 
@@ -150,12 +149,10 @@ def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajec
 
 def _excess(problem: ControlProblem, seed: Trajectory) -> float:
     """By how much a seed breaks the half-planes of a problem at most, metres."""
-    n = problem.numeric.n
-    points = problem.numeric.points(seed.x[:, :n], seed.theta)
+    points = problem.numeric.points(seed.x[:, : problem.numeric.n], seed.theta)
     if not np.isfinite(points.value).all():
         return float("inf")
-    bend = bends(points, seed.x[:, n : 2 * n], problem.dt)
-    return float(np.max(problem.rows_of(points.value, bend).excess(points), initial=0.0))
+    return float(np.max(problem.rows(seed, points).excess(points), initial=0.0))
 
 
 def _requests(seeds: Iterable[Trajectory], budget: IterationBudget) -> list[SolveRequest]:

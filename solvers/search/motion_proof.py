@@ -30,7 +30,7 @@ from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 
-EARLY = 2
+EARLY_MARGINS = 2
 """So many margins are tried for a motion that was just found."""
 UNSTABLE_TEXT = "; the motion is unstable: its inputs alone do not cause it"
 
@@ -78,10 +78,8 @@ class MotionProof:
     def early(self, prepared: PathProblem, outcome: ControlOutcome) -> Design | None:
         """The design of such a motion, if it is proved with little more."""
         entries = prepared.waypoints()[1]
-        found = Configuration(
-            outcome, entries, prepared.cells, bound=False, calm=bool(prepared.rates)
-        )
-        answer = self.with_margins(prepared, found, EARLY, SURVEY).answer
+        found = Configuration(outcome, entries, prepared.cells, bound=False)
+        answer = self.with_margins(prepared, found, EARLY_MARGINS, SURVEY).answer
         return answer.design if isinstance(answer, Found) else None
 
     def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:

@@ -28,7 +28,6 @@ from solvers.trajectory.path_following import PathProblem
 
 GAIN = 1e-4
 """A motion is not worth a proof for less, relative to the robustness of a proved one."""
-
 EARLY_PROOFS = 3
 """So many motions that were just found are tried to be proved, until one is."""
 

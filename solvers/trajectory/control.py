@@ -243,9 +243,9 @@ def _outcome(problem: ControlProblem, iteration: _Iteration) -> ControlOutcome:
         and defect < DEFECT * problem.scale
         and at.outside <= LIMIT_EXCESS
     ):
-        found = _closed(problem, at, _simulated(problem, at.trajectory))
+        found = _closed(problem, _simulated(problem, at.trajectory))
         if found is None:
-            found, regulated = _closed(problem, at, _regulated(problem, at)), True
+            found, regulated = _closed(problem, _regulated(problem, at)), True
     closed = found is not None
     if found is not None:
         best, value = found, found.margin
@@ -274,8 +274,7 @@ def as_it_is(problem: ControlProblem, motion: Trajectory) -> ControlOutcome | No
     at = measured(problem, motion)
     if at is None:
         return None
-    kept = at.excess <= problem.excess and at.outside <= LIMIT_EXCESS and at.margin >= 0
-    feasible = kept and at.defect <= POLISHED_DEFECT
+    feasible = _keeps(problem, at) and at.defect <= POLISHED_DEFECT
     return ControlOutcome(
         motion,
         feasible,
@@ -296,14 +295,16 @@ def _violation(problem: ControlProblem, at: MeasuredMotion) -> float:
     return min(largest + max(0.0, -at.margin) + places, WORST * problem.scale)
 
 
-def _closed(
-    problem: ControlProblem, at: MeasuredMotion, motion: Trajectory
-) -> MeasuredMotion | None:
-    """A motion without defects, if it keeps to what binds the one that it comes from."""
+def _closed(problem: ControlProblem, motion: Trajectory) -> MeasuredMotion | None:
+    """A motion without defects, if it keeps to what binds it."""
     found = measured(problem, motion)
-    if found is None or found.excess > 3 * problem.excess or found.outside > LIMIT_EXCESS:
-        return None
-    return found if found.margin >= 0 else None
+    return found if found is not None and _keeps(problem, found) else None
+
+
+def _keeps(problem: ControlProblem, at: MeasuredMotion) -> bool:
+    """Whether a motion without defects keeps to what binds it, by and large."""
+    near = at.excess <= 3 * problem.excess and at.outside <= LIMIT_EXCESS
+    return near and at.margin >= 0
 
 
 def _regulated(problem: ControlProblem, at: MeasuredMotion) -> Trajectory:

@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.discretisation.numeric_robot import NumericRobot, Points
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
 from solvers.trajectory.linear_model import Model, PositionRows, bends, fictitious_inputs
 from solvers.trajectory.mobility import mobility
@@ -51,6 +51,12 @@ class ControlProblem:
     def scale(self) -> float:
         """The unit in which defects are weighed."""
         return effort_scale(self.groups)
+
+    def rows(self, trajectory: Trajectory, points: Points) -> PositionRows:
+        """The position rows about a trajectory whose points are where they are."""
+        n = self.numeric.n
+        bent = bends(points, trajectory.x[:, n : 2 * n], self.dt)
+        return self.rows_of(points.value, bent)
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +208,7 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
         return None
     if np.max(np.abs(dynamics.state)) > STEEPEST:
         return None
-    rows = problem.rows_of(points.value, bends(points, x[:, numeric.n : 2 * numeric.n], problem.dt))
+    rows = problem.rows(trajectory, points)
     return MeasuredMotion(
         Model(trajectory, dynamics, points, fictitious, pushed),
         rows,

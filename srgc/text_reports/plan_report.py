@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TypeAlias
 
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.candidate import candidates
 from compiler.robots.normal_form import family_of
 from compiler.tasks.obstacle_pieces import expanded
@@ -57,7 +60,7 @@ def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = No
     program, task = expanded(program, task)
     workspace, cells = program.workspaces[task.workspace], _cells(program, task, least_cells)
     found = PlanReport("unknown", "unknown: there is no cell to start in", workspace, cells)
-    for problem in (*_clear_problems(program, task, cells), *_problems(cells, task)):
+    for problem in chain(_clear_problems(program, task, cells), _problems(cells, task)):
         match Planner(problem).next_plan():
             case Holds(witness=plan):
                 gentle = _gentle(plan, problem, cells)
@@ -132,9 +135,7 @@ def _clear_problems(
     """
     if all(avoid.subject != "body" for avoid in task.avoid):
         return
-    # They load casadi, which other plans do not need.
-    from compiler.discretisation.numeric_robot import NumericRobot
-    from compiler.dynamics.equations_of_motion import robot_graph
+    # It loads scipy, which other plans do not need.
     from solvers.search.sampled_cells import clear_of_bodies
 
     family = family_of(program, task)

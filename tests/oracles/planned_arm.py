@@ -1,4 +1,4 @@
-"""The case study's arm with two free links on a way round its obstacle, by the cells' adjacency."""
+"""Arms of two free links on a way round obstacles, by the cells' adjacency."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.normal_form import family_of
 from compiler.workspaces.abstraction import abstract
-from grammar_lang.load import load
+from grammar_lang.load import load_text
 from solvers.search.evaluation import evaluate
 from solvers.trajectory.path_following import PathProblem
 from tests.conftest import ROOT
@@ -21,9 +21,10 @@ THETAS = [np.array(theta) for theta in ((2.23, 3.35), (3.5, 1.75), (1.2, 3.9))]
 LABELS = ("tool", "link", "joint", "link", "joint", "base")
 
 
-@cache
-def planned_arm():
-    program = load(ROOT / "specs" / "planar_arm.srg").program
+def planned(text: str, margin: float = 2e-3) -> PathProblem:
+    """The arm of a specification in its one task, from S to T past O."""
+    program = load_text(text, "arm.srg").program
+    assert program is not None
     (task,) = program.tasks.values()
     workspace = program.workspaces[task.workspace]
     cells = abstract(workspace)
@@ -33,7 +34,18 @@ def planned_arm():
     free = [i for i, cell in enumerate(cells.cells) if "O" not in cell.propositions]
     adjacency = nx.Graph((a, b) for a in free for b in cells.neighbours[a] if b in free)
     path = nx.shortest_path(adjacency, cells.index("S"), cells.index("T"))
-    return PathProblem(numeric, workspace, task, cells, 0, tuple(path), 2e-3, 0)
+    return PathProblem(numeric, workspace, task, cells, 0, tuple(path), margin, 0)
+
+
+def planned_spec(name: str) -> PathProblem:
+    """That of one of the specifications that come with srgc."""
+    return planned((ROOT / "specs" / f"{name}.srg").read_text(encoding="utf-8"))
+
+
+@cache
+def planned_arm() -> PathProblem:
+    """That of the case study."""
+    return planned_spec("planar_arm")
 
 
 @cache

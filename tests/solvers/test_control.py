@@ -18,7 +18,7 @@ from solvers.trajectory.control_problem import (
     effort_peak,
     input_margin,
 )
-from solvers.trajectory.linear_model import PositionRows, bends
+from solvers.trajectory.linear_model import PositionRows
 from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
 from tests.oracles.robots import rod_chain
@@ -78,8 +78,7 @@ def check_motion(problem: ControlProblem, outcome: ControlOutcome) -> None:
     after = numeric.step(at.x[:-1], at.u, at.theta, problem.dt, problem.substeps).value
     np.testing.assert_allclose(at.x[1:], after, atol=1e-9)
     points = numeric.points(at.x[:, : numeric.n], at.theta)
-    bent = bends(points, at.x[:, numeric.n : 2 * numeric.n], problem.dt)
-    assert problem.rows_of(points.value, bent).excess(points).max(initial=0.0) < 1e-5
+    assert problem.rows(at, points).excess(points).max(initial=0.0) < 1e-5
     assert input_margin(problem.groups, at.u) >= 0
     assert outcome.robustness == pytest.approx(input_margin(problem.groups, at.u))
     bounds, n = problem.limits, numeric.n

@@ -371,7 +371,7 @@ def test_curves_that_keep_their_rows_are_clear_between_samples() -> None:
     kept, caught = 0, 0
     for _ in range(3000):
         x, v = parabolas(rng, 1)
-        a = rng.uniform(-3.0, 3.0, (3, 2))
+        a = rng.uniform(-6.0, 6.0, (3, 2))
         v[0] = -rng.uniform(0.3, 0.7) * a  # there and back again
         v[1] = v[0] + a
         x[1] = x[0] + v[0] + a / 2
@@ -388,7 +388,7 @@ def test_curves_that_keep_their_rows_are_clear_between_samples() -> None:
         else:
             caught += least < 0.02
     assert kept > 100
-    assert caught >= 5
+    assert caught > 10
 
 
 def test_curves_that_keep_their_rows_stay_in_a_dwell_between_its_samples() -> None:
