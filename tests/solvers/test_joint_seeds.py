@@ -15,7 +15,8 @@ from solvers.trajectory.joint_seeds import joint_seeds, stops_of
 from solvers.trajectory.joint_ways import ClearSpace, joint_way
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.position_plan import Dwell
-from tests.solvers.test_seeds_of_bodies import OBSTACLE, clearance, path_problem
+from tests.oracles.planned_arm import planned_spec
+from tests.solvers.test_seeds_of_bodies import OBSTACLE, clearance
 
 THETA = np.array([2.3, 3.1])
 """Too short a first link to pass above the obstacle, which lies 1.7 to 3 m away."""
@@ -23,7 +24,7 @@ THETA = np.array([2.3, 3.1])
 
 @pytest.fixture(scope="module")
 def problem() -> PathProblem:
-    return replace(path_problem("planar_arm_body"), in_joints=True)
+    return replace(planned_spec("planar_arm_body"), in_joints=True)
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +85,7 @@ def test_ways_around_an_obstacle_are_found(problem: PathProblem, space: ClearSpa
 
 
 def test_stops_are_where_dwells_begin_and_end() -> None:
-    problem = path_problem("planar_arm_body")
+    problem = planned_spec("planar_arm_body")
     first, second = (region_set(r.shape, 2) for r in problem.workspace.regions[:2])
     dwells = [Dwell(0, 0, 0, first), Dwell(0, 0, 20, second), Dwell(1, 4, 9, second),
               Dwell(0, 9, 9, first)]  # fmt: skip
