@@ -72,7 +72,7 @@ class ReluNetwork:
     def over(self, states: Zonotope) -> AffineEnclosure:
         """An enclosure for all states of a set, of which the network reads the first entries."""
         size = len(self.layers[0].weights[0])
-        seen = Zonotope(states.middle[:size], [column[:size] for column in states.columns])
+        seen = states.first(size)
         centre = arb_mat([[x] for x in seen.middle])
         found: AffineEnclosure | None = None
         for number, layer in enumerate(self.layers):

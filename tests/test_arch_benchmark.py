@@ -120,10 +120,7 @@ def test_networks_are_within_their_affine_enclosures(seed: int) -> None:
     rng = np.random.default_rng(seed)
     network = random_network((3, 12, 9, 2), seed, 0.7)
     middle, columns = rng.normal(size=3) * 0.2, rng.normal(size=(5, 3)) * 0.3
-    states = Zonotope(
-        [arb(x) for x in middle.tolist()],
-        [[arb(x) for x in column] for column in columns.tolist()],
-    )
+    states = Zonotope([arb(x) for x in middle.tolist()], columns.T)
     found = network.over(states)
     gain = np.array([[float(x) for x in row] for row in found.gain.tolist()])
     offset = np.array([float(x) for x in found.offset.entries()])
@@ -143,7 +140,7 @@ def test_networks_are_within_their_affine_enclosures(seed: int) -> None:
 
 def test_a_network_on_a_point_is_exact() -> None:
     network = random_network((2, 6, 6, 1), 7, 0.8)
-    found = network.over(Zonotope([arb("0.25"), arb(-1)], []))
+    found = network.over(Zonotope.point([arb("0.25"), arb(-1)]))
     value = (found.gain * 1).tolist()[0]
     at = float(value[0]) * 0.25 - float(value[1]) + float(found.offset[0, 0])
     assert found.errors is None

@@ -10,7 +10,7 @@ import casadi as ca
 import mpmath as mp
 import numpy as np
 import pytest
-from flint import arb, arb_mat
+from flint import arb
 from scipy.integrate import solve_ivp
 
 from compiler.discretisation.numeric_robot import NumericRobot
@@ -29,12 +29,7 @@ from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from solvers.verifier.proofs.zonotope import (
-    LIMITS,
     InitialSet,
-    OrderLimits,
-    Zonotope,
-    box,
-    zonotope,
 )
 from tests.oracles.driven_robots import driven
 from tests.oracles.precise_flow import DIGITS, chain_flow
@@ -319,71 +314,3 @@ def test_a_plan_computes_what_its_tape_does() -> None:
                 for a, b in zip(found, plain[:count], strict=True):
                     assert abs(float(a.mid()) - b) < 1e-9 * (1 + abs(b))
                     assert float(a.rad()) < 1e-9
-
-
-# --- sets ----------------------------------------------------------------------------------------
-
-
-def test_the_image_of_a_zonotope_holds_the_images_of_its_points() -> None:
-    rng = np.random.default_rng(11)
-    size = 3
-    with working_precision(53):
-        current = zonotope(box([arb(1, 0.5), arb(-2), arb(0, 0.25)]))
-        points = np.array([1, -2, 0]) + np.array([0.5, 0, 0.25]) * rng.uniform(-1, 1, (50, 3))
-        for _ in range(60):
-            matrix = np.linalg.qr(rng.normal(size=(size, size)))[0]
-            to, added = rng.normal(size=size), rng.uniform(0, 0.01, size)
-            middle = np.array([float(x) for x in current.middle])
-            points = to + (points - middle) @ matrix.T + added * rng.uniform(-1, 1, (50, 3))
-            turn = arb_mat([[arb(float(x)) for x in row] for row in matrix])
-            current = current.moved([arb(x) for x in to], turn, [arb(x) for x in added])
-            assert len(current.columns) <= LIMITS.largest * size
-            hull = current.hull()
-            for i, item in enumerate(hull):
-                low, high = float(item.lower()), float(item.upper())
-                assert low - 1e-12 <= points[:, i].min() <= points[:, i].max() <= high + 1e-12
-    # The true set has a radius of at most |r| + 60 |d|, here below 1.6, in any direction.
-    assert all(float(r) < 2 for r in current.radii)
-
-
-@pytest.mark.parametrize(("small", "fewer"), [(1e-6, True), (1.0, False)])
-def test_columns_are_replaced_where_that_does_not_widen_a_set(small: float, fewer: bool) -> None:
-    """Support functions in random directions: the set is held, and is hardly wider."""
-    rng = np.random.default_rng(5)
-    size, limits = 3, OrderLimits(most=8, kept=6, largest=20, left=10)
-    columns = rng.normal(size=(30, size))
-    columns[12:] *= small
-    with working_precision(53):
-        before = Zonotope([arb(0)] * size, [[arb(x) for x in column] for column in columns])
-        after = before.reduced(limits)
-        left = floats(after)
-        assert (len(left) <= limits.kept * size + size) is fewer
-        crowd = Zonotope(before.middle, before.columns * 3).reduced(limits)
-        assert len(crowd.columns) <= limits.left * size + size
-    for _ in range(50):
-        direction = rng.normal(size=size)
-        own, held, more = (
-            np.abs(item @ direction).sum() for item in (columns, left, floats(crowd))
-        )
-        assert held >= own * (1 - 1e-12)
-        assert more >= 3 * own * (1 - 1e-12)
-    assert all(float(b) <= 1.03 * float(a) for a, b in zip(before.radii, after.radii, strict=True))
-
-
-def floats(states: Zonotope) -> np.ndarray:
-    return np.array([[float(x) for x in column] for column in states.columns])
-
-
-@pytest.mark.parametrize(
-    ("generators", "radii", "message"),
-    [
-        ((), (arb(1),), "row of generators"),
-        (((arb(1),), (arb(1), arb(2))), (arb(1),), "column of generators"),
-        (((arb(1),), (arb(1),)), (arb(-1),), "not negative"),
-    ],
-)
-def test_initial_sets_that_are_none(
-    generators: tuple[tuple[arb, ...], ...], radii: tuple[arb, ...], message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        InitialSet((arb(0), arb(0)), generators, radii)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from flint import arb
+from flint import arb, arb_mat
 
 from compiler.arrays import Array
 
@@ -34,6 +34,12 @@ class BallArray:
         pairs = [_doubles(item) for item in balls]
         array = np.array(pairs, dtype=np.float64).reshape(len(pairs), 2)
         return BallArray(array[:, 0], array[:, 1])
+
+    @staticmethod
+    def of_matrix(matrix: arb_mat) -> BallArray:
+        """Balls of doubles that hold those of a matrix, of its shape."""
+        found, shape = BallArray.of(matrix.entries()), (matrix.nrows(), matrix.ncols())
+        return BallArray(found.middle.reshape(shape), found.radius.reshape(shape))
 
     @staticmethod
     def series(rows: Sequence[Sequence[arb]], length: int) -> BallArray:

@@ -19,8 +19,8 @@ from typing import Protocol
 
 from flint import arb, arb_mat
 
-from compiler.expressions.evaluators.balls import ball
-from solvers.verifier.proofs.zonotope import Column, Zonotope
+from compiler.expressions.evaluators.balls import ball, identity
+from solvers.verifier.proofs.zonotope import Zonotope
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,34 +105,18 @@ class SampledLaw:
         """The states at a sample with the inputs that the law then holds."""
         gain, size = self.gains[step], len(states.middle)
         m, width = gain.nrows(), gain.ncols()
-        after = range(self.place, self.place + m)
         taken = (gain * arb_mat([[x] for x in states.middle[:width]])).entries()
-        wanted = [
-            u + offset - item
-            for u, offset, item in zip(self.inputs[step], self.offsets[step], taken, strict=True)
+        to, matrix, own = list(states.middle), identity(size), -gain
+        pairs = zip(self.inputs[step], self.offsets[step], taken, strict=True)
+        for i, (u, offset, item) in enumerate(pairs):
+            to[self.place + i] = u + offset - item
+            for j in range(size):
+                matrix[self.place + i, j] = own[i, j] if j < width else arb(0)
+        noise = [
+            [0] * self.place + list(e) + [0] * (size - self.place - m) for e in self.noise[step]
         ]
-        middle = list(states.middle)
-        rest = [arb(0)] * size
-        for i, value in zip(after, wanted, strict=True):
-            middle[i], rest[i] = value.mid(), value.rad()
-        columns: list[Column] = []
-        if states.columns:
-            moved = gain * arb_mat([column[:width] for column in states.columns]).transpose()
-            for j, column in enumerate(states.columns):
-                own = [-moved[i, j] for i in range(m)]
-                columns.append(_with(column, after, own, rest))
-        still = [arb(0)] * size
-        columns += [_with(still, after, errors, rest) for errors in self.noise[step]]
-        return Zonotope(middle, columns).widened(rest)
-
-
-def _with(column: Column, places: range, values: Sequence[arb], rest: list[arb]) -> Column:
-    """A column with other entries at some places; what rounding takes off goes to ``rest``."""
-    found = list(column)
-    for i, value in zip(places, values, strict=True):
-        found[i] = value.mid()
-        rest[i] = rest[i] + value.rad()
-    return found
+        steady = arb_mat(noise).transpose() if noise else None
+        return states.moved(to, matrix, [arb(0)] * size, steady)
 
 
 def sampled_law(

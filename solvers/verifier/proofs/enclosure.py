@@ -206,7 +206,7 @@ def tube(
     if not field.size:
         for k in numbers:
             ends, held = (Fraction(k), Fraction(k + 1)), tuple(inputs[k])
-            point = Zonotope([], []) if k == numbers[-1] else None
+            point = Zonotope.point([]) if k == numbers[-1] else None
             yield TubeSegment(dt * k, dt, ends, (), (), held, held, point)
         return
     states = zonotope(initial if isinstance(initial, InitialSet) else box(initial))

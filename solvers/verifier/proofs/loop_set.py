@@ -83,12 +83,9 @@ class LoopSet:
         found = arb(0)
         middle = (self.to_unit * arb_mat([[x] for x in states.middle[:size]])).entries()
         reach = [abs(m - c) for m, c in zip(middle, centre, strict=True)]
-        if states.columns:
-            columns = arb_mat([column[:size] for column in states.columns]).transpose()
-            for i, row in enumerate((self.to_unit * columns).tolist()):
-                reach[i] = sum((abs(item) for item in row), reach[i])
-        for item in reach:
-            found = found.max(item)
+        spread = states.first(size).radii_under(self.to_unit)
+        for item, radius in zip(reach, spread, strict=True):
+            found = found.max(item + radius)
         return found
 
 

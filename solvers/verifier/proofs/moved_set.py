@@ -55,7 +55,7 @@ class Spread:
         """The path at an instant (size,), and the columns (size, c) that deviations consist of."""
         size = len(self.reach)
         rows = [[r if i == j else arb(0) for j in range(size)] for i, r in enumerate(self.reach)]
-        if self.states.columns:
+        if self.states.columns.size:
             moved = self.flow.at(time) * self.states.matrix
             rows = [a + b for a, b in zip(moved.tolist(), rows, strict=True)]
         return self.path.at(time), arb_mat(rows)

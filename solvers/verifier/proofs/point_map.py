@@ -121,7 +121,7 @@ class PointMap:
         none = arb(0)
         points = tuple(tuple((x, none, none) for x in point) for point in self.positions(hull))
         over = Slice(none, none, points)
-        if not states.columns:
+        if not states.columns.size:
             return over
         return self._with_columns(over, states.middle, states.matrix, hull)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +11,8 @@ import numpy as np
 from flint import arb, arb_mat
 
 from compiler.arrays import Array
-from compiler.expressions.evaluators.balls import SIGNS, column
+from compiler.expressions.evaluators.balls import SIGNS
+from compiler.expressions.machine.ball_array import LEAST, BallArray
 
 # --- A set of initial states: a point, a box, or an affine image of a box -------------------------
 #
@@ -57,15 +59,17 @@ def box(state: Sequence[arb]) -> InitialSet:
 #
 # .. math:: X = \{\, m + G r : |r_j| \le 1 \,\}
 #
-# with m and G exact.  Like Lohner's representation m + C r + Q e (1987) it moves with the flow
-# without being enclosed anew.  What is added on a segment, a box, becomes new columns of G instead
-# of being turned into the axes Q at once, where shears would widen it; Q is a box of the columns
+# with m exact and G of doubles.  Like Lohner's representation m + C r + Q e (1987) it moves with
+# the flow without being enclosed anew.  What is added on a segment, a box, becomes new columns of G
+# instead of being turned into the axes Q at once, where shears would widen it; Q is a box of those
 # that lose least by that.  Under a map x -> p + (P + Z)(x - m) + d,
 #
 # .. math:: m' \approx p, \qquad G' \approx (P G,\ D), \qquad
 #     D = \operatorname{diag}\bigl(|p - m'| + |Z (x - m)| + |P G - G'| 1 + |d|\bigr),
 #
-# so that no rounding of m' and G' can lose a state.  Where there are too many columns, the shortest
+# so that no rounding of m' and G' can lose a state: products of doubles are off by no more than
+# n u |P| |G|, in whichever order their n terms are added (Higham, *Accuracy and stability of
+# numerical algorithms*, 2002, section 3.1).  Where there are too many columns, the shortest
 # are replaced by the box along their principal axes that holds them (Girard, *Reachability of
 # uncertain linear systems using zonotopes*, 2005; Kopetzki, Schuermann & Althoff, *Methods for
 # order reduction of zonotopes*, 2017); long ones stay, so that wrapping does not feed on itself
@@ -96,33 +100,38 @@ LEAST_LOSS = 0.03
 """A set is wider from this part of it on.  Where that counts in all segments of a sample, it feeds
 on itself: columns have to stay until feedback has acted on them."""
 
-Column = list[arb]
+UNIT = 2.0**-52
+"""Twice the relative error u of an operation that rounds to the nearest double, which bounds that
+of one that rounds in any direction."""
 
 
 @dataclass(frozen=True)
 class Zonotope:
-    """m, exact, and the columns of G, exact."""
+    """m, exact, and G (size, c), exact doubles; a point has no columns."""
 
     middle: list[arb]
-    columns: list[Column]
+    columns: Array
+
+    @staticmethod
+    def point(middle: list[arb]) -> Zonotope:
+        """A single state, exact."""
+        return Zonotope(middle, np.zeros((len(middle), 0)))
 
     @cached_property
     def matrix(self) -> arb_mat:
-        """G (size, c); a point has no columns."""
-        return _matrix(self.columns) if self.columns else arb_mat(len(self.middle), 0)
+        """G as balls."""
+        size, count = self.columns.shape
+        return arb_mat(size, count, [arb(x) for x in self.columns.ravel().tolist()])
 
     @cached_property
     def radii(self) -> list[arb]:
         """Bounds of |x - m|, entry by entry."""
-        if not self.columns:
-            return [arb(0)] * len(self.middle)
-        return _sums(self.matrix)
+        return [arb(x) for x in _sums(self.columns).tolist()]
 
     def radii_under(self, matrix: arb_mat) -> list[arb]:
         """Bounds of |P (x - m)|, entry by entry."""
-        if not self.columns:
-            return [arb(0)] * matrix.nrows()
-        return _sums(matrix * self.matrix)
+        near, off = _moved(BallArray.of_matrix(matrix), self.columns)
+        return [arb(x) + arb(o) for x, o in zip(_sums(near).tolist(), off.tolist(), strict=True)]
 
     def hull(self) -> list[arb]:
         """The smallest balls about m that hold the set."""
@@ -134,14 +143,13 @@ class Zonotope:
         middle = (matrix * arb_mat([[x] for x in self.middle])).entries()
         return [m + SIGNS * r for m, r in zip(middle, self.radii_under(matrix), strict=True)]
 
-    def widened(self, radii: Sequence[arb]) -> Zonotope:
-        """The set of all x + d with all |d| <= ``radii``."""
-        columns = [*self.columns, *_box(radii)]
-        return Zonotope(self.middle, _reduced(columns, len(self.middle), LIMITS))
+    def first(self, size: int) -> Zonotope:
+        """The set of the first entries of its states."""
+        return Zonotope(self.middle[:size], self.columns[:size])
 
     def reduced(self, limits: OrderLimits) -> Zonotope:
         """A set that holds this one, of an order within limits."""
-        return Zonotope(self.middle, _reduced(self.columns, len(self.middle), limits))
+        return Zonotope(self.middle, _reduced(self.columns, limits))
 
     def moved(
         self,
@@ -153,106 +161,125 @@ class Zonotope:
         """The set under x -> ``to`` + P (x - m) + S r + d with all |d| <= ``added``, |r| <= 1."""
         middle = [item.mid() for item in to]
         rest = [abs(t - m) + a for t, m, a in zip(to, middle, added, strict=True)]
-        columns: list[Column] = []
-        images = [matrix * self.matrix] if self.columns else []
-        for image in images if steady is None else [*images, steady]:
-            near, off = _rounded(image)
-            columns += near
-            rest = [r + o for r, o in zip(rest, off, strict=True)]
-        return Zonotope(middle, _reduced([*columns, *_box(rest)], len(middle), LIMITS))
+        columns = [np.zeros((len(middle), 0))]
+        parts = [_moved(BallArray.of_matrix(matrix), self.columns)] if self.columns.shape[1] else []
+        if steady is not None:
+            known = BallArray.of_matrix(steady)
+            parts.append(_finite(known.middle, _sums(known.radius)))
+        for near, off in parts:
+            columns.append(near)
+            rest = [r + arb(o) for r, o in zip(rest, off.tolist(), strict=True)]
+        return Zonotope(middle, _reduced(np.hstack([*columns, _box(rest)]), LIMITS))
 
 
 def zonotope(initial: InitialSet) -> Zonotope:
     """The representation of an initial set."""
     middle = [item.mid() for item in initial.centre]
     rest = [item.rad() for item in initial.centre]
-    columns: list[Column] = []
+    columns = np.zeros((len(middle), len(initial.radii)))
     for j, radius in enumerate(initial.radii):
-        wide = [row[j] * radius for row in initial.generators]
-        columns.append([item.mid() for item in wide])
-        rest = [r + item.rad() for r, item in zip(rest, wide, strict=True)]
-    return Zonotope(middle, [*columns, *_box(rest)])
+        for i, row in enumerate(initial.generators):
+            wide = row[j] * radius
+            columns[i, j] = float(wide)
+            rest[i] += abs(wide - columns[i, j].item())
+    return Zonotope(middle, np.hstack([columns, _box(rest)]))
 
 
-def _matrix(columns: Sequence[Column]) -> arb_mat:
-    return arb_mat(columns).transpose()
+UNHEEDED = np.errstate(invalid="ignore", over="ignore")
+"""What is no number is dealt with where it is."""
 
 
-def _rounded(matrix: arb_mat) -> tuple[list[Column], list[arb]]:
-    """Exact columns near those of a matrix, and bounds of what all are off together, row by row."""
-    near = matrix.mid()
-    return [list(each) for each in near.transpose().tolist()], _sums(matrix - near)
+@UNHEEDED
+def _moved(matrix: BallArray, columns: Array) -> tuple[Array, Array]:
+    """Doubles near P G, (m, c), and bounds of what all columns are off together, row by row."""
+    middle, sizes, terms = np.abs(matrix.middle), _sums(columns), columns.shape[0]
+    # Each product is off by this part of it; a row of zeros and one 1 is not off at all.
+    share = matrix.radius + (terms + 4) * UNIT * (middle + matrix.radius)
+    copied = ~matrix.radius.any(axis=1) & (np.count_nonzero(middle, axis=1) <= 1)
+    copied &= ((middle == 0) | (middle == 1)).all(axis=1)
+    off = _sums(share * sizes) + LEAST * ((middle + matrix.radius != 0) @ (sizes != 0))
+    return _finite(matrix.middle @ columns, np.where(copied, 0.0, off))
 
 
-def _sizes(columns: Sequence[Column], size: int) -> list[arb]:
-    return _sums(_matrix(columns)) if columns else [arb(0)] * size
+def _finite(near: Array, off: Array) -> tuple[Array, Array]:
+    """The same, with rows of zeros that are off by anything for those that are no numbers."""
+    known = np.isfinite(near).all(axis=1) & np.isfinite(off)
+    return np.where(known[:, None], near, 0.0), np.where(known, off, np.inf)
 
 
-def _sums(matrix: arb_mat) -> list[arb]:
+@UNHEEDED
+def _sums(terms: Array) -> Array:
     """Bounds of the sums of absolute values, row by row."""
-    # With factors in [-1, 1] each, a product's radius is the sum of what they multiply.
-    spread = (matrix * column([SIGNS] * matrix.ncols())).entries()
-    return [item.abs_upper() if item.is_finite() else arb("inf") for item in spread]
+    sizes = np.abs(terms)
+    sums: Array = sizes.sum(axis=1) * (1 + (terms.shape[1] + 4) * UNIT)
+    # What is too small to have all its bits is less than this all together.
+    sums[(sizes > 0).any(axis=1)] += LEAST
+    return sums
 
 
-def _box(radii: Sequence[arb]) -> list[Column]:
-    """The columns of a box."""
-    ends = [radius.upper() for radius in radii]
-    return [
-        [end if i == j else arb(0) for i in range(len(ends))]
-        for j, end in enumerate(ends)
-        if end != 0
-    ]
+def _box(radii: Sequence[arb]) -> Array:
+    """The columns (size, c) of a box."""
+    ends = [_above(radius) for radius in radii]
+    columns: Array = np.diag(ends)[:, np.flatnonzero(ends)]
+    return columns
 
 
-def _reduced(columns: list[Column], size: int, limits: OrderLimits) -> list[Column]:
+def _above(bound: arb) -> float:
+    """A double that is no less."""
+    upper = bound.upper()
+    near = float(upper)
+    return math.nextafter(near, math.inf) if upper > near else near
+
+
+def _reduced(columns: Array, limits: OrderLimits) -> Array:
     """The columns, or fewer of them where there are many."""
-    if len(columns) <= limits.most * size:
+    size, count = columns.shape
+    if count <= limits.most * size:
         return columns
-    fewer = _longest(columns, size, limits.kept)
-    if limits.left == limits.kept and len(columns) > limits.largest * size:
+    fewer = _longest(columns, limits.kept)
+    if limits.left == limits.kept and count > limits.largest * size:
         return fewer
-    before, after = _sizes(columns, size), _sizes(fewer, size)
-    if all(bool(a <= (1 + LEAST_LOSS) * b) for a, b in zip(after, before, strict=True)):
+    if bool((_sums(fewer) <= (1 + LEAST_LOSS) * _sums(columns)).all()):
         return fewer
-    if len(columns) <= limits.largest * size:
+    if count <= limits.largest * size:
         return columns
-    return _longest(columns, size, limits.left)
+    return _longest(columns, limits.left)
 
 
-def _longest(columns: list[Column], size: int, kept: int) -> list[Column]:
+@UNHEEDED
+def _longest(columns: Array, kept: int) -> Array:
     """A box instead of the shortest columns, so that ``kept`` times the size of them are left."""
-    if len(columns) <= kept * size:
+    size, most = columns.shape
+    if most <= kept * size:
         return columns
-    scales = np.array([float(item) or 1.0 for item in _sizes(columns, size)])
-    shares = np.array([[float(x) for x in column] for column in columns]) / scales
-    ordered = np.argsort((shares**2).sum(axis=1), kind="stable").tolist()
-    count = len(columns) - (kept - 1) * size
+    scales = _sums(columns)
+    scales[scales == 0] = 1.0
+    shares = columns / scales[:, None]
+    ordered = np.argsort((shares**2).sum(axis=0), kind="stable")
+    count = most - (kept - 1) * size
     short = ordered[:count]
-    return [
-        *(columns[i] for i in ordered[count:]),
-        *_aligned_box([columns[i] for i in short], shares[short], scales),
-    ]
+    box = _aligned_box(columns[:, short], shares[:, short], scales)
+    return np.hstack([columns[:, ordered[count:]], box])
 
 
-def _aligned_box(columns: Sequence[Column], shares: Array, scales: Array) -> list[Column]:
+@UNHEEDED
+def _aligned_box(columns: Array, shares: Array, scales: Array) -> Array:
     """The columns of a box that holds the set of ``columns``, along their principal axes.
 
-    ``shares`` (columns, size) are about their entries over ``scales``: they decide which box it is,
-    and not whether it holds the set.
+    ``shares`` (size, c) are their entries over ``scales``: they decide which axes A these are.
+    With any B, G = A B + R: the box has the sums of |B|, which are about 1, along A, and those of
+    |R| along the axes of the states.
     """
-    size, matrix = len(scales), _matrix(columns)
     try:
-        axes = np.linalg.eigh(shares.T @ shares)[1]
-        turn = arb_mat(size, size, [arb(x) for x in axes.ravel().tolist()])
-        stretch = [arb(x) for x in scales.tolist()]
-        back = [[x / s for x, s in zip(row, stretch, strict=True)] for row in turn.inv().tolist()]
-        lengths = _sums(arb_mat(back) * matrix)
-        pairs = zip(turn.tolist(), stretch, strict=True)
-        found = arb_mat(
-            [[x * s * w for x, w in zip(row, lengths, strict=True)] for row, s in pairs]
-        )
-    except (ArithmeticError, ValueError):
-        return _box(_sizes(columns, size))
-    near, off = _rounded(found)
-    return [*near, *_box(off)]
+        turn = np.linalg.eigh(shares @ shares.T)[1]
+    except np.linalg.LinAlgError:
+        return np.diag(_sums(columns))
+    parts = turn.T @ shares
+    lengths = _sums(parts)
+    wide = scales[:, None] * turn * lengths
+    parts /= np.where(lengths == 0, 1.0, lengths)[:, None]
+    near, off = _moved(BallArray(wide, np.zeros_like(wide)), parts)
+    beyond = np.maximum(_sums(parts) - 1, 0.0)
+    rest = _sums(np.stack([_sums(columns - near), off, _sums(wide * beyond)], axis=1)) + LEAST
+    found = np.hstack([wide, np.diag(rest)])
+    return found if np.isfinite(found).all() else np.diag(_sums(columns))
