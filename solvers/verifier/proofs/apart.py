@@ -19,6 +19,9 @@ from solvers.verifier.proofs.tube_checks import Constraint, Row
 
 Point: TypeAlias = Sequence[arb]
 
+GLANCE = 0.5
+"""A direction is renewed where it shows less than this part of what it did."""
+
 
 @dataclass(slots=True)
 class Apart(Constraint):
@@ -32,6 +35,15 @@ class Apart(Constraint):
     vertices: tuple[tuple[arb, ...], ...] = ()
     distance: arb = field(default_factory=lambda: arb(0))
     last: Row | None = None
+    shown: float = 0.0
+    """By how much they were apart in the last direction when that was the best one."""
+
+    def glance(self, over: Slice) -> float:
+        """The distance in the last direction, unless that may have become a bad one."""
+        if self.last is None:
+            return float("-inf")
+        lower = _lower(self._along(self.last, over))
+        return lower if lower >= min(self.hope, GLANCE * self.shown) else float("-inf")
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
         """The distance along the best separating direction, less what is asked.
@@ -47,6 +59,7 @@ class Apart(Constraint):
             found = self._along(row, over)
             if _lower(found) > _lower(best):
                 best, self.last = found, row
+        self.shown = _lower(best)
         return best
 
     def _along(self, row: Row, over: Slice) -> tuple[arb, arb]:

@@ -17,6 +17,7 @@ from compiler.expressions.evaluators.balls import ball
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition, inside, least
 from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.least_margins import close_margins
 from solvers.verifier.proofs.moved_set import Spread
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.scene import Scene
@@ -26,7 +27,6 @@ from solvers.verifier.proofs.tube_checks import (
     Status,
     Stretch,
     check_segment,
-    close_margins,
     rows_of,
 )
 from solvers.verifier.proofs.zonotope import Zonotope

@@ -63,10 +63,19 @@ class MachineField:
 
     def smooth_values(self, program: Tape, moving: Sequence[arb], u: Sequence[arb]) -> list[arb]:
         """The outputs of another program on a box, every absolute value being smooth there."""
-        if id(program) not in self._programs:
-            self._programs[id(program)] = program, MachineProgram(program, 0)
-        known = self._programs[id(program)][1]
+        known = self._program(program, 0)
         return known.evaluate(self._inputs([[x] for x in moving], u, 1), smooth=True).balls()
+
+    def series_of(self, program: Tape, q: Sequence[Coefficients], length: int) -> list[list[arb]]:
+        """The coefficients of the outputs of a program of (q, theta, k), a row for each."""
+        found = self._program(program, self.dofs).evaluate(self._inputs(q, [], length))
+        flat = found.balls()
+        return [flat[i : i + length] for i in range(0, len(flat), length)]
+
+    def _program(self, program: Tape, moving: int) -> MachineProgram:
+        if id(program) not in self._programs:
+            self._programs[id(program)] = program, MachineProgram(program, moving)
+        return self._programs[id(program)][1]
 
     def taylor(
         self,

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from flint import arb, arb_mat, arb_series, ctx
 
@@ -19,6 +20,8 @@ from compiler.expressions.tape import Tape
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
+
+_Series: TypeAlias = "arb_series | list[arb]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +144,9 @@ class PointMap:
         parts = tuple(arb_mat(moved[i : i + d]) for i in range(0, height, d))
         return replace(over, path=path, columns=parts)
 
-    def _series(self, q: list[list[arb]], length: int) -> list[arb_series]:
+    def _series(self, q: list[list[arb]], length: int) -> Sequence[_Series]:
+        if self.field.machine is not None:
+            return self.field.machine.series_of(self.tape, q, length)
         ctx.cap = length
         tail = [arb_series([item]) for item in self.field.tail]
         return self.tape.evaluate([*(arb_series(item) for item in q), *tail], SERIES)

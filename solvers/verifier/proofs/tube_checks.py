@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
-from heapq import heappop, heappush
+from heapq import heappush
 
 from flint import arb
 
@@ -40,7 +40,7 @@ class Status(Enum):
 class Stretch:
     """A part of a segment: the inputs in force, the middle and half-width in seconds.
 
-    ``depth`` counts the halvings.
+    ``depth`` counts the halvings, and it is part ``index`` of 2^``depth`` equal ones.
     """
 
     segment: TubeSegment
@@ -48,6 +48,7 @@ class Stretch:
     middle: arb
     half: arb
     depth: int
+    index: int = 0
 
     @staticmethod
     def of(segment: TubeSegment, inputs: Sequence[arb]) -> Stretch:
@@ -59,8 +60,11 @@ class Stretch:
         """The later half, and the earlier one."""
         quarter = self.half / 2
         later, earlier = (
-            Stretch(self.segment, self.inputs, middle, quarter, self.depth + 1)
-            for middle in (self.middle + quarter, self.middle - quarter)
+            Stretch(self.segment, self.inputs, middle, quarter, self.depth + 1, index)
+            for middle, index in (
+                (self.middle + quarter, 2 * self.index + 1),
+                (self.middle - quarter, 2 * self.index),
+            )
         )
         return later, earlier
 
@@ -97,6 +101,11 @@ class Constraint(ABC):
     def bound(self, over: Slice) -> tuple[arb, arb]:
         """The distance to a violation: a lower bound over the slice, and at its middle."""
 
+    def glance(self, over: Slice) -> float:
+        """A lower bound over the slice that takes little, if it is not much worse than others."""
+        del over
+        return float("-inf")
+
     @abstractmethod
     def violated(self, over: Slice) -> bool:
         """Whether the condition certainly fails at the middle of the slice."""
@@ -104,6 +113,11 @@ class Constraint(ABC):
     @abstractmethod
     def where(self, over: Slice) -> tuple[float, ...]:
         """The place at the middle of the slice that its bound is about."""
+
+    def hold(self, lower: float, stretch: Stretch) -> None:
+        """Keep a stretch on which it holds by at least ``lower``, if that may be the least."""
+        if lower < self.hope:
+            heappush(self.held, HeldSlice(lower, len(self.held), stretch))
 
     def note(self, status: Status, margin: float, over: Slice) -> None:
         """Keep what a slice shows."""
@@ -286,6 +300,12 @@ def _settle(constraint: Constraint, view: _View) -> bool:
     if constraint.status is Status.FAILS:
         return True
     stretch = view.stretch
+    if constraint.status is Status.HOLDS:
+        # Where it may be least, it is looked at closely at the end.
+        lower = constraint.glance(view.over)
+        if lower > 0:
+            constraint.hold(lower, stretch)
+            return True
     over, bound, middle = view.bound(constraint)
     lower = float(bound.lower())
     if not lower > 0:
@@ -299,52 +319,9 @@ def _settle(constraint: Constraint, view: _View) -> bool:
             constraint.note(Status.UNDECIDED, lower, over)
         return stretch.depth == MOST_SPLITS
     if constraint.status is Status.HOLDS and lower < constraint.hope:
+        constraint.hold(lower, stretch)
         constraint.hope = min(constraint.hope, float(middle.lower()))
-        heappush(constraint.held, HeldSlice(lower, len(constraint.held), stretch))
     return True
-
-
-def close_margins(point_map: PointMap, constraints: Sequence[Constraint]) -> None:
-    """Refine the margins of what holds along a whole tube, where they are least.
-
-    A margin is a bound on all slices: it is no larger than the one of any slice that is left.
-    """
-    for constraint in constraints:
-        if constraint.status is Status.HOLDS and constraint.held:
-            _close_margin(point_map, constraint)
-
-
-def _close_margin(point_map: PointMap, constraint: Constraint) -> None:
-    """Halve the slice of the least margin until that is close to what its middle shows."""
-    held, count = constraint.held, len(constraint.held)
-    while True:
-        least = heappop(held)
-        stretch = least.stretch
-        found = point_map.over(stretch.segment, stretch.inputs, stretch.middle, stretch.half)
-        if found is None:
-            constraint.margin = min(least.margin, constraint.hope)
-            constraint.time = float((stretch.segment.start + stretch.middle).mid())
-            return
-        over = found[0]
-        bound, middle = constraint.bound(over)
-        lower, shown = max(least.margin, float(bound.lower())), float(middle.lower())
-        if held and lower > held[0].margin:
-            count += 1
-            heappush(held, HeldSlice(lower, count, stretch))
-            continue
-        if shown - lower <= REFINEMENT * shown or stretch.depth == MOST_SPLITS:
-            # On slices that are not held it holds by ``hope`` at least.
-            constraint.note(Status.HOLDS, min(lower, constraint.hope), over)
-            return
-        for half in stretch.halves():
-            within = point_map.over(half.segment, half.inputs, half.middle, half.half)
-            margin = lower
-            if within is not None:
-                bound, middle = constraint.bound(within[0])
-                margin = max(lower, float(bound.lower()))
-                constraint.hope = min(constraint.hope, float(middle.lower()))
-            count += 1
-            heappush(held, HeldSlice(margin, count, half))
 
 
 def _settle_limit(limit: StateLimit, view: _View) -> bool:

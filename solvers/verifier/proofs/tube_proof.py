@@ -29,6 +29,7 @@ from solvers.verifier.proofs.end_conditions import EndConditions
 from solvers.verifier.proofs.endless_conditions import endless_conditions, reached_some_time
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
+from solvers.verifier.proofs.least_margins import close_margins
 from solvers.verifier.proofs.loop_set import LoopSet, loop_set
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.region_distance import region_distance
@@ -39,7 +40,6 @@ from solvers.verifier.proofs.tube_checks import (
     Status,
     Stretch,
     check_segment,
-    close_margins,
 )
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, zonotope

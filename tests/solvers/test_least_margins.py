@@ -1,0 +1,107 @@
+"""Margins along a whole motion against the distances of many of its instants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+import pytest
+from flint import arb
+from scipy.spatial.transform import Rotation
+
+from compiler.expressions.evaluators.balls import working_precision
+from solvers.verifier.proofs.apart import Apart
+from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.least_margins import close_margins
+from solvers.verifier.proofs.point_map import Slice
+from solvers.verifier.proofs.tube_checks import Inside, Status, Stretch, check_segment, row
+
+SIZES = np.array([0.5, 0.3, 0.9])
+
+
+@dataclass
+class StraightPoints:
+    """Points that move along straight lines, (p, 3) at first and per second."""
+
+    places: np.ndarray
+    rates: np.ndarray
+
+    def over(
+        self, segment: TubeSegment, u: object, middle: arb, half: arb
+    ) -> tuple[Slice, list[arb], list[arb]]:
+        del u
+        time = segment.start + middle
+        points = tuple(
+            tuple(
+                (arb(x) + arb(v) * time, arb(v), arb(0)) for x, v in zip(place, rate, strict=True)
+            )
+            for place, rate in zip(self.places.tolist(), self.rates.tolist(), strict=True)
+        )
+        return Slice(time, half, points), [], []
+
+
+def checked(points: StraightPoints, constraint: Apart | Inside, count: int) -> None:
+    """Hold a constraint against so many segments of a second together."""
+    for k in range(count):
+        steps = Fraction(k, count), Fraction(k + 1, count)
+        segment = TubeSegment(arb(k) / count, arb(1) / count, steps, (), ())
+        check_segment(points, Stretch.of(segment, ()), [constraint], [])  # type: ignore[arg-type]
+    close_margins(points, [constraint])  # type: ignore[arg-type]
+
+
+def distance(ends: np.ndarray, turn: np.ndarray) -> float:
+    """From a rod to the turned box; the share along the rod is found by ternary search."""
+    low, high = 0.0, 1.0
+    local = ends @ turn
+
+    def gap(share: float) -> float:
+        point = local[0] + share * (local[1] - local[0])
+        return float(np.linalg.norm(point - np.clip(point, -SIZES, SIZES)))
+
+    for _ in range(60):
+        left, right = low + (high - low) / 3, high - (high - low) / 3
+        low, high = (low, right) if gap(left) < gap(right) else (left, high)
+    return gap((low + high) / 2)
+
+
+@pytest.mark.parametrize("part", [0.0, 0.99, 0.9999])
+@pytest.mark.parametrize("seed", range(12))
+def test_margins_are_close_to_the_least_distance(seed: int, part: float) -> None:
+    """A rod that tumbles past a tilted box, asked to keep a part of the distance that it does."""
+    rng = np.random.default_rng(seed)
+    turn = Rotation.random(random_state=seed).as_matrix()
+    first = rng.uniform(-0.5, 0.5, (2, 3)) + rng.choice([-1, 1], 3) * rng.uniform(1.0, 1.6)
+    last = first + rng.uniform(-1, 1, (2, 3))
+    motion = StraightPoints(first @ turn.T, (last - first) @ turn.T)
+    faces = [
+        row([Fraction(float(x)) for x in sign * turn[:, axis]], Fraction(float(SIZES[axis])))
+        for axis in range(3)
+        for sign in (-1.0, 1.0)
+    ]
+    corners = np.array(list(product(*((-s, s) for s in SIZES)))) @ turn.T
+    bodies = Apart(
+        "tumbling", points=(0, 1), rows=tuple(faces),
+        vertices=tuple(tuple(arb(x) for x in corner) for corner in corners.tolist()),
+    )  # fmt: skip
+    times = np.linspace(0, 1, 600)
+    true = min(distance(motion.places + t * motion.rates, turn) for t in times)
+    if true < 1e-3:
+        pytest.skip("it touches the box")
+    with working_precision(80):
+        bodies.distance = arb(part * true)
+        checked(motion, bodies, 24)
+    room = (1 - part) * true
+    assert bodies.status is Status.HOLDS
+    assert 0.95 * room <= bodies.margin <= room + 1e-6
+
+
+def test_the_margin_of_what_does_not_move_is_told() -> None:
+    box = [row([Fraction(1), Fraction(0), Fraction(0)], Fraction(1))]
+    room = Inside("bounds", points=(0,), rows=tuple(box))
+    still = StraightPoints(np.array([[0.25, 0.0, 0.0]]), np.zeros((1, 3)))
+    with working_precision(80):
+        checked(still, room, 5)
+    assert room.margin == pytest.approx(0.75, rel=1e-9)
+    assert room.time < 1
