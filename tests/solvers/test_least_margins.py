@@ -28,9 +28,7 @@ class StraightPoints:
     places: np.ndarray
     rates: np.ndarray
 
-    def over(
-        self, segment: TubeSegment, u: object, middle: arb, half: arb
-    ) -> tuple[Slice, list[arb], list[arb]]:
+    def over(self, segment: TubeSegment, u: object, middle: arb, half: arb) -> Slice:
         del u
         time = segment.start + middle
         points = tuple(
@@ -39,7 +37,7 @@ class StraightPoints:
             )
             for place, rate in zip(self.places.tolist(), self.rates.tolist(), strict=True)
         )
-        return Slice(time, half, points), [], []
+        return Slice(time, half, points)
 
 
 def checked(points: StraightPoints, constraint: Apart | Inside, count: int) -> None:

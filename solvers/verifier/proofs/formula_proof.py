@@ -284,8 +284,7 @@ class FormulaProof:
         """Positions over a slice, its ends in units of the step; None where not finite."""
         first, last = span
         middle = ball(((first + last) / 2 - segment.steps[0]) * self.task.step)
-        found = self.point_map.over(segment, u, middle, ball((last - first) / 2 * self.task.step))
-        return None if found is None else found[0]
+        return self.point_map.over(segment, u, middle, ball((last - first) / 2 * self.task.step))
 
 
 # --- Which regions a point can be in together, where enclosures do not decide one by one ----------

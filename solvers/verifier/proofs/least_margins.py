@@ -41,8 +41,8 @@ class _Slices:
         segment = stretch.segment
         key = segment.steps[0], stretch.depth, stretch.index
         if key not in self.known:
-            found = self.point_map.over(segment, stretch.inputs, stretch.middle, stretch.half)
-            self.known[key] = None if found is None else found[0]
+            inputs, middle, half = stretch.inputs, stretch.middle, stretch.half
+            self.known[key] = self.point_map.over(segment, inputs, middle, half)
         return self.known[key]
 
 
@@ -55,7 +55,7 @@ def _close_margin(slices: _Slices, constraint: Constraint) -> None:
         over = slices.over(stretch)
         if over is None:
             constraint.margin = min(least.margin, constraint.hope)
-            constraint.time = float((stretch.segment.start + stretch.middle).mid())
+            constraint.time = float(stretch.time.mid())
             return
         bound, middle = constraint.bound(over)
         lower, shown = max(least.margin, float(bound.lower())), float(middle.lower())

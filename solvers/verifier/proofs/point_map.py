@@ -77,6 +77,10 @@ class PointMap:
     dimension: int
     slopes: Tape | None = None
 
+    def first(self, count: int) -> PointMap:
+        """Of so many points, over slices."""
+        return replace(self, tape=self.tape.first(count * self.dimension), slopes=None)
+
     def positions(self, state: Sequence[arb]) -> list[list[arb]]:
         """Positions (points, d) for a state given as balls."""
         n = self.field.dofs
@@ -84,27 +88,24 @@ class PointMap:
         d = self.dimension
         return [flat[i : i + d] for i in range(0, len(flat), d)]
 
-    def over(
-        self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb
-    ) -> tuple[Slice, list[arb], list[arb]] | None:
-        """Positions over a slice of a segment, the state over it and at its middle.
-
-        None where they are not finite.
-        """
+    def over(self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb) -> Slice | None:
+        """Positions over a slice of a segment; None where they are not finite."""
         n, d = self.field.dofs, self.dimension
-        state = segment.at(middle + arb(0, 1) * half)
-        centre = segment.at(middle)
+        states = segment.over(middle, half)
+        if states is None:
+            return None
+        state, centre = states
         try:
             pull = self.field.acceleration(state, u)
         except ZeroDivisionError:
             return None
-        if not all(item.is_finite() for item in (*state, *pull)):
+        if not all(item.is_finite() for item in pull):
             return None
         wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3)
         near = self._series([[centre[i], centre[n + i]] for i in range(n)], 2)
         flat = [(near[i][0], near[i][1], wide[i][2]) for i in range(len(near))]
         points = tuple(tuple(flat[i : i + d]) for i in range(0, len(flat), d))
-        return Slice(segment.start + middle, half, points), state, centre
+        return Slice(segment.start + middle, half, points)
 
     def closer(self, segment: TubeSegment, middle: arb, over: Slice) -> Slice:
         """A slice with the columns of what positions at its middle may be, and their ranges.

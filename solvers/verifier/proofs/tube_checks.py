@@ -56,6 +56,11 @@ class Stretch:
         half = segment.length / 2
         return Stretch(segment, inputs, half, half, 0)
 
+    @property
+    def time(self) -> arb:
+        """The time of its middle."""
+        return self.segment.start + self.middle
+
     def halves(self) -> tuple[Stretch, Stretch]:
         """The later half, and the earlier one."""
         quarter = self.half / 2
@@ -225,39 +230,58 @@ def check_segment(
     limits: Sequence[StateLimit],
 ) -> None:
     """Hold every constraint and limit against a stretch, updating their margins and status."""
-    segment, u = whole.segment, whole.inputs
-    pending = [(whole, tuple(constraints), tuple(limits))]
+    if constraints:
+        _check_constraints(point_map, whole, constraints)
+    if limits:
+        _check_limits(whole, limits)
+
+
+def _check_constraints(
+    point_map: PointMap, whole: Stretch, constraints: Sequence[Constraint]
+) -> None:
+    pending = [(whole, tuple(constraints))]
     while pending:
-        stretch, open_constraints, open_limits = pending.pop()
-        found = point_map.over(segment, u, stretch.middle, stretch.half)
-        if found is None:
+        stretch, still = pending.pop()
+        over = point_map.over(stretch.segment, stretch.inputs, stretch.middle, stretch.half)
+        if over is None:
             last = stretch.depth == MOST_UNBOUNDED_SPLITS
-            again, limits_again = open_constraints, open_limits
             if last:
-                time = float((segment.start + stretch.middle).mid())
-                _give_up(again, limits_again, time)
+                _give_up(still, stretch)
         else:
-            over, state, centre = found
             last = stretch.depth == MOST_SPLITS
-            view = _View(point_map, stretch, over, state, centre)
-            again = tuple(c for c in open_constraints if not _settle(c, view))
-            limits_again = tuple(limit for limit in open_limits if not _settle_limit(limit, view))
-        if last or not (again or limits_again):
-            continue
-        pending += [(each, again, limits_again) for each in stretch.halves()]
+            view = _View(point_map, stretch, over)
+            still = tuple(item for item in still if not _settle(item, view))
+        if still and not last:
+            pending += [(half, still) for half in stretch.halves()]
 
 
-def _give_up(constraints: Sequence[Constraint], limits: Sequence[StateLimit], time: float) -> None:
-    """Nothing finite is known at a time: whatever is not refuted is not decided."""
-    items: list[Constraint | StateLimit] = [*constraints, *limits]
+def _check_limits(whole: Stretch, limits: Sequence[StateLimit]) -> None:
+    pending = [(whole, tuple(limits))]
+    while pending:
+        stretch, still = pending.pop()
+        states = stretch.segment.over(stretch.middle, stretch.half)
+        if states is None:
+            last = stretch.depth == MOST_UNBOUNDED_SPLITS
+            if last:
+                _give_up(still, stretch)
+        else:
+            last = stretch.depth == MOST_SPLITS
+            still = tuple(item for item in still if not _settle_limit(item, stretch, *states))
+        if still and not last:
+            pending += [(half, still) for half in stretch.halves()]
+
+
+def _give_up(items: Sequence[Constraint | StateLimit], stretch: Stretch) -> None:
+    """Nothing finite is known of a stretch: whatever is not refuted is not decided."""
     for item in items:
         if item.status is Status.HOLDS:
-            item.status, item.margin, item.time = Status.UNDECIDED, float("-inf"), time
+            item.status, item.margin = Status.UNDECIDED, float("-inf")
+            item.time = float(stretch.time.mid())
 
 
 @dataclass(slots=True)
 class _View:
-    """Positions and states over a stretch, and at its middle; closer ones where they are asked for.
+    """Positions over a stretch; closer ones where they are asked for.
 
     In a wide tube the entries of a state go together, which boxes do not show.
     """
@@ -265,8 +289,6 @@ class _View:
     point_map: PointMap
     stretch: Stretch
     over: Slice
-    state: Sequence[arb]
-    centre: Sequence[arb]
     together: Slice | None = None
 
     def bound(self, constraint: Constraint) -> tuple[Slice, arb, arb]:
@@ -279,16 +301,6 @@ class _View:
             segment = self.stretch.segment
             self.together = self.point_map.closer(segment, self.stretch.middle, self.over)
         return self.together, *constraint.bound(self.together)
-
-    def gaps(self, limit: StateLimit) -> tuple[arb, arb]:
-        """The distance to a limit over the stretch, and at its middle."""
-        over, middle = limit.gap(self.state), limit.gap(self.centre)
-        spread, stretch = self.stretch.segment.spread, self.stretch
-        if spread is None or over > 0:
-            return over, middle
-        times = stretch.middle + arb(0, 1) * stretch.half, stretch.middle
-        closer, shown = (limit.gap_in(spread, time) for time in times)
-        return over.max(closer.lower()), middle.max(shown.lower())
 
 
 def _settle(constraint: Constraint, view: _View) -> bool:
@@ -324,12 +336,19 @@ def _settle(constraint: Constraint, view: _View) -> bool:
     return True
 
 
-def _settle_limit(limit: StateLimit, view: _View) -> bool:
-    """Whether a limit needs no smaller slices here."""
+def _settle_limit(
+    limit: StateLimit, stretch: Stretch, state: Sequence[arb], centre: Sequence[arb]
+) -> bool:
+    """Whether a limit needs no smaller slices here: given states over this one, and its middle."""
     if limit.status is Status.FAILS:
         return True
-    over, middle = view.gaps(limit)
-    time, depth = view.over.time, view.stretch.depth
+    over, middle = limit.gap(state), limit.gap(centre)
+    spread = stretch.segment.spread
+    if spread is not None and not over > 0:
+        times = stretch.middle + arb(0, 1) * stretch.half, stretch.middle
+        closer, shown_there = (limit.gap_in(spread, time) for time in times)
+        over, middle = over.max(closer.lower()), middle.max(shown_there.lower())
+    time, depth = stretch.time, stretch.depth
     lower, shown = float(over.lower()), float(middle.lower())
     if bool(middle < 0):
         limit.note(Status.FAILS, float(middle.mid()), time)

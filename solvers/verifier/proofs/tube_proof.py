@@ -308,4 +308,5 @@ def _formulas(robot: DrivenRobot, tick: Callable[[], None]) -> FormulaProof:
         for atom in atoms(*spoken)
     }
     loop = None if robot.loop is None else robot.loop.first
-    return FormulaProof(robot.point_map, regions, task, tick, loop)
+    effectors = robot.point_map.first(len(scene.model.effectors))
+    return FormulaProof(effectors, regions, task, tick, loop)
