@@ -8,10 +8,19 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
 from threading import Lock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from solvers.execution.in_order import in_order
-from solvers.execution.workers import DISCONNECTED, ENDED, Job, Result, WorkersLostError
+from solvers.execution.in_order import begun, in_order
+from solvers.execution.workers import (
+    DISCONNECTED,
+    ENDED,
+    Begun,
+    Job,
+    Result,
+    WorkersLostError,
+    received,
+    sent,
+)
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -23,10 +32,10 @@ if TYPE_CHECKING:
 _BUSY = Lock()
 
 
-def one_job(function: Callable[[Job], Result], job: Job) -> Result:
-    """Do a job when no other thread of this process does one."""
+def one_job(data: bytes) -> Any:
+    """Do a job that was sent when no other thread of this process does one."""
     with _BUSY:
-        return function(job)
+        return received(data)
 
 
 # --- Jobs done by any executor of :mod:`concurrent.futures` ---------------------------------------
@@ -66,8 +75,9 @@ class AnyExecutor:
 
     def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
         """Begin a job."""
+        data = sent(function, job)
         try:
-            return self._executor.submit(one_job, function, job)
+            return self._executor.submit(one_job, data)
         except self._lost as error:
             failed: Future[Result] = Future()
             failed.set_exception(error)
@@ -84,6 +94,10 @@ class AnyExecutor:
     def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
         """The results in the order of the jobs."""
         return in_order(self, function, jobs)
+
+    def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
+        """Begin a job."""
+        return begun(self, function, job)
 
     def close(self) -> None:
         """Nothing: the executor has an owner."""
@@ -133,6 +147,19 @@ class DaskCluster:
         except KilledWorker as error:
             # The scheduler has tried several.
             raise WorkersLostError(ENDED) from error
+
+    def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
+        """Begin a job.
+
+        Raises:
+            WorkersLostError: the connection is lost.
+        """
+        from distributed.scheduler import KilledWorker
+
+        if not self._is_connected():
+            raise WorkersLostError(DISCONNECTED)
+        lost = (*LOST, KilledWorker)
+        return AnyExecutor(self._executor, 1, lost, self._is_connected).begin(function, job)
 
     def _is_connected(self) -> bool:
         return self._client.status not in ("closing", "closed")

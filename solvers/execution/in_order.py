@@ -50,17 +50,43 @@ class _Started(Generic[Job, Result]):
     attempts: int = 1
 
 
+@dataclass(frozen=True, slots=True)
+class BegunJob(Generic[Job, Result]):
+    """A job that a source does; begun again where its worker ends."""
+
+    source: Source
+    function: Callable[[Job], Result]
+    started: _Started[Job, Result]
+
+    @property
+    def done(self) -> bool:
+        """Whether the result is there, or an error."""
+        return self.started.future.done()
+
+    def result(self) -> Result:
+        """The result; see :meth:`Begun.result`."""
+        return next(in_order(self.source, self.function, (), [self.started]))
+
+
+def begun(source: Source, function: Callable[[Job], Result], job: Job) -> BegunJob[Job, Result]:
+    """A job, begun."""
+    return BegunJob(source, function, _Started(job, source.start(function, job)))
+
+
 def in_order(
-    source: Source, function: Callable[[Job], Result], jobs: Iterable[Job]
+    source: Source,
+    function: Callable[[Job], Result],
+    jobs: Iterable[Job],
+    started: Iterable[_Started[Job, Result]] = (),
 ) -> Iterator[Result]:
-    """The results in the order of the jobs; see :meth:`Workers.map`.
+    """The results in the order of the jobs, after those ``started``; see :meth:`Workers.map`.
 
     Raises:
         OutOfTimeError: the limit of time that holds here was reached.
         WorkersLostError: see there.
     """
     remaining, width = iter(jobs), source.width
-    begun: deque[_Started[Job, Result]] = deque()
+    begun: deque[_Started[Job, Result]] = deque(started)
     try:
         while True:
             _begin_more(source, function, remaining, begun, width)

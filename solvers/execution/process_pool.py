@@ -14,9 +14,9 @@ from multiprocessing.connection import Connection, wait
 from threading import Thread
 from types import ModuleType
 
-from solvers.execution.in_order import in_order
+from solvers.execution.in_order import begun, in_order
 from solvers.execution.one_thread import ONE_THREAD
-from solvers.execution.workers import Job, Result
+from solvers.execution.workers import Begun, Job, Result, received, sent
 
 PATIENCE = 1.0
 """Seconds of jobs done in this process before others are started: a short run needs none."""
@@ -57,13 +57,18 @@ class ProcessPool:
             yield result
         yield from in_order(self, function, remaining)
 
+    def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
+        """Begin a job; for this the processes are started at once."""
+        return begun(self, function, job)
+
     def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
         """Begin a job; processes that have ended are replaced first."""
+        data = sent(function, job)
         try:
-            return self._running().submit(function, job)
+            return self._running().submit(received, data)
         except BrokenExecutor:
             self._end()
-            return self._running().submit(function, job)
+            return self._running().submit(received, data)
 
     def is_lost(self, error: BaseException) -> bool:
         """Whether a process ended."""

@@ -7,10 +7,11 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Generic, Protocol, TypeVar, cast
+from typing import Any, Generic, Protocol, TypeVar, cast
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
+Made_co = TypeVar("Made_co", covariant=True)
 
 
 ENDED = "all workers that began a job ended in the middle of it; perhaps there was no memory left"
@@ -19,6 +20,24 @@ DISCONNECTED = "the connection to the workers was lost"
 
 class WorkersLostError(Exception):
     """A job could not be finished: every worker that tried it ended, or none can be reached."""
+
+
+class Begun(Protocol[Made_co]):
+    """A job that was begun, or will be done when its result is asked for."""
+
+    @property
+    def done(self) -> bool:
+        """Whether the result is not waited for."""
+        ...
+
+    def result(self) -> Made_co:
+        """The result.
+
+        Raises:
+            OutOfTimeError: the limit of time that holds here was reached.
+            WorkersLostError: see there.
+        """
+        ...
 
 
 class Workers(Protocol):
@@ -44,6 +63,10 @@ class Workers(Protocol):
         """
         ...
 
+    def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
+        """Begin a job beside what is done here; its result may never be asked for."""
+        ...
+
     def close(self) -> None:
         """End the workers, whatever they are doing."""
         ...
@@ -64,8 +87,41 @@ class InProcess:
         """The results in the order of the jobs."""
         return map(function, jobs)
 
+    def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
+        """The job, which is done when its result is asked for."""
+        return _WhenAsked(function, job)
+
     def close(self) -> None:
         """Nothing has to be ended."""
+
+
+@dataclass(frozen=True, slots=True)
+class _WhenAsked(Generic[Job, Result]):
+    function: Callable[[Job], Result]
+    job: Job
+    done: bool = True
+
+    def result(self) -> Result:
+        """The result, computed."""
+        return self.function(self.job)
+
+
+# --- Jobs on their way to other processes ---------------------------------------------------------
+
+
+def sent(function: Callable[[Job], Result], job: Job) -> bytes:
+    """A job as bytes.
+
+    Executors would pickle it in a thread, while what it refers to may change here: a property that
+    is computed when it is asked for is enough.
+    """
+    return pickle.dumps((function, job), protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def received(data: bytes) -> Any:
+    """The result of a job that was sent."""
+    function, job = pickle.loads(data)  # noqa: S301 (our own)
+    return function(job)
 
 
 # --- What many jobs have in common, pickled once and taken out once per process -------------------

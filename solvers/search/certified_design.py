@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 from compiler.expressions.exact_numbers import decimal
@@ -30,7 +29,7 @@ def certified_design(
     derivation: Derivation,
     path_problem: PathProblem,
     found: Configuration,
-    tick: Callable[[], None],
+    watch: Watch,
     *,
     last: bool = False,
 ) -> Answer:
@@ -42,7 +41,7 @@ def certified_design(
         derivation: that of the robot.
         path_problem: what was asked of the motion.
         found: the motion.
-        tick: called again and again; what it raises ends the proof.
+        watch: what the proof calls as it goes on.
         last: no other motion is tried, so that doubts do not end this one.
     """
     trajectory, model = found.outcome.trajectory, path_problem.model
@@ -77,9 +76,8 @@ def certified_design(
     broken = seen_broken(scene, design, path_problem, last=last)
     if broken is not None:
         return broken
-    conditions = prove_motion(
-        scene, motion_of(design), Watch(tick, brief=path_problem.spread is None)
-    )
+    watch = replace(watch, brief=path_problem.spread is None)
+    conditions = prove_motion(scene, motion_of(design), watch)
     obstacle = decisive(conditions)
     if obstacle is not None:
         spread = path_problem.spread

@@ -6,10 +6,12 @@ where inputs alone cause a motion.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
+from solvers.execution.workers import Begun, Job, Result
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer
 from solvers.search.certified_design import certified_design
@@ -23,12 +25,14 @@ from solvers.search.configuration_search import (
     within_limits,
 )
 from solvers.search.constraint_tightening import ConstraintTightening, no_margin_text
+from solvers.search.evaluation import Recipe, recipe
 from solvers.search.path_task import Design
 from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
 from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.proofs.scene import Watch
 
 EARLY_MARGINS = 2
 """So many margins are tried for a motion that was just found."""
@@ -53,11 +57,19 @@ class MotionProof:
     derivation: Derivation
     context: RunContext
 
+    @property
+    def watch(self) -> Watch:
+        """What proofs call as they go on."""
+        return Watch(self.context.check_time, begin=self._beside)
+
+    def _beside(self, function: Callable[[Job], Result], job: Job) -> Callable[[], Result]:
+        return self.context.workers.begin(function, job).result
+
     def as_found(self, path_problem: PathProblem, found: Configuration) -> Answer:
         """The answer about a configuration as it is."""
         return certified_design(
             self.program, self.task, self.derivation, path_problem, found,
-            self.context.check_time, last=True,
+            self.watch, last=True,
         )  # fmt: skip
 
     def prepared(self, path_problem: PathProblem, outcome: ControlOutcome) -> PathProblem | None:
@@ -75,12 +87,9 @@ class MotionProof:
             return None
         return replace(path_problem, bound=False, feedback=feedback, refines=feedback)
 
-    def early(self, prepared: PathProblem, outcome: ControlOutcome) -> Design | None:
+    def begin_early(self, prepared: PathProblem, outcome: ControlOutcome) -> Begun[Design | None]:
         """The design of such a motion, if it is proved with little more."""
-        entries = prepared.waypoints()[1]
-        found = Configuration(outcome, entries, prepared.cells, bound=False)
-        answer = self.with_margins(prepared, found, EARLY_MARGINS, SURVEY).answer
-        return answer.design if isinstance(answer, Found) else None
+        return self.context.workers.begin(_early, EarlyProof(self, prepared, outcome))
 
     def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:
         """A proved design from a feasible configuration, or from a closer look at parameters."""
@@ -152,7 +161,7 @@ class MotionProof:
                 break
             answer = certified_design(
                 self.program, self.task, self.derivation, path_problem, found,
-                self.context.check_time, last=tightening.is_last,
+                self.watch, last=tightening.is_last,
             )  # fmt: skip
             if isinstance(answer, Found):
                 return ProofAttempt(answer, found.outcome.robustness)
@@ -162,6 +171,40 @@ class MotionProof:
             self.context.reporter.note(f"{blocked.cause.value}; trying a wider margin")
             tightening = tightening.wider(blocked.lacking, path_problem.spread, blocked.beyond)
         return ProofAttempt(blocked, found.outcome.robustness)
+
+
+@dataclass(frozen=True, slots=True)
+class EarlyProof:
+    """A motion that may be proved at once; the ``proof`` of another process tells nobody of it."""
+
+    proof: MotionProof
+    prepared: PathProblem
+    outcome: ControlOutcome
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """As plain data."""
+        proof = self.proof
+        asked = proof.program, proof.task, proof.derivation
+        return _early_proof, (*asked, recipe(self.prepared), self.outcome)
+
+
+def _early_proof(
+    program: ir.Program,
+    task: ir.Task,
+    derivation: Derivation,
+    made: Recipe,
+    outcome: ControlOutcome,
+) -> EarlyProof:
+    proof = MotionProof(program, task, derivation, RunContext())
+    return EarlyProof(proof, made.path_problem(), outcome)
+
+
+def _early(asked: EarlyProof) -> Design | None:
+    """A job: the design of a motion, if it is proved with few margins."""
+    prepared = asked.prepared
+    found = Configuration(asked.outcome, prepared.waypoints()[1], prepared.cells, bound=False)
+    answer = asked.proof.with_margins(prepared, found, EARLY_MARGINS, SURVEY).answer
+    return answer.design if isinstance(answer, Found) else None
 
 
 def tightened(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -12,6 +13,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
+from solvers.execution.workers import Begun
 from solvers.planner import CounterExample, EffectorPath, Plan
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer
@@ -97,7 +99,7 @@ class PathSearch:
         path_problem, label = self.posed(cells, plan), self.label(cells, plan)
         early, context = _Early(self), self.structure.context
         found = search_configuration(path_problem, label, context, at_once=early)
-        first = early.design
+        first = early.design()
         if not found.outcome.feasible:
             attempt = self.not_followed(path_problem, found)
         elif first is not None and not gains(found.outcome.robustness, first):
@@ -212,14 +214,17 @@ class PathSearch:
 class _Early:
     """Is told of the outcomes of a search, and proves the first ones that are feasible.
 
-    ``design`` is what came of that; with one, no more are proved.
+    Proofs may go on beside the search, one after the other, until one gives a design; which it is
+    does not depend on how long they take.
     """
 
     def __init__(self, search: PathSearch) -> None:
         self._search = search
         self._left = EARLY_PROOFS
         self._best = -np.inf
-        self.design: Design | None = None
+        self._waiting: deque[tuple[PathProblem, ControlOutcome]] = deque()
+        self._begun: Begun[Design | None] | None = None
+        self._design: Design | None = None
 
     def __call__(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
         """Told of an outcome, and of the problem that it is one of."""
@@ -228,15 +233,31 @@ class _Early:
             self._best = outcome.robustness
             cells, entries = path_problem.cells, path_problem.waypoints()[1]
             search.see(path_problem, Configuration(outcome, entries, cells))
-        if self.design is not None or not self._left or not outcome.feasible:
-            return
-        prepared = search.proof.prepared(path_problem, outcome)
-        if prepared is None:
-            return
-        self._left -= 1
-        self.design = search.proof.early(prepared, outcome)
-        if self.design is not None:
-            search.structure.listener.keep(self.design)
+        if self._left and outcome.feasible:
+            self._waiting.append((path_problem, outcome))
+        self._advance(wait=False)
+
+    def design(self) -> Design | None:
+        """What has come of those that it was told of."""
+        self._advance(wait=True)
+        return self._design
+
+    def _advance(self, *, wait: bool) -> None:
+        """Begin one proof after the other, and take what comes of them."""
+        proof = self._search.proof
+        while True:
+            while self._begun is None and self._waiting and self._left:
+                path_problem, outcome = self._waiting.popleft()
+                prepared = proof.prepared(path_problem, outcome)
+                if prepared is not None:
+                    self._left -= 1
+                    self._begun = proof.begin_early(prepared, outcome)
+            if self._begun is None or not (wait or self._begun.done):
+                return
+            self._design, self._begun = self._begun.result(), None
+            if self._design is not None:
+                self._left = 0
+                self._search.structure.listener.keep(self._design)
 
 
 def gains(robustness: float, proved: Design) -> bool:

@@ -15,7 +15,7 @@ from srgc.faults import REFUSED, UNEXPECTED, UNKNOWN, UsageFault
 
 if TYPE_CHECKING:
     from solvers.verdict import Claimed
-    from solvers.verifier.proofs.scene import Each
+    from solvers.verifier.proofs.scene import Begin, Each
 
 
 @click.command(
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     type=click.IntRange(1),
     default=1,
     show_default=True,
-    help="Processes that check structures of an impossibility.",
+    help="Processes that check independent parts side by side.",
 )
 @QUIET
 @click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
@@ -83,10 +83,10 @@ def verify(
     if spec is not None and not spec.is_file():
         raise UsageFault(f"{spec} is not a file")
     with (
-        _each(jobs) as each,
+        _beside(jobs) as (each, begin),
         progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display,
     ):
-        watch = Watch(part=display.part, each=each)
+        watch = Watch(part=display.part, each=each, begin=begin)
         report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
     click.echo(verification_json(report) if as_json else verification_text(report))
     statuses = {Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED}
@@ -94,14 +94,14 @@ def verify(
 
 
 @contextmanager
-def _each(jobs: int) -> Iterator[Each]:
+def _beside(jobs: int) -> Iterator[tuple[Each, Begin]]:
     """What does independent parts; processes are imported for only where there are several."""
-    from solvers.verifier.proofs.scene import in_turn
+    from solvers.verifier.proofs.scene import in_turn, when_asked
 
     if jobs == 1:
-        yield in_turn
+        yield in_turn, when_asked
         return
     from srgc.search_options import workers_for
 
     with workers_for(jobs) as workers:
-        yield workers.map
+        yield workers.map, lambda function, job: workers.begin(function, job).result

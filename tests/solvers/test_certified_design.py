@@ -19,6 +19,7 @@ from solvers.search.search_state import Answer, Blocked, Found
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.proofs.scene import UNWATCHED
 from tests.oracles.small_specs import TURNER, replaced
 
 WORD = ("tool", "link", "joint", "base")
@@ -54,7 +55,7 @@ def attempt(tmp_path: Path, text: str, *, feedback: bool = False, last: bool = F
         Trajectory(x, u, theta), True, 1.0, 1.0, np.zeros(STEPS), 0.0, 1, "", 0.0
     )
     found = Configuration(outcome, tuple(starts), 1, problem.cells)
-    return certified_design(program, task, derivation, problem, found, lambda: None, last=last)
+    return certified_design(program, task, derivation, problem, found, UNWATCHED, last=last)
 
 
 def no_proof(*_: object) -> None:

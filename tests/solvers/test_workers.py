@@ -264,3 +264,33 @@ def _runs(process):
     except ProcessLookupError:
         return False
     return True
+
+
+def test_a_job_is_sent_as_it_is_when_it_begins(pool):
+    """What a job refers to may change while it is on its way."""
+    jobs = [list(range(2000)) for _ in range(20)]
+    begun = [pool.begin(worker_jobs.total, job) for job in jobs]
+    for job in jobs:
+        job.clear()
+    assert [one.result() for one in begun] == [sum(range(2000))] * 20
+
+
+def test_a_job_that_was_begun_is_done_when_asked_without_processes():
+    done = []
+    begun = InProcess().begin(done.append, 3)
+    assert begun.done
+    assert done == []
+    begun.result()
+    assert done == [3]
+
+
+def test_a_job_that_was_begun_is_done_again_where_its_process_is_killed(pool, tmp_path):
+    begun = pool.begin(worker_jobs.killed_once, (7, tmp_path / "marker"))
+    assert begun.result() == 49
+    assert begun.done
+
+
+def test_errors_of_a_job_that_was_begun_are_raised_when_it_is_asked_for(pool):
+    begun = pool.begin(worker_jobs.divided, 0)
+    with pytest.raises(ZeroDivisionError):
+        begun.result()

@@ -8,13 +8,14 @@ holds all that begin a round in the set of the loop.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.tasks.specification import disturbance_radii, input_errors, uncertain_masses
+from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.effort_bounds import effort_conditions
@@ -32,51 +33,81 @@ from solvers.verifier.proofs.tube_proof import (
 from solvers.verifier.proofs.zonotope import InitialSet
 
 
-def disturbed_findings(
-    scene: Scene,
-    motion: Motion,
-    planned: Sequence[CheckedCondition],
-    accuracy: Accuracy,
-    watch: Watch,
-) -> tuple[CheckedCondition, ...]:
-    """The conditions on the planned motion, replaced by those on all disturbed ones.
+@dataclass(frozen=True, slots=True)
+class DisturbedFindings:
+    """What is known of all disturbed motions; ``ended`` is the time of a tube that ends early."""
 
-    Where the tube ends early, what has to hold until the end is not decided.
+    told: tuple[CheckedCondition, ...]
+    ended: float | None
+
+    def about(
+        self, task: ir.Task, planned: Sequence[CheckedCondition]
+    ) -> tuple[CheckedCondition, ...]:
+        """The conditions on the planned motion, replaced by those on all disturbed ones.
+
+        Where the tube ends early, what has to hold until the end is not decided.
+        """
+        told = self.told if self.ended is None else _cut_short(task, planned, self.told, self.ended)
+        # Two conditions may have the same name: all of either kind go together.
+        names = {each.name for each in told}
+        return (*(each for each in planned if each.name not in names), *told)
+
+
+@dataclass(frozen=True, slots=True)
+class DisturbedMotions:
+    """The question about all disturbed motions; another process is not watched."""
+
+    scene: Scene
+    motion: Motion
+    accuracy: Accuracy
+    watch: Watch
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Without the watch but for how long it looks."""
+        brief = Watch(brief=self.watch.brief)
+        return DisturbedMotions, (self.scene, self.motion, self.accuracy, brief)
+
+
+def disturbed_findings(asked: DisturbedMotions) -> DisturbedFindings:
+    """What a tube shows of all disturbed motions, as far as it goes.
+
+    Raises:
+        UndefinedValueError: the equations of motion have no value anywhere.
     """
-    with working_precision(accuracy.bits):
+    scene, motion = asked.scene, asked.motion
+    with working_precision(asked.accuracy.bits):
         robot = driven_robot(scene, motion, disturbed=True)
         initial = disturbed_start(scene, robot.state)
-        followed = follow(robot, initial, input_error(scene), accuracy, watch)
+        followed = follow(robot, initial, input_error(scene), asked.accuracy, asked.watch)
         found = followed.so_far() if followed.ended else followed.conditions()
         if motion.law is not None:
             found += effort_conditions(scene.model, scene.task, followed.commanded)
     if motion.loop is not None:
         found = unless_open(found)
-    told = [_told(each) for each in found]
-    if followed.ended:
-        told = _cut_short(scene, planned, told, followed.time)
-    # Two conditions may have the same name: all of either kind go together.
-    names = {each.name for each in told}
-    return (*(each for each in planned if each.name not in names), *told)
+    told = tuple(_told(each) for each in found)
+    return DisturbedFindings(told, followed.time if followed.ended else None)
 
 
 def _cut_short(
-    scene: Scene, planned: Sequence[CheckedCondition], told: Sequence[CheckedCondition], time: float
-) -> list[CheckedCondition]:
+    task: ir.Task,
+    planned: Sequence[CheckedCondition],
+    told: Sequence[CheckedCondition],
+    time: float,
+) -> tuple[CheckedCondition, ...]:
     """What is not proved by a tube that ends early; ``told`` is what it shows up to there."""
     ended = CheckedCondition(
         "disturbed motions", Status.UNDECIDED, -NO_MARGIN, "", time,
         why="the enclosure of the disturbed motions ends",
     )  # fmt: skip
     known = [each for each in told if each.status is not Status.HOLDS]
-    about = {each.name for each in told} | end_names(scene.task)
+    about = {each.name for each in told} | end_names(task)
     rest = [
         replace(ended, name=each.name, margin=NO_MARGIN, unit=each.unit)
         for each in planned
         if (each.name in about or each.clause is not None)
         and each.name not in {item.name for item in known}
     ]
-    return [*known, ended, *rest]
+    return (*known, ended, *rest)
 
 
 def _told(condition: CheckedCondition) -> CheckedCondition:

@@ -40,6 +40,19 @@ def in_turn(function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[
     return map(function, jobs)
 
 
+class Begin(Protocol):
+    """Begins a job beside what is done here."""
+
+    def __call__(self, function: Callable[[Job], Result], job: Job, /) -> Callable[[], Result]:
+        """What waits for its result; that may never be asked for."""
+        ...
+
+
+def when_asked(function: Callable[[Job], Result], job: Job) -> Callable[[], Result]:
+    """A job that is done when its result is asked for."""
+    return lambda: function(job)
+
+
 @dataclass(frozen=True, slots=True)
 class Watch:
     """What a proof calls as it goes on.
@@ -50,12 +63,14 @@ class Watch:
             structures of a family.  Work that is done again begins at none.
         each: does parts that do not depend on each other, perhaps in several processes: a function
             found by its name in a module, and jobs that can be pickled.  Results are in order.
+        begin: begins such a part beside others.
         brief: whether the first condition that fails ends the proof; others are then not known.
     """
 
     tick: Callable[[], None] = lambda: None
     part: Callable[[int, int], None] = lambda _done, _count: None
     each: Each = in_turn
+    begin: Begin = when_asked
     brief: bool = False
 
 
@@ -95,6 +110,10 @@ class Scene:
         """The robot."""
         return self.graph.model
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Of the robot alone: graphs are not pickled, but made again."""
+        return _scene, (self.model, self.workspace, self.task, self.abstraction, self.bodies)
+
     def polytope(self, region: ir.Region) -> Polytope:
         """The exact set of a region."""
         return polytope_of(region.shape, self.workspace.dimension)
@@ -117,13 +136,18 @@ def scene_of(
         symbols = body_symbols(derivation, program.grammars[task.grammar].semantics or {})
         if len(symbols) == len(model.bodies):
             bodies = _named(symbols, derivation.word)
-    return Scene(
-        robot_graph(model, task.gravity, coordinates_for_intervals(model)),
-        program.workspaces[task.workspace],
-        task,
-        cells,
-        bodies,
-    )
+    return _scene(model, program.workspaces[task.workspace], task, cells, bodies)
+
+
+def _scene(
+    model: RobotModel,
+    workspace: ir.Workspace,
+    task: ir.Task,
+    cells: Abstraction,
+    bodies: tuple[str, ...],
+) -> Scene:
+    graph = robot_graph(model, task.gravity, coordinates_for_intervals(model))
+    return Scene(graph, workspace, task, cells, bodies)
 
 
 def _named(symbols: Sequence[int | None], word: Sequence[str]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from compiler.expressions.tape import UndefinedValueError
 from compiler.tasks.specification import missing_effector
 from compiler.workspaces.abstraction import Abstraction
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
-from solvers.verifier.proofs.disturbed_proof import disturbed_findings
+from solvers.verifier.proofs.disturbed_proof import DisturbedMotions, disturbed_findings
 from solvers.verifier.proofs.effort_bounds import PLANNED, effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
 from solvers.verifier.proofs.scene import UNWATCHED, Motion, Scene, Watch, scene_of
@@ -55,11 +55,15 @@ def prove_motion(
     if missing is not None:
         return (CheckedCondition(f"effector {missing} of the task", Status.FAILS, 0.0, ""),)
     try:
-        planned = _planned(scene, motion, watch)
         several = scene.task.robust is not None or scene.task.repeat
+        disturbed = None
+        if several:
+            asked = DisturbedMotions(scene, motion, ACCURACIES[0], watch)
+            disturbed = watch.begin(disturbed_findings, asked)
+        planned = _planned(scene, motion, watch)
         found, proved = planned, frozenset[str]()
-        if several and decisive(planned) is None:
-            found = disturbed_findings(scene, motion, planned, ACCURACIES[0], watch)
+        if disturbed is not None and decisive(planned) is None:
+            found = disturbed().about(scene.task, planned)
             proved = frozenset(each.name for each in found if each.status is Status.HOLDS)
         elif motion.law is None:
             return planned
