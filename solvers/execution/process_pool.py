@@ -9,10 +9,13 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
 from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from threading import Thread
 from types import ModuleType
+from typing import Generic
 
 from solvers.execution.in_order import begun, in_order
 from solvers.execution.one_thread import ONE_THREAD
@@ -46,7 +49,7 @@ class ProcessPool:
     def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
         """The results in the order of the jobs."""
         remaining = iter(jobs)
-        while not self._is_ready():
+        while not self._is_ready(function):
             begun = time.monotonic()
             for job in remaining:
                 result = function(job)
@@ -58,17 +61,20 @@ class ProcessPool:
         yield from in_order(self, function, remaining)
 
     def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
-        """Begin a job; for this the processes are started at once."""
-        return begun(self, function, job)
+        """Begin a job; for this the processes are started at once.
+
+        It is done here where its result is asked for before they are ready.
+        """
+        return _BegunJob(self, function, job, begun(self, function, job))
 
     def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
         """Begin a job; processes that have ended are replaced first."""
         data = sent(function, job)
         try:
-            return self._running().submit(received, data)
+            return self._running(function).submit(received, data)
         except BrokenExecutor:
             self._end()
-            return self._running().submit(received, data)
+            return self._running(function).submit(received, data)
 
     def is_lost(self, error: BaseException) -> bool:
         """Whether a process ended."""
@@ -83,15 +89,20 @@ class ProcessPool:
         self._closed = True
         self._end()
 
-    def _is_ready(self) -> bool:
+    def _is_ready(self, function: Callable[..., object]) -> bool:
         """Whether the processes are there; they are started when patience ends."""
         if self._patience > 0:
             return False
-        self._running()
-        return all(ready.done() for ready in self._ready)
+        self._running(function)
+        return self.has_begun
 
-    def _running(self) -> ProcessPoolExecutor:
-        """The executor, started if it is not there."""
+    @property
+    def has_begun(self) -> bool:
+        """Whether processes have been started and are ready."""
+        return bool(self._ready) and all(ready.done() for ready in self._ready)
+
+    def _running(self, function: Callable[..., object]) -> ProcessPoolExecutor:
+        """The executor, started if it is not there, with processes that have the function."""
         if self._closed:
             raise RuntimeError("the processes have been ended")
         if self._executor is None:
@@ -102,7 +113,9 @@ class ProcessPool:
             )
             with _as_workers_start():
                 # Every job that finds no idle process starts one.
-                self._ready = [self._executor.submit(_nothing) for _ in range(self._jobs)]
+                self._ready = [
+                    self._executor.submit(_imported, function.__module__) for _ in range(self._jobs)
+                ]
         return self._executor
 
     def _end(self) -> None:
@@ -119,6 +132,23 @@ class ProcessPool:
             for process in tuple((executor._processes or {}).values()):  # noqa: SLF001
                 process.kill()
             executor.shutdown(wait=True, cancel_futures=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _BegunJob(Generic[Job, Result]):
+    pool: ProcessPool
+    function: Callable[[Job], Result]
+    job: Job
+    begun: Begun[Result]
+
+    @property
+    def done(self) -> bool:
+        """Whether the result is there."""
+        return self.begun.done
+
+    def result(self) -> Result:
+        """The result, of this process where others are not ready yet."""
+        return self.begun.result() if self.pool.has_begun else self.function(self.job)
 
 
 @contextmanager
@@ -168,5 +198,6 @@ def _end_with(lifeline: Connection) -> None:
     os._exit(1)
 
 
-def _nothing() -> None:
-    """A job that only makes a process start."""
+def _imported(module: str) -> None:
+    """A job that makes a process start, and have what the jobs of a module need."""
+    import_module(module)

@@ -11,6 +11,8 @@ from base64 import b64decode, b64encode
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from fractions import Fraction
+from functools import lru_cache
 from hashlib import sha256
 from itertools import islice
 from typing import TypeAlias
@@ -78,6 +80,10 @@ class SolveRequest:
         return text.hexdigest()
 
 
+ROBOTS = 4
+"""The equations of motion of so many robots are kept by a process."""
+
+
 @dataclass(frozen=True, slots=True)
 class Recipe:
     """A path problem as plain data, to be built again in another process."""
@@ -87,10 +93,15 @@ class Recipe:
 
     def path_problem(self) -> PathProblem:
         """The path problem."""
-        task = self.settings["task"]
-        gravity = getattr(task, "gravity", ())
-        numeric = NumericRobot(robot_graph(self.model, gravity))
+        gravity = getattr(self.settings["task"], "gravity", ())
+        numeric = _numeric(self.model, gravity)
         return PathProblem(numeric=numeric, **self.settings)  # type: ignore[arg-type]
+
+
+@lru_cache(ROBOTS)
+def _numeric(model: RobotModel, gravity: tuple[Fraction, ...]) -> NumericRobot:
+    """The equations of motion of a robot, of which there are several path problems."""
+    return NumericRobot(robot_graph(model, gravity))
 
 
 def recipe(path_problem: PathProblem) -> Recipe:

@@ -21,7 +21,7 @@ from tests.oracles.planned_arm import THETAS, bits, evaluated, planned_arm
 @pytest.fixture(scope="module")
 def pool():
     workers = ProcessPool(2, patience=0.0)
-    while not workers._is_ready():
+    while not workers._is_ready(abs):
         pass
     yield workers
     workers.close()

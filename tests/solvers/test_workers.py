@@ -155,7 +155,7 @@ def test_a_killed_process_is_replaced_and_its_jobs_are_done_again(pool, tmp_path
 
 def test_a_job_that_kills_every_worker_is_given_up():
     workers = ProcessPool(1, patience=0.0)
-    workers._is_ready = lambda: True
+    workers._is_ready = lambda _: True
     try:
         with pytest.raises(WorkersLostError, match="ended in the middle"):
             list(workers.map(worker_jobs.killed, [os.getpid()]))
@@ -202,7 +202,7 @@ def test_jobs_that_nobody_can_finish_are_given_up(monkeypatch):
 
 def test_closing_ends_the_processes_whatever_they_do():
     workers = ProcessPool(2, patience=0.0)
-    workers._is_ready = lambda: True
+    workers._is_ready = lambda _: True
     processes = [p for p, _ in workers.map(worker_jobs.whereabouts, range(6))]
     results = workers.map(worker_jobs.slept, [0.0, 600.0, 600.0])
     assert next(results) == 0.0
@@ -219,7 +219,7 @@ def test_processes_end_with_a_parent_that_is_killed():
         "from tests.oracles import worker_jobs\n"
         "if __name__ == '__main__':\n"
         "    pool = ProcessPool(2, patience=0.0)\n"
-        "    pool._is_ready = lambda: True\n"
+        "    pool._is_ready = lambda _: True\n"
         "    found = {p for p, _ in pool.map(worker_jobs.whereabouts, range(6))}\n"
         "    print(*found, flush=True)\n"
         "    os.kill(os.getpid(), signal.SIGKILL)\n"

@@ -26,5 +26,7 @@ def test_a_small_spec(made, tmp_path, spec):
 
 
 @pytest.mark.slow
-def test_the_case_study(made, tmp_path):
-    check(made, tmp_path, "planar_arm", hash_seed="2", jobs="2")
+@pytest.mark.parametrize("spec", ["planar_arm", "robust_arm", "patrol"])
+def test_a_shipped_spec(made, tmp_path, spec):
+    """First proofs go on beside the search."""
+    check(made, tmp_path, spec, hash_seed="2", jobs="2")

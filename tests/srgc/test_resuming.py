@@ -136,7 +136,7 @@ def test_other_processes_have_the_same_bytes(made, tmp_path, monkeypatch, spec):
     @contextmanager
     def workers(*_):
         pool = Ready(2, patience=0.0)
-        while not pool._is_ready():
+        while not pool._is_ready(abs):
             pass
         try:
             yield pool

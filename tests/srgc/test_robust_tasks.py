@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -31,8 +32,6 @@ def shaken(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def copied(shaken: Path, tmp_path: Path) -> Path:
-    import shutil
-
     shutil.copytree(shaken / "out", tmp_path / "out")
     # It names the specification that is about to be altered.
     (tmp_path / "out" / "design.json").unlink()
@@ -48,6 +47,19 @@ def test_found_and_verified(srgc, shaken):
     ran = srgc("verify", shaken / "out")
     assert ran.out.startswith("valid: found, level validated\n")
     assert ran.status == 0
+
+
+def test_the_same_report_by_two_processes(srgc, shaken, tmp_path):
+    """Of what holds, and of what does not: the planned motion goes on beside the disturbed ones."""
+    alone, beside = (srgc("verify", shaken / "out", "--jobs", jobs) for jobs in ("1", "2"))
+    assert (beside.status, beside.out) == (0, alone.out)
+    wider = tmp_path / "wider"
+    shutil.copytree(shaken / "out", wider)
+    (wider / "design.json").unlink()
+    alter_spec(wider, "0.2 deg, 0.1 deg/s", "20 deg, 10 deg/s", sign=True)
+    alone, beside = (srgc("verify", wider, "--jobs", jobs) for jobs in ("1", "2"))
+    assert alone.status != 0
+    assert (beside.status, beside.out) == (alone.status, alone.out)
 
 
 @pytest.mark.slow

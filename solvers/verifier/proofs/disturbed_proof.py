@@ -63,9 +63,12 @@ class DisturbedMotions:
     watch: Watch
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Without the watch but for how long it looks."""
-        brief = Watch(brief=self.watch.brief)
-        return DisturbedMotions, (self.scene, self.motion, self.accuracy, brief)
+        """Without the watch, but for how long it looks."""
+        return _unwatched, (self.scene, self.motion, self.accuracy, self.watch.brief)
+
+
+def _unwatched(scene: Scene, motion: Motion, accuracy: Accuracy, brief: bool) -> DisturbedMotions:  # noqa: FBT001
+    return DisturbedMotions(scene, motion, accuracy, Watch(brief=brief))
 
 
 def disturbed_findings(asked: DisturbedMotions) -> DisturbedFindings:
