@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-import solvers.search.synthesis
+import solvers.search.family_search
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.load import load
@@ -51,7 +51,7 @@ def test_counts_of_the_designs_add_up(tmp_path: Path) -> None:
 def test_without_a_bound_it_ends_at_a_limit_that_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(solvers.search.synthesis, "DEFAULT_DESIGNS", 1)
+    monkeypatch.setattr(solvers.search.family_search, "DEFAULT_DESIGNS", 1)
     text = replaced(extended_arm("[0, 1]"), "  modules <= 5;\n", "")
     every = search(program_of(tmp_path, text), every=True)
     assert every.verdict == "found"

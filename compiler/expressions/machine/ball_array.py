@@ -53,7 +53,7 @@ class BallArray:
     def balls(self) -> list[arb]:
         """All of them, row by row."""
         pairs = zip(self.middle.ravel().tolist(), self.radius.ravel().tolist(), strict=True)
-        return [arb(m, r) if r < np.inf else arb("nan") for m, r in pairs]
+        return [arb(m) if r == 0 else arb(m, r) if r < np.inf else arb("nan") for m, r in pairs]
 
     def at(self, *index: int | slice) -> BallArray:
         """A part of them."""
