@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import solvers.conclusion
-import solvers.search.structure_search
-import solvers.search.synthesis
+import solvers.search.family_search
 from grammar_lang.load import load
 from solvers.run_context import RunContext
 from solvers.search.synthesis import synthesise
@@ -28,12 +29,12 @@ def edited(*changes):
     return text
 
 
-def run(tmp_path, text):
+def run(tmp_path, text, **budgets):
     path = tmp_path / "spec.srg"
     path.write_text(text, encoding="utf-8")
     program = load(path).program
     (task,) = program.tasks.values()
-    return synthesise(program, task, RunContext())
+    return synthesise(program, task, RunContext(**budgets))
 
 
 def standing(target):
@@ -66,9 +67,8 @@ def test_a_robot_without_mass_is_inadmissible_and_not_refuted(tmp_path):
 @pytest.mark.slow
 def test_too_weak_a_robot_is_given_up_at_a_limit_that_is_named(tmp_path, monkeypatch):
     """A quarter turn within 2 s needs 4 rad / s^2 of a rod of 1/3 kg m^2 at least."""
-    monkeypatch.setattr(solvers.search.synthesis, "MOTION_SEARCHES", 1)
-    monkeypatch.setattr(solvers.search.structure_search, "PLANS", (1,))
-    result = run(tmp_path, edited(WEAK))
+    monkeypatch.setattr(solvers.search.family_search, "MOTION_SEARCHES", 1)
+    result = run(tmp_path, edited(WEAK), paths=1)
     assert result.verdict == "unknown"
     assert [r.verdict for r in result.records].count("unresolved") == 1
     assert result.records[-1].verdict == "unresolved"
@@ -141,3 +141,36 @@ def test_nothing_is_said_of_no_structures(tmp_path, text, verdict, said):
     assert said in result.reason
     assert "refuted" not in result.reason
     assert "0 structures" not in result.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("steps", [20, 60])
+def test_a_rod_is_swung_up_that_no_slow_motion_lifts(tmp_path, steps):
+    """At the horizontal its weight turns it by 4.9 N m, more than there is; u = (1/3) a + w cos."""
+    weight = 9.81 / 2
+    text = edited(
+        ("param length in [1, 2] m", "const length = 1 m"),
+        ("bounds box [-1, 3] x [-1, 3]", "bounds box [-2, 2] x [-2, 2]"),
+        ("box [1.2, 1.9] x [-0.3, 0.3]", "box [-0.1, 0.1] x [-1.05, -0.9]"),
+        ("target T box [-0.3, 0.3] x [1.2, 1.9]", "target T box [-0.1, 0.1] x [0.9, 1.05]"),
+        ("  obstacle O box [1.4, 2.5] x [1.4, 2.5] m;\n", ""),
+        ("  avoid O with effector;\n", "  gravity (0, -9.81) m/s^2;\n  modules <= 4;\n"),
+        ("reach T;", "reach T at rest;"),
+        ("effort <= 10 N*m", "effort <= 3.8 N*m"),
+        ("horizon 10 steps of 0.2 s", f"horizon {steps} steps of 0.1 s"),
+    )
+    result = run(tmp_path, text)
+    assert result.verdict == "found"
+    assert result.design.controller is None
+    inputs = [float(row[0]) for row in result.design.inputs]
+    assert max(map(abs, inputs)) < 3.8 < weight
+    state = np.array([float(value) for value in result.design.start])
+    for u in inputs:
+
+        def moved(_time, x, u=u):
+            return [x[1], 3 * (u - weight * np.cos(x[0]))]
+
+        state = solve_ivp(moved, (0, 0.1), state, rtol=1e-11, atol=1e-12).y[:, -1]
+    assert abs(np.cos(state[0])) < 0.1
+    assert np.sin(state[0]) > 0.9
+    assert abs(state[1]) < 1e-3
