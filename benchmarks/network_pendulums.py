@@ -29,8 +29,8 @@ from compiler.robots.normal_form import family_of
 from grammar_lang.load import load_text
 from solvers.verifier.proofs.control_law import SampledLaw
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
-from solvers.verifier.proofs.point_map import PointMap
-from solvers.verifier.proofs.tube_checks import StateLimit, Status, Stretch, check_segment
+from solvers.verifier.proofs.state_limits import StateLimit, check_limits
+from solvers.verifier.proofs.tube_checks import Status, Stretch
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, Zonotope
 
@@ -209,7 +209,6 @@ def enclosed(case: Case, network: ReluNetwork, box: Box) -> Enclosed:
             tape(graph.balance), tape(graph.variation), n, tail, n, tape(graph.input_slopes),
             Curvature.of(graph),
         )  # fmt: skip
-        points = PointMap(tape(graph.points), field, 2, tape(graph.point_slopes))
         middles = [ball((low + high) / 2) for low, high in box] + [arb(0)] * n
         rows = tuple(tuple(arb(int(i == j)) for j in range(2 * n)) for i in range(3 * n))
         radii = tuple(ball((high - low) / 2) for low, high in box)
@@ -224,7 +223,7 @@ def enclosed(case: Case, network: ReluNetwork, box: Box) -> Enclosed:
             for segment in motions:
                 found.segments.append(segment)
                 if segment.number >= case.first:
-                    check_segment(points, Stretch.of(segment, segment.inputs), [], limits)
+                    check_limits(Stretch.of(segment, segment.inputs), limits)
                 if found.status is not Status.HOLDS:
                     break
                 if segment.steps[1].denominator == 1:

@@ -352,7 +352,7 @@ def conditions_table(report: Report) -> str:
 def _condition(condition: CheckedCondition) -> list[str]:
     status = condition.status.value
     mark = f'<span class="{_COLOURS[status]}">{text(status)}</span>'
-    margin = with_unit(condition.margin, condition.unit) if isfinite(condition.margin) else ""
+    margin = with_unit(condition.least(4), condition.unit) if isfinite(condition.margin) else ""
     time = "" if condition.time is None else f"{number(condition.time)} s"
     place = ", ".join(number(x) for x in condition.place)
     level = condition.level if status == "holds" else ""

@@ -50,7 +50,9 @@ def _row(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
         name = f'<strong class="bad">{WORDS[condition.status]}:</strong> {name}'
         if condition.why:
             name += f'<br><span class="soft">{text(condition.why)}</span>'
-    margin = with_unit(condition.margin, condition.unit) if math.isfinite(condition.margin) else ""
+    margin = (
+        with_unit(condition.least(4), condition.unit) if math.isfinite(condition.margin) else ""
+    )
     place = ", ".join(number(x) for x in condition.place)
     level = condition.level if condition.status is Status.HOLDS else ""
     return (

@@ -79,7 +79,7 @@ def _said(condition: CheckedCondition) -> str:
     parts = list[str]()
     if isfinite(condition.margin):
         unit = "" if condition.unit == "1" else f" {condition.unit}"
-        parts.append(f"margin {condition.margin:.6g}{unit}")
+        parts.append(f"margin {condition.least(6):.6g}{unit}")
     if condition.time is not None:
         place = ", ".join(f"{x:.4f}" for x in condition.place)
         parts.append(f"at {condition.time:.3f} s" + (f" ({place})" if place else ""))

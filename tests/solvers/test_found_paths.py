@@ -72,7 +72,7 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> Watched:
     monkeypatch.setattr(path_search.PathSearch, "attempt", attempted)
     monkeypatch.setattr(Planner, "block", blocked)
     monkeypatch.setattr(motion_proof.MotionProof, "attempt", unproved)
-    monkeypatch.setattr(motion_proof.MotionProof, "early", lambda *_: None)
+    monkeypatch.setattr(motion_proof.MotionProof, "prepared", lambda *_: None)
     return seen
 
 

@@ -13,9 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from compiler.expressions.evaluators.balls import working_precision
 from solvers.verifier.proofs.apart import Apart
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.least_margins import close_margins
 from solvers.verifier.proofs.point_map import Slice
+from solvers.verifier.proofs.state_limits import StateLimit, check_limits
 from solvers.verifier.proofs.tube_checks import Inside, Status, Stretch, check_segment, row
 
 SIZES = np.array([0.5, 0.3, 0.9])
@@ -45,7 +47,7 @@ def checked(points: StraightPoints, constraint: Apart | Inside, count: int) -> N
     for k in range(count):
         steps = Fraction(k, count), Fraction(k + 1, count)
         segment = TubeSegment(arb(k) / count, arb(1) / count, steps, (), ())
-        check_segment(points, Stretch.of(segment, ()), [constraint], [])  # type: ignore[arg-type]
+        check_segment(points, Stretch.of(segment, ()), [constraint])  # type: ignore[arg-type]
     close_margins(points, [constraint])  # type: ignore[arg-type]
 
 
@@ -103,3 +105,38 @@ def test_the_margin_of_what_does_not_move_is_told() -> None:
         checked(still, room, 5)
     assert room.margin == pytest.approx(0.75, rel=1e-9)
     assert room.time < 1
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_margins_of_limits_are_close(seed: int) -> None:
+    """A polynomial of degree 9 against its values at 20,000 instants."""
+    rng = np.random.default_rng(seed)
+    coefficients = rng.normal(size=(2, 10)) * 3.0 ** np.arange(10)[::-1] / 3**9
+    times = np.linspace(0, 2, 20_001)
+    values = [np.polynomial.polynomial.polyval(times, row) for row in coefficients]
+    sums = values[0] - 2 * values[1]
+    room = 0.003
+    upper, lower = float(sums.max()) + room, float(sums.min()) - 3 * room
+    limit = StateLimit("range", "rad", (1, -2), arb(lower), arb(upper))
+    with working_precision(80):
+        states = tuple([arb(x) for x in row] for row in coefficients.tolist())
+        steps = Fraction(0), Fraction(1)
+        segment = TubeSegment(arb(0), arb(2), steps, states, ())
+        check_limits(Stretch.of(segment, ()), [limit])
+    assert limit.status is Status.HOLDS
+    assert 0.97 * room <= limit.margin <= room + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("margin", "digits", "shown"),
+    [
+        (0.00019999999964, 6, 0.000199999),
+        (1.8215673184, 6, 1.82156),
+        (0.5, 4, 0.5),
+        (-0.00012345, 4, -0.0001235),
+    ],
+)
+def test_digits_of_a_margin_say_no_more_than_was_proved(
+    margin: float, digits: int, shown: float
+) -> None:
+    assert CheckedCondition("bounds", Status.HOLDS, margin, "m").least(digits) == shown

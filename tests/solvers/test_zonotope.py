@@ -92,7 +92,14 @@ def support(columns: np.ndarray, direction: list[Fraction]) -> Fraction:
 
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize(
-    ("scale", "slope"), [(1.0, 1.0), (2.0**-1030, 1e-20), (2.0**-540, 2.0**-520), (2.0**500, 1.0)]
+    ("scale", "slope"),
+    [
+        (1.0, 1.0),
+        (2.0**-1030, 1e-20),
+        (2.0**-540, 2.0**-520),
+        (2.0**500, 1.0),
+        (2.0**950, 2.0**-1060),
+    ],
 )
 def test_no_rounding_of_columns_loses_a_state(seed: int, scale: float, slope: float) -> None:
     """Support functions in exact rational numbers, along axes and between them, of all scales."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -31,6 +32,15 @@ Value = TypeVar("Value")
 _CONTEXT = RLock()
 """flint has one context for all threads.  A series that another thread cuts short has coefficients
 that are 0 and should not be: what is then computed contains nothing."""
+
+
+def below(value: arb) -> float:
+    """The largest double below all values of a ball; -inf where nothing is known of them."""
+    low = value.lower()
+    near = float(low)
+    if math.isnan(near):
+        return -math.inf
+    return math.nextafter(near, -math.inf) if near > low else near
 
 
 @contextmanager

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import ROUND_FLOOR, Context
 
 from flint import arb
 
+from compiler.expressions.evaluators.balls import below
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.tube_checks import Status, rows_of
 
@@ -38,6 +40,10 @@ class CheckedCondition:
     """Why it does not hold, where more is to be said than that."""
     most: float = NO_MARGIN
     """An upper bound of the margin, where one is known."""
+
+    def least(self, digits: int) -> float:
+        """The margin in so many digits, which say no more than was proved."""
+        return float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(repr(self.margin)))
 
     @property
     def level(self) -> str:
@@ -78,5 +84,5 @@ def least(
         worst = min(float(gap.mid()) for gap in gaps)
         return CheckedCondition(name, Status.FAILS, worst, unit, time, place)
     status = Status.HOLDS if all(bool(gap > 0) for gap in gaps) else Status.UNDECIDED
-    margin = min((float(gap.lower()) for gap in gaps), default=NO_MARGIN)
+    margin = min((below(gap) for gap in gaps), default=NO_MARGIN)
     return CheckedCondition(name, status, margin, unit, time, place)

@@ -7,7 +7,7 @@ from math import inf
 
 from flint import arb
 
-from compiler.expressions.evaluators.balls import ball
+from compiler.expressions.evaluators.balls import ball, below
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import InputBound, input_bounds
 from grammar_lang import ir
@@ -39,7 +39,7 @@ def effort_conditions(
         status, margin, most, worst = Status.HOLDS, inf, inf, 0
         for step, row in enumerate(commanded):
             gap = _gap(bound, row)
-            lower = float(gap.lower())
+            lower = below(gap)
             if bool(gap < 0):
                 status = Status.FAILS
             elif not lower >= 0 and status is Status.HOLDS:

@@ -94,11 +94,6 @@ class TubeSegment:
         """The states ``tau`` after the start; a ball of times gives an enclosure over it."""
         return [polynomial(coefficients, tau) for coefficients in self.states]
 
-    def over(self, middle: arb, half: arb) -> tuple[list[arb], list[arb]] | None:
-        """The states so near a time since the start, and then; None where they are not finite."""
-        states = self.at(middle + SIGNS * half)
-        return (states, self.at(middle)) if all(x.is_finite() for x in states) else None
-
 
 def polynomial(coefficients: Sequence[arb], tau: arb) -> arb:
     """Horner's rule."""

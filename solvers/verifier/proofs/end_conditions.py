@@ -18,12 +18,11 @@ from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition, inside, least
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.least_margins import close_margins
-from solvers.verifier.proofs.moved_set import Spread
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.scene import Scene
+from solvers.verifier.proofs.state_limits import StateLimit, check_limits
 from solvers.verifier.proofs.tube_checks import (
     Inside,
-    StateLimit,
     Status,
     Stretch,
     check_segment,
@@ -56,36 +55,24 @@ class FinalRates(StateLimit):
 
     rows: tuple[tuple[int, ...], ...] = ()
 
-    def gaps(self, state: Sequence[arb]) -> list[arb]:
-        """Per joint how far its rate is from the bound, for a state given as balls."""
-        bound = arb("inf") if self.upper is None else self.upper
-        rates = state[len(self.rows) : 2 * len(self.rows)]
-        weighed = (zip(row, rates, strict=True) for row in self.rows)
-        return [bound - abs(sum((w * x for w, x in pairs if w), arb(0))) for pairs in weighed]
-
-    def gaps_of(self, states: Zonotope) -> list[arb]:
-        """Per joint how far its rate is from the bound, on a set in which rates go together."""
-        bound = arb("inf") if self.upper is None else self.upper
-        return [bound - abs(value) for value in states.values(self._weights(len(states.middle)))]
-
-    def gap_in(self, spread: Spread, time: arb) -> arb:
-        """The least distance in a wide tube, at an instant or over a ball of them."""
-        bound, worst = arb("inf") if self.upper is None else self.upper, arb("inf")
-        for weights in self._weights(len(spread.reach)):
-            worst = worst.min(bound - abs(spread.value(weights, time)))
-        return worst
-
-    def _weights(self, size: int) -> list[list[int]]:
+    def sums(self, size: int) -> list[list[int]]:
         """The joints' rates as sums of entries of a state."""
         none = [0] * len(self.rows)
         return [[*none, *row, *[0] * (size - 2 * len(row))] for row in self.rows]
 
-    def gap(self, state: Sequence[arb]) -> arb:
-        """The least of them."""
-        worst = arb("inf")
-        for each in self.gaps(state):
-            worst = worst.min(each)
-        return worst
+    def gap_of(self, value: arb) -> arb:
+        """How far a rate is from the bound."""
+        return arb("inf") if self.upper is None else self.upper - abs(value)
+
+    def gaps(self, state: Sequence[arb]) -> list[arb]:
+        """Per joint how far its rate is from the bound, for a state given as balls."""
+        rows = self.sums(len(state))
+        rates = (sum((w * x for w, x in zip(row, state, strict=True) if w), arb(0)) for row in rows)
+        return [self.gap_of(rate) for rate in rates]
+
+    def gaps_of(self, states: Zonotope) -> list[arb]:
+        """Per joint how far its rate is from the bound, on a set in which rates go together."""
+        return [self.gap_of(value) for value in states.values(self.sums(len(states.middle)))]
 
 
 def final_rates(graph: RobotGraph, rates: ir.FinalRates) -> FinalRates:
@@ -127,7 +114,8 @@ class EndConditions:
         middle, half = (segment.length + start) / 2, (segment.length - start) / 2
         limits = [] if self.rates is None else [self.rates]
         part = Stretch(segment, inputs, middle, half, 0)
-        check_segment(point_map, part, [self.target], limits)
+        check_segment(point_map, part, [self.target])
+        check_limits(part, limits)
 
     def conditions(
         self, point_map: PointMap, last: Sequence[arb], states: Zonotope | None

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from flint import arb
 
+from compiler.expressions.evaluators.balls import below
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.formula_proof import FormulaProof
@@ -76,7 +77,7 @@ def _within(farthest: arb, name: str, time: float) -> CheckedCondition:
 
     ``farthest`` bounds how far they get from its centre, in its size.
     """
-    margin = float((1 - farthest).lower())
+    margin = below(1 - farthest)
     if bool(farthest <= 1):
         return CheckedCondition(name, Status.HOLDS, max(margin, 0.0), "", time)
     why = f"{name}: the motions are not enclosed by the set of the loop"

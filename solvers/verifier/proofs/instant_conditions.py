@@ -12,7 +12,8 @@ from compiler.robots.robot import RobotModel, RodBody
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart
 from solvers.verifier.proofs.scene import Scene
-from solvers.verifier.proofs.tube_checks import Constraint, Inside, StateLimit, rows_of
+from solvers.verifier.proofs.state_limits import StateLimit
+from solvers.verifier.proofs.tube_checks import Constraint, Inside, rows_of
 
 
 def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from heapq import heappop, heappush
 
+from compiler.expressions.evaluators.balls import below
 from solvers.verifier.proofs.point_map import PointMap, Slice
 from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
@@ -58,7 +59,7 @@ def _close_margin(slices: _Slices, constraint: Constraint) -> None:
             constraint.time = float(stretch.time.mid())
             return
         bound, middle = constraint.bound(over)
-        lower, shown = max(least.margin, float(bound.lower())), float(middle.lower())
+        lower, shown = max(least.margin, below(bound)), below(middle)
         constraint.hope = min(constraint.hope, shown)
         if held and lower > held[0].margin:
             count += 1
@@ -73,7 +74,7 @@ def _close_margin(slices: _Slices, constraint: Constraint) -> None:
             margin = lower
             if within is not None:
                 bound, middle = constraint.bound(within)
-                margin = max(lower, float(bound.lower()))
-                constraint.hope = min(constraint.hope, float(middle.lower()))
+                margin = max(lower, below(bound))
+                constraint.hope = min(constraint.hope, below(middle))
             count += 1
             heappush(held, HeldSlice(margin, count, half))

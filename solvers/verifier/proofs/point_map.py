@@ -91,15 +91,12 @@ class PointMap:
     def over(self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb) -> Slice | None:
         """Positions over a slice of a segment; None where they are not finite."""
         n, d = self.field.dofs, self.dimension
-        states = segment.over(middle, half)
-        if states is None:
-            return None
-        state, centre = states
+        state, centre = segment.at(middle + SIGNS * half), segment.at(middle)
         try:
             pull = self.field.acceleration(state, u)
         except ZeroDivisionError:
             return None
-        if not all(item.is_finite() for item in pull):
+        if not all(item.is_finite() for item in (*state, *pull)):
             return None
         wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3)
         near = self._series([[centre[i], centre[n + i]] for i in range(n)], 2)

@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
-from math import inf, isnan, nextafter
+from math import inf, isnan
 
 from flint import arb
 
-from compiler.expressions.evaluators.balls import ball
+from compiler.expressions.evaluators.balls import ball, below
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.tube_checks import Row, rows_of
@@ -65,7 +65,7 @@ class RegionDistance:
             over, middle = time.form(item.normal, point)
             depth = (item.offset - over) / item.length
             least, most = least.min(depth), min(most, _at_best(depth, middle / item.length))
-        inside = max(0.0, _down(least))
+        inside = max(0.0, below(least))
         if inside > 0:
             return Gap(inside, 0.0, most, 0.0)
         outside, most_outside = self._outside(time, point)
@@ -76,7 +76,7 @@ class RegionDistance:
         for item in (*self.rows, *self._nearest(time, point)):
             over, middle = time.form(item.normal, point)
             beyond = (over - item.offset) / item.length
-            best = max(best, _down(beyond))
+            best = max(best, below(beyond))
             most = max(most, _at_best(beyond, middle / item.length))
         return best, most
 
@@ -123,12 +123,6 @@ def _from_edge(p: Sequence[float], a: Sequence[float], b: Sequence[float]) -> li
 
 def _square(vector: Sequence[float]) -> float:
     return sum(x * x for x in vector)
-
-
-def _down(value: arb) -> float:
-    """A float that is no larger than any value of a ball; -inf where nothing is known."""
-    least = float(value.lower())
-    return -inf if isnan(least) else nextafter(least, -inf) if least < inf else inf
 
 
 def _at_best(over: arb, middle: arb) -> float:

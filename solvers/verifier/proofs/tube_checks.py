@@ -15,10 +15,9 @@ from heapq import heappush
 
 from flint import arb
 
-from compiler.expressions.evaluators.balls import ball
+from compiler.expressions.evaluators.balls import ball, below
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment
-from solvers.verifier.proofs.moved_set import Spread
 from solvers.verifier.proofs.point_map import PointMap, Slice
 
 MOST_SPLITS = 12
@@ -124,6 +123,12 @@ class Constraint(ABC):
         if lower < self.hope:
             heappush(self.held, HeldSlice(lower, len(self.held), stretch))
 
+    def give_up(self, stretch: Stretch) -> None:
+        """Nothing finite is known of a stretch: whatever is not refuted is not decided."""
+        if self.status is Status.HOLDS:
+            self.status, self.margin = Status.UNDECIDED, float("-inf")
+            self.time = float(stretch.time.mid())
+
     def note(self, status: Status, margin: float, over: Slice) -> None:
         """Keep what a slice shows."""
         self.status, self.margin = status, margin
@@ -185,98 +190,22 @@ class Inside(Constraint):
         return over.middle(min(gaps)[1]) if gaps else ()
 
 
-@dataclass(slots=True)
-class StateLimit:
-    """A coordinate or rate stays in an interval; None is unlimited.
-
-    ``lower``, ``upper`` and ``margin`` are in ``unit``, ``time`` is in seconds.
-    """
-
-    name: str
-    unit: str
-    weights: tuple[int, ...]
-    lower: arb | None
-    upper: arb | None
-    margin: float = float("inf")
-    time: float = 0.0
-    status: Status = Status.HOLDS
-
-    def gap(self, state: Sequence[arb]) -> arb:
-        """The distance to the nearer end, for a state given as balls."""
-        return self.gap_of(sum((w * x for w, x in zip(self.weights, state, strict=True)), arb(0)))
-
-    def gap_of(self, value: arb) -> arb:
-        """The distance of a value from the nearer end."""
-        gap = arb("inf")
-        if self.lower is not None:
-            gap = gap.min(value - self.lower)
-        if self.upper is not None:
-            gap = gap.min(self.upper - value)
-        return gap
-
-    def gap_in(self, spread: Spread, time: arb) -> arb:
-        """The distance in a wide tube, at an instant or over a ball of them."""
-        return self.gap_of(spread.value(self.weights, time))
-
-    def note(self, status: Status, margin: float, time: arb) -> None:
-        """Keep what a slice shows."""
-        self.status, self.margin, self.time = status, margin, float(time.mid())
-
-
-def check_segment(
-    point_map: PointMap,
-    whole: Stretch,
-    constraints: Sequence[Constraint],
-    limits: Sequence[StateLimit],
-) -> None:
-    """Hold every constraint and limit against a stretch, updating their margins and status."""
-    if constraints:
-        _check_constraints(point_map, whole, constraints)
-    if limits:
-        _check_limits(whole, limits)
-
-
-def _check_constraints(
-    point_map: PointMap, whole: Stretch, constraints: Sequence[Constraint]
-) -> None:
+def check_segment(point_map: PointMap, whole: Stretch, constraints: Sequence[Constraint]) -> None:
+    """Hold every constraint against a stretch, updating its margin and status."""
     pending = [(whole, tuple(constraints))]
     while pending:
         stretch, still = pending.pop()
         over = point_map.over(stretch.segment, stretch.inputs, stretch.middle, stretch.half)
         if over is None:
             last = stretch.depth == MOST_UNBOUNDED_SPLITS
-            if last:
-                _give_up(still, stretch)
+            for item in still if last else ():
+                item.give_up(stretch)
         else:
             last = stretch.depth == MOST_SPLITS
             view = _View(point_map, stretch, over)
             still = tuple(item for item in still if not _settle(item, view))
         if still and not last:
             pending += [(half, still) for half in stretch.halves()]
-
-
-def _check_limits(whole: Stretch, limits: Sequence[StateLimit]) -> None:
-    pending = [(whole, tuple(limits))]
-    while pending:
-        stretch, still = pending.pop()
-        states = stretch.segment.over(stretch.middle, stretch.half)
-        if states is None:
-            last = stretch.depth == MOST_UNBOUNDED_SPLITS
-            if last:
-                _give_up(still, stretch)
-        else:
-            last = stretch.depth == MOST_SPLITS
-            still = tuple(item for item in still if not _settle_limit(item, stretch, *states))
-        if still and not last:
-            pending += [(half, still) for half in stretch.halves()]
-
-
-def _give_up(items: Sequence[Constraint | StateLimit], stretch: Stretch) -> None:
-    """Nothing finite is known of a stretch: whatever is not refuted is not decided."""
-    for item in items:
-        if item.status is Status.HOLDS:
-            item.status, item.margin = Status.UNDECIDED, float("-inf")
-            item.time = float(stretch.time.mid())
 
 
 @dataclass(slots=True)
@@ -319,49 +248,18 @@ def _settle(constraint: Constraint, view: _View) -> bool:
             constraint.hold(lower, stretch)
             return True
     over, bound, middle = view.bound(constraint)
-    lower = float(bound.lower())
+    lower = below(bound)
     if not lower > 0:
         if constraint.violated(over):
             constraint.note(Status.FAILS, min(constraint.hope, float(middle.mid())), over)
             return True
         if constraint.status is Status.UNDECIDED:
-            constraint.margin = min(constraint.margin, float(middle.lower()))
+            constraint.margin = min(constraint.margin, below(middle))
             return True
         if stretch.depth == MOST_SPLITS:
             constraint.note(Status.UNDECIDED, lower, over)
         return stretch.depth == MOST_SPLITS
     if constraint.status is Status.HOLDS and lower < constraint.hope:
         constraint.hold(lower, stretch)
-        constraint.hope = min(constraint.hope, float(middle.lower()))
-    return True
-
-
-def _settle_limit(
-    limit: StateLimit, stretch: Stretch, state: Sequence[arb], centre: Sequence[arb]
-) -> bool:
-    """Whether a limit needs no smaller slices here: given states over this one, and its middle."""
-    if limit.status is Status.FAILS:
-        return True
-    over, middle = limit.gap(state), limit.gap(centre)
-    spread = stretch.segment.spread
-    if spread is not None and not over > 0:
-        times = stretch.middle + arb(0, 1) * stretch.half, stretch.middle
-        closer, shown_there = (limit.gap_in(spread, time) for time in times)
-        over, middle = over.max(closer.lower()), middle.max(shown_there.lower())
-    time, depth = stretch.time, stretch.depth
-    lower, shown = float(over.lower()), float(middle.lower())
-    if bool(middle < 0):
-        limit.note(Status.FAILS, float(middle.mid()), time)
-        return True
-    if not lower > 0:
-        if limit.status is Status.UNDECIDED:
-            limit.margin = min(limit.margin, shown)
-            return True
-        if depth == MOST_SPLITS:
-            limit.note(Status.UNDECIDED, lower, time)
-        return depth == MOST_SPLITS
-    if limit.status is Status.HOLDS and lower < limit.margin:
-        if shown - lower > REFINEMENT * shown and depth < MOST_SPLITS // 2:
-            return False
-        limit.note(Status.HOLDS, lower, time)
+        constraint.hope = min(constraint.hope, below(middle))
     return True

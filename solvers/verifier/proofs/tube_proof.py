@@ -34,9 +34,9 @@ from solvers.verifier.proofs.loop_set import LoopSet, loop_set
 from solvers.verifier.proofs.point_map import PointMap
 from solvers.verifier.proofs.region_distance import region_distance
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
+from solvers.verifier.proofs.state_limits import StateLimit, check_limits
 from solvers.verifier.proofs.tube_checks import (
     Constraint,
-    StateLimit,
     Status,
     Stretch,
     check_segment,
@@ -275,7 +275,8 @@ def _check(found: Followed, segment: TubeSegment) -> None:
     """Hold a segment against the task."""
     robot, inputs = found.robot, segment.inputs
     whole = Stretch.of(segment, inputs)
-    check_segment(robot.point_map, whole, found.constraints, found.limits)
+    check_segment(robot.point_map, whole, found.constraints)
+    check_limits(whole, found.limits)
     if not robot.scene.task.repeat:
         found.end.add(robot.point_map, segment, inputs)
     found.formulas.add(segment, inputs)

@@ -36,7 +36,8 @@ from solvers.verifier.proofs.single_disturbance import (
     disturbed,
     law_of,
 )
-from solvers.verifier.proofs.tube_checks import Constraint, StateLimit
+from solvers.verifier.proofs.state_limits import StateLimit
+from solvers.verifier.proofs.tube_checks import Constraint
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
 
 SUBSTEPS = 4

@@ -193,11 +193,13 @@ UNHEEDED = np.errstate(invalid="ignore", over="ignore")
 def _moved(matrix: BallArray, columns: Array) -> tuple[Array, Array]:
     """Doubles near P G, (m, c), and bounds of what all columns are off together, row by row."""
     middle, sizes, terms = np.abs(matrix.middle), _sums(columns), columns.shape[0]
-    # Each product is off by this part of it; a row of zeros and one 1 is not off at all.
-    share = matrix.radius + (terms + 4) * UNIT * (middle + matrix.radius)
+    # A row of zeros and one 1 is not off at all.
     copied = ~matrix.radius.any(axis=1) & (np.count_nonzero(middle, axis=1) <= 1)
     copied &= ((middle == 0) | (middle == 1)).all(axis=1)
-    off = _sums(share * sizes) + LEAST * ((middle + matrix.radius != 0) @ (sizes != 0))
+    # Of entries alone, that part may be too small for doubles.
+    sums = (middle + matrix.radius) * sizes
+    off = _sums(matrix.radius * sizes + (terms + 4) * UNIT * sums)
+    off += LEAST * ((middle + matrix.radius != 0) @ (sizes != 0))
     return _finite(matrix.middle @ columns, np.where(copied, 0.0, off))
 
 

@@ -7,6 +7,7 @@ import math
 import os
 import subprocess
 from collections.abc import Callable, Iterator
+from decimal import ROUND_FLOOR, Context
 from fractions import Fraction
 from pathlib import Path
 
@@ -22,6 +23,9 @@ from tests.srgc.report.conftest import HOSTILE, page_of
 
 Pages = Callable[[str], tuple[Path, Page]]
 Made = tuple[Path, Page]
+
+FOUR_DIGITS = Context(prec=4, rounding=ROUND_FLOOR)
+"""Bounds are not rounded up."""
 
 
 @pytest.fixture(
@@ -148,7 +152,8 @@ def test_margins_are_those_of_the_verifier(
     assert times == [each["time"] for each in found if each["time"] is not None]
     for each in found:
         if each["margin"] is not None:
-            assert f"{each['margin']:.4g}" in text
+            shown = FOUR_DIGITS.create_decimal(repr(each["margin"]))
+            assert f"{float(shown):.4g}" in text
 
 
 def test_verdicts_are_told_apart(pages: Pages, weak: Made, unknown: Made) -> None:
