@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from base64 import b64decode
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -196,8 +197,8 @@ ProximalInteriorPoint.solve = Clarabel.solve = solve
 class EagerPool(ProcessPool):
     """Does no job in this process."""
 
-    def _is_ready(self) -> bool:
-        self._running()
+    def _is_ready(self, function: Callable[..., object]) -> bool:
+        self._running(function)
         for ready in self._ready:
             ready.result()
         return True
