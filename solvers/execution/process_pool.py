@@ -94,11 +94,11 @@ class ProcessPool:
         if self._patience > 0:
             return False
         self._running(function)
-        return self.has_begun
+        return self.has_processes
 
     @property
-    def has_begun(self) -> bool:
-        """Whether processes have been started and are ready."""
+    def has_processes(self) -> bool:
+        """Whether processes have been started and have what jobs need."""
         return bool(self._ready) and all(ready.done() for ready in self._ready)
 
     def _running(self, function: Callable[..., object]) -> ProcessPoolExecutor:
@@ -148,7 +148,7 @@ class _BegunJob(Generic[Job, Result]):
 
     def result(self) -> Result:
         """The result, of this process where others are not ready yet."""
-        return self.begun.result() if self.pool.has_begun else self.function(self.job)
+        return self.begun.result() if self.pool.has_processes else self.function(self.job)
 
 
 @contextmanager
