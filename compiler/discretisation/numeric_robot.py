@@ -1,4 +1,4 @@
-"""A robot in doubles: its equations of motion and points, over all steps at once.
+"""A robot in doubles: its equations of motion, over all steps at once.
 
 The discrete step and its exact derivatives are those of ``step_map``.
 """
@@ -15,15 +15,10 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.batched_function import BatchedFunction, batched
+from compiler.discretisation.numeric_points import NumericPoints
 from compiler.dynamics.controlled_system import ControlledSystem, controlled_system
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.expressions.scalars import Constant
 from compiler.robots.state_and_input import robot_inputs, robot_states
-
-TRACKING_ROUNDS = 4
-TRACKING_DAMPING = 1e-4
-LONGEST_STEP = 0.3
-"""Per round, in radians or metres."""
 
 Groups: TypeAlias = tuple[tuple[int, ...], ...]
 """Bodies by number, in groups."""
@@ -42,19 +37,7 @@ class Linearisation:
     parameter: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Points:
-    """Positions of m points at K samples, in metres, and their derivatives.
-
-    Shapes: value (K, m, d), by_q (K, m, d, n), by_theta (K, m, d, p).
-    """
-
-    value: Array
-    by_q: Array
-    by_theta: Array
-
-
-class NumericRobot:
+class NumericRobot(NumericPoints):
     """Evaluates a robot's graph in doubles; not for proofs.
 
     A state x has N = 2n + r entries: n coordinates, n rates and the r states of the modules' own;
@@ -62,15 +45,9 @@ class NumericRobot:
     """
 
     def __init__(self, graph: RobotGraph) -> None:
-        self.graph = graph
-        self.n = len(graph.model.dofs)
+        super().__init__(graph)
         self.r = len(robot_states(graph.model))
         self.m = len(robot_inputs(graph.model))
-        self.p = len(graph.model.parameters)
-        self.d = graph.model.dimension
-        self.constants = np.array(
-            [float(c.value) if isinstance(c, Constant) else np.pi for c in graph.constants]
-        )
         self.size = 2 * self.n + self.r
         self._rollouts: dict[tuple[str, int, int], ca.Function] = {}
         self._burdens: dict[Groups, BatchedFunction] = {}
@@ -89,26 +66,6 @@ class NumericRobot:
     def _step(self) -> BatchedFunction:
         system, width = self._system, 1 + self.size + self.m + self.p
         return BatchedFunction(lambda batch: step_map(system, batch), (self.size, width))
-
-    @cached_property
-    def _points(self) -> ca.Function:
-        return _with_jacobians(self.graph.points, (0, 1))
-
-    @cached_property
-    def _points_in_batches(self) -> BatchedFunction:
-        """Positions with their derivatives in q and theta, a row per coordinate of a point."""
-        p, k = self._points.size1_in(1), self._points.size1_in(2)
-        q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
-        value, *jacobians = self._points(q, *ca.vertsplit(shared, [0, p, p + k]))
-        rows = ca.densify(ca.horzcat(value, *jacobians))
-        return BatchedFunction.of(ca.Function("points", [q, shared], [ca.cse(rows)]))
-
-    @cached_property
-    def _points_of_designs(self) -> BatchedFunction:
-        """The same with parameters of its own for every sample."""
-        q, theta, k = (ca.SX.sym(f"i{i}", self._points.size1_in(i)) for i in range(3))
-        rows = ca.densify(ca.horzcat(*self._points(q, theta, k)))
-        return BatchedFunction.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))
 
     @cached_property
     def _mass_matrix(self) -> BatchedFunction:
@@ -158,35 +115,6 @@ class NumericRobot:
         states = self._rollouts[key](x, np.concatenate([u.T, columns]))
         return np.concatenate([x[None, :], np.asarray(states.full()).T])
 
-    def track(
-        self, first: Array, theta: Array, point: int, waypoints: Array, box: tuple[Array, Array]
-    ) -> Array:
-        """Coordinates (K, n) that follow waypoints (K, d), in m, continuously from ``first`` (n,).
-
-        Damped least squares, a fixed number of rounds per waypoint, kept within the box of
-        coordinates, (n,) below and above.
-        """
-        if len(waypoints) < 2:
-            return first[None, :]
-        key = ("track", len(waypoints) - 1, point)
-        if key not in self._rollouts:
-            self._rollouts[key] = _tracker(self._points, self.n, self.d, point, len(waypoints) - 1)
-        tail = np.concatenate([*box, theta, self.constants])
-        columns = np.tile(tail[:, None], (1, len(waypoints) - 1))
-        found = self._rollouts[key](first, np.concatenate([waypoints[1:].T, columns]))
-        return np.concatenate([first[None, :], np.asarray(found.full()).T])
-
-    def points(self, q: Array, theta: Array) -> Points:
-        """Effectors first, then body points, at K samples; q (K, n), theta (p,) or (K, p)."""
-        count, d, n = len(q), self.d, self.n
-        if theta.ndim == 1:
-            found = self._points_in_batches((q,), np.concatenate([theta, self.constants]))
-        else:
-            found = self._points_of_designs((q, theta), self.constants)
-        m = found.shape[1] // d
-        parts = found.reshape(count, m, d, 1 + n + self.p)
-        return Points(parts[..., 0], parts[..., 1 : 1 + n], parts[..., 1 + n :])
-
     def mass_matrix(self, q: Array, theta: Array) -> Array:
         """M at K samples, (K, n, n), in kg m^2 (kg for prismatic rows); q (K, n), theta (p,)."""
         return self._mass_matrix((q,), np.concatenate([theta, self.constants]))
@@ -212,14 +140,6 @@ def _efforts(graph: RobotGraph, groups: Groups) -> ca.Function:
     return ca.Function("efforts", [q, w, a, shared], [ca.densify(value)])
 
 
-def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Function:
-    """The function together with its dense Jacobians in some of its inputs."""
-    symbols = [ca.SX.sym(f"i{i}", function.size1_in(i)) for i in range(function.n_in())]
-    value = function(*symbols)
-    jacobians = [ca.densify(ca.jacobian(value, symbols[i])) for i in inputs]
-    return ca.Function("points", symbols, ca.cse([ca.densify(value), *jacobians]))
-
-
 def _rollout(system: ControlledSystem, substeps: int, steps: int) -> ca.Function:
     """All steps of the classical Runge-Kutta method in one call."""
     step = value_map(system)
@@ -228,25 +148,6 @@ def _rollout(system: ControlledSystem, substeps: int, steps: int) -> ca.Function
     for _ in range(substeps):
         after = step(after, extra)
     return ca.Function("step", [x, extra], [after]).mapaccum("simulate", steps)
-
-
-def _tracker(points: ca.Function, n: int, d: int, point: int, steps: int) -> ca.Function:
-    """Damped least squares from waypoint to waypoint in one call."""
-    p, c = points.size1_in(1), points.size1_in(2)
-    q, extra = ca.SX.sym("q", n), ca.SX.sym("e", d + 2 * n + p + c)
-    target, lower, upper, theta, k = ca.vertsplit(
-        extra, [0, d, d + n, d + 2 * n, d + 2 * n + p, d + 2 * n + p + c]
-    )
-    rows = slice(point * d, point * d + d)
-    at = q
-    for _ in range(TRACKING_ROUNDS):
-        value, jacobian, _ = points(at, theta, k)
-        error, slope = target - value[rows], jacobian[rows, :]
-        gram = slope @ slope.T + TRACKING_DAMPING * ca.SX.eye(d)
-        step = slope.T @ (ca.inv(gram) @ error)
-        longest = ca.fmax(1, ca.norm_2(step) / LONGEST_STEP)
-        at = ca.fmin(ca.fmax(at + step / longest, lower), upper)
-    return ca.Function("follow", [q, extra], [at]).mapaccum("track", steps)
 
 
 # --- The discrete step of a controlled system, and its derivatives, as functions of one sample ----

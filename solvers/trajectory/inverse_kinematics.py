@@ -44,23 +44,28 @@ def solve_positions(
     q = np.clip(starts, lower, upper)
     eye = np.eye(numeric.n)
     damping = np.full(len(q), DAMPING)
-    points = numeric.points(q, theta)
-    error = targets - points.value[:, moved].reshape(count, wide)
+    effectors = len(numeric.graph.model.effectors)
+    points_of = numeric.effectors if max(moved) < effectors else numeric.points
+
+    def placed(q: Array) -> tuple[Array, Array]:
+        points = points_of(q, theta)
+        error = targets - points.value[:, moved].reshape(count, wide)
+        return error, points.by_q[:, moved].reshape(count, wide, numeric.n)
+
+    error, jacobian = placed(q)
     for _ in range(rounds):
-        jacobian = points.by_q[:, moved].reshape(count, wide, numeric.n)
         normal = jacobian.transpose(0, 2, 1) @ jacobian + damping[:, None, None] * eye
         gradient = jacobian.transpose(0, 2, 1) @ error[:, :, None]
         step = np.linalg.solve(normal, gradient)[:, :, 0]
         trial = np.clip(q + np.clip(step, -0.5, 0.5), lower, upper)
-        trial_points = numeric.points(trial, theta)
-        trial_error = targets - trial_points.value[:, moved].reshape(count, wide)
+        trial_error, trial_jacobian = placed(trial)
         better = np.linalg.norm(trial_error, axis=1) < np.linalg.norm(error, axis=1)
         if not better.any() and float(damping.min()) > 1e3:
             break
         q = np.where(better[:, None], trial, q)
         damping = np.clip(np.where(better, damping / 5, damping * 5), 1e-9, 1e6)
-        points = numeric.points(q, theta)
-        error = targets - points.value[:, moved].reshape(count, wide)
+        error = np.where(better[:, None], trial_error, error)
+        jacobian = np.where(better[:, None, None], trial_jacobian, jacobian)
         if float(np.linalg.norm(error, axis=1).max()) < 1e-10:
             break
     return q, np.linalg.norm(error, axis=1)
@@ -161,7 +166,7 @@ def pool(
     """
     lower, upper = sampled_box(numeric, box, reach)
     q = rng.uniform(lower, upper, size=(POOL, numeric.n))
-    return Pool(q, numeric.points(q, theta).value)
+    return Pool(q, numeric.positions(q, theta))
 
 
 def poses_in(

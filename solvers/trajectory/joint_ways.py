@@ -39,7 +39,7 @@ def positions_of(numeric: NumericRobot, q: Array, theta: Array) -> Array:
     """Where the points are in poses (K, n) with parameters (p,), shape (K, m, d), in metres."""
     # Always as many as fill whole blocks: each size of a batch has a program of its own.
     filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_IN_BATCH, axis=0)])
-    found: Array = numeric.points(filled, theta).value[: len(q)]
+    found: Array = numeric.positions(filled, theta)[: len(q)]
     return found
 
 
