@@ -23,11 +23,8 @@ EMISSIONS = ("rod", "point", "solid", "effector")
 ROLES = ("base", "joint", "link", "effector")
 
 _ITEMS = "module|grammar|semantics|workspace|task"
-_NAME = (
-    r"(?!(?:and|or|not|empty|this|world|start|accept|x|y|z)(?![A-Za-z0-9_]))"
-    r"[A-Za-z_][A-Za-z0-9_]*"
-)
 _END = r"(?![A-Za-z0-9_])"
+_NAME = rf"(?!(?:and|or|not|empty|this|world|start|accept|x|y|z){_END})[A-Za-z_][A-Za-z0-9_]*"
 _GAP = r"(?:[ \t\r\n\f\v]++|//[^\n]*+|/\*(?:[^*]++|\*(?!/))*+\*/)*+"
 _NUMBER = r"[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?"
 _ONE_UNIT = rf"(?:{'|'.join(sorted(UNIT_NAMES, key=len, reverse=True))})(?:\^-?[0-9]+)?"
@@ -335,9 +332,11 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             include("gap"),
             (_word("with", "effector", "body"), Keyword),
             (_word("margin"), Keyword, "operand"),
+            (_word("except"), Keyword, ("#pop", "names")),
             (",", Punctuation),
             default("#pop"),
         ],
+        "names": [include("gap"), (_NAME, Name), (",", Punctuation), default("#pop")],
         "norm": [include("gap"), (_word("norm"), Keyword, "operand"), default("#pop")],
         "steps": [
             include("gap"),

@@ -17,7 +17,7 @@ from srgc.faults import Checked, NoAnswer, SpecErrors, SrgcError, UsageFault
 
 __all__ = [
     "Checked", "NoAnswer", "SpecErrors", "SrgcError", "UsageFault", "check_file", "check_loaded",
-    "chosen", "program_of", "refuse_cycles", "refuse_unsupported",
+    "chosen", "program_of", "refuse_cycles",
 ]  # fmt: skip
 
 Item = TypeVar("Item")
@@ -70,6 +70,10 @@ def check_loaded(loaded: Loaded) -> Checked:
         from compiler.checks.disturbance_checks import disturbance_diagnostics
 
         disturbance_diagnostics(loaded.sound, sink, complete=complete)
+    if complete and any(task.avoid_self for task in tasks):
+        from compiler.checks.self_collision_checks import self_collision_diagnostics
+
+        self_collision_diagnostics(loaded.sound, sink)
     if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
         from compiler.checks.given_start_checks import given_start_diagnostics
         from compiler.checks.task_checks import start_diagnostics
@@ -114,20 +118,6 @@ def refuse_cycles(program: ir.Program, grammar: ir.Grammar) -> None:
     errors = tuple(replace(d, severity=Severity.ERROR) for d in sink.sorted())
     if errors:
         raise SpecErrors(Checked(None, errors, program.sources))
-
-
-def refuse_unsupported(program: ir.Program, task: ir.Task) -> None:
-    """Elsewhere no fault: a clause that is read but not compiled, so that it cannot be met.
-
-    Raises:
-        SpecErrors: the task, or a module or workspace of it, has one.
-    """
-    from compiler.checks.supported import unsupported
-
-    errors = unsupported(task)
-    if errors:
-        sink = Sink(list(errors))
-        raise SpecErrors(Checked(None, sink.sorted(), program.sources))
 
 
 def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:

@@ -311,51 +311,8 @@ task T {{
 JOINED = 'include "robots.srg";\ninclude "bench.srg";\n{task}'
 
 
-def refused_clauses() -> list[str]:
-    listed = section("Not supported yet")
-    [block] = [block for block in blocks(listed) if block.kind == "text"]
-    return [re.sub(r"\s{3,}.*", "", line) for line in block.body.splitlines()]
-
-
-@pytest.mark.parametrize("clause", refused_clauses())
-def test_clauses_said_not_to_be_supported_are_not(
-    clause: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    text = JOINED.format(task=TASK.format(clause=clause))
-    assert_read_and_refused(text, clause.partition(" ")[0], folder, capsys)
-
-
 def test_a_map_is_avoided_by_its_name(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "map" not in section("Not supported yet")
     text = MAPS.format(task=TASK.format(clause="avoid posts with effector;"))
     (folder / SPEC).write_text(text, encoding="utf-8")
     assert srgc.cli.run(["plan", SPEC]) == 0
     assert "posts" not in capsys.readouterr().out
-
-
-def assert_read_and_refused(
-    text: str, word: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (folder / SPEC).write_text(text, encoding="utf-8")
-    assert srgc.cli.run(["check", SPEC]) == 0, capsys.readouterr().out
-    for command in ("synth", "plan"):
-        capsys.readouterr()
-        assert srgc.cli.run([command, SPEC]) == 5
-        errors = re.findall(r"error\[(SRG\d{4})\]: (.*)", capsys.readouterr().err)
-        assert [code for code, _ in errors] == ["SRG0190"]
-        assert word in errors[0][1]
-
-
-def test_every_clause_that_is_refused_is_listed() -> None:
-    """Each keyword of the code's own list is on the page, and no other."""
-    source = (ROOT / "compiler" / "checks" / "supported.py").read_text(encoding="utf-8")
-    clauses = source[source.index("def _clauses") :]
-    named = {name.split()[0] for name in re.findall(r'"`(\w[\w ]*)`"', clauses)}
-    assert {clause.split()[0] for clause in refused_clauses()} == named
-
-
-def test_what_is_supported_names_what_is_refused() -> None:
-    page = (ROOT / "docs" / "reference" / "index.md").read_text(encoding="utf-8")
-    for clause in refused_clauses():
-        assert f"`{clause.partition(' ')[0]}" in page, clause
-    assert "SRG0190" in page

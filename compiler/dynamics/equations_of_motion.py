@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import accumulate, pairwise
 
 import casadi as ca
 
@@ -61,6 +62,7 @@ class _Expressions:
     derivatives: ca.SX
     effectors: ca.SX
     body_points: ca.SX
+    differences: ca.SX
     conditions: ca.SX
 
 
@@ -90,7 +92,9 @@ class RobotGraph:
       what must not be negative, for the values above to exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
-      them span which body; ``points(q, theta, k)``: effectors, then body points.
+      them span which body; ``points(q, theta, k)``: effectors, then body points, then the
+      differences of such as have to stay apart; ``gaps`` says which of the last belong to which
+      pair of bodies.  These are not places, but vectors that must not get short.
 
     A function is made when it is first asked for: their sizes differ by orders of magnitude.
     """
@@ -100,6 +104,7 @@ class RobotGraph:
     coordinates: Coordinates
     constants: tuple[Constant | PiConstant, ...]
     hulls: tuple[tuple[int, ...], ...]
+    gaps: tuple[tuple[int, ...], ...]
     divisors: int
     parts: _Expressions = field(repr=False)
 
@@ -295,17 +300,19 @@ class RobotGraph:
         """Positions of the points that span the bodies."""
         return self._function("body_points", [self.parts.q], self.parts.body_points)
 
+    @property
+    def _points(self) -> ca.SX:
+        return ca.vertcat(self.parts.effectors, self.parts.body_points, self.parts.differences)
+
     @cached_property
     def points(self) -> ca.Function:
-        """Effectors, then body points."""
-        both = ca.vertcat(self.parts.effectors, self.parts.body_points)
-        return self._function("points", [self.parts.q], both)
+        """Effectors, body points, differences."""
+        return self._function("points", [self.parts.q], self._points)
 
     @cached_property
     def point_slopes(self) -> ca.Function:
         """The Jacobian of the points in the coordinates, column by column."""
-        both = ca.vertcat(self.parts.effectors, self.parts.body_points)
-        jacobian = ca.jacobian(both, self.parts.q)
+        jacobian = ca.jacobian(self._points, self.parts.q)
         return self._function("point_slopes", [self.parts.q], ca.vec(ca.densify(jacobian)))
 
 
@@ -337,11 +344,10 @@ def robot_graph(
     driven = drive(model, Motion(*own, w[n:], u, theta), constants)
     regular = _unfolded(mass, constants)
     points = [body.body_points(item) for item in model.bodies]
+    bodies = model.bodies
+    apart = [body.differences(bodies[one], bodies[two]) for one, two in model.apart]
     d = model.dimension
-    hulls, start = [], 0
-    for group in points:
-        hulls.append(tuple(range(start, start + len(group))))
-        start += len(group)
+    places = _numbered([*points, *apart])
     parts = _Expressions(
         q,
         w,
@@ -356,11 +362,19 @@ def robot_graph(
         driven.derivatives,
         _stack([body.origins[frame][:d] for frame in model.effectors]),
         _stack([point[:d] for group in points for point in group]),
+        _stack([point[:d] for group in apart for point in group]),
         constants.conditions.vector(),
     )
     divisors = len(constants.conditions.divisors)
     symbols = tuple(constants.symbols)
-    return RobotGraph(model, gravity, coordinates, symbols, tuple(hulls), divisors, parts)
+    hulls, gaps = places[: len(points)], places[len(points) :]
+    return RobotGraph(model, gravity, coordinates, symbols, hulls, gaps, divisors, parts)
+
+
+def _numbered(groups: Sequence[Sequence[ca.SX]]) -> tuple[tuple[int, ...], ...]:
+    """The numbers of the points of each group, which stand one behind the other."""
+    ends = [0, *accumulate(len(group) for group in groups)]
+    return tuple(tuple(range(first, last)) for first, last in pairwise(ends))
 
 
 def _with_still(parts: _Expressions, entries: ca.SX) -> _Expressions:

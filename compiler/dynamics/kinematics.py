@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import casadi as ca
 
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import evaluate_scalars
-from compiler.robots.robot import WORLD, Body, Joint, Offset, RobotModel, RodBody, SolidBody, Turn
+from compiler.robots.robot import (
+    WORLD,
+    Body,
+    Joint,
+    Offset,
+    RobotModel,
+    RodBody,
+    SolidBody,
+    Step,
+    Turn,
+)
 
 # --- Absolute angles: revolute joints about one axis measured from a fixed direction --------------
 #
@@ -133,6 +143,10 @@ class Orientation:
         return Orientation(self.matrix(), axis, ca.SX(0), leading)
 
 
+UNTURNED = Orientation(ca.SX.eye(3), 2, ca.SX(0), ca.SX(0))
+"""As the world is."""
+
+
 def rotation(axis: int, angle: ca.SX) -> ca.SX:
     """The rotation matrix about axis 0, 1 or 2."""
     matrix = ca.SX.eye(3)
@@ -155,6 +169,7 @@ class Kinematics:
     scalars: list[ca.SX]
     origins: list[ca.SX]
     orientations: list[Orientation]
+    motion: _FrameMotion
 
     def axis(self, frame: int, axis: int) -> ca.SX:
         """The direction of a local axis in the world, shape (3,)."""
@@ -178,6 +193,58 @@ class Kinematics:
             return [self.point(body.frame, body.com)]
         return [self.origins[body.frame]]
 
+    def differences(self, one: Body, two: Body) -> list[ca.SX]:
+        """The points of one body less those of another, free of what moves both alike.
+
+        They are seen from the last frame that both are behind; with absolute angles, in world axes.
+        """
+        ways = [[WORLD, *self.model.chain(body.frame)] for body in (one, two)]
+        common = max(set(ways[0]) & set(ways[1]))
+        origins, orientations = list(self.origins), list(self.orientations)
+        origins[common] = ca.SX.zeros(3)
+        if not self.motion.measured.absolute:
+            orientations[common] = UNTURNED
+        for frame in sorted({*ways[0], *ways[1]}):
+            if frame > common:
+                node = self.model.frames[frame]
+                before = origins[node.parent], orientations[node.parent]
+                origins[frame], orientations[frame] = self.motion.behind(node.step, *before)
+        seen = replace(self, origins=origins, orientations=orientations)
+        return [a - b for a in seen.body_points(one) for b in seen.body_points(two)]
+
+
+@dataclass(frozen=True, slots=True)
+class _FrameMotion:
+    """How a frame moves with the one before it; ``coordinates`` are y as ``measured`` says."""
+
+    model: RobotModel
+    scalars: Sequence[ca.SX]
+    coordinates: ca.SX
+    constants: SymbolicEvaluator
+    measured: Coordinates
+
+    def behind(
+        self, step: Step | None, origin: ca.SX, orientation: Orientation
+    ) -> tuple[ca.SX, Orientation]:
+        """The origin and the orientation behind a step."""
+        match step:
+            case Turn(axis, angle):
+                orientation = orientation.turned(axis, self.constants.unfolded(self.scalars[angle]))
+            case Offset(vector):
+                offset = ca.vertcat(*(self.scalars[i] for i in vector))
+                origin = origin + orientation.matrix() @ offset
+            case Joint(dof, axis, sign):
+                motion = sign * self.coordinates[dof]
+                if dof in self.measured.absolute:
+                    orientation = orientation.led(axis, self.coordinates[dof])
+                elif self.model.dofs[dof].kind == "revolute":
+                    orientation = orientation.turned(axis, motion)
+                else:
+                    origin = origin + orientation.matrix()[:, axis] * motion
+            case None:
+                pass
+        return origin, orientation
+
 
 def kinematics(
     model: RobotModel,
@@ -191,26 +258,11 @@ def kinematics(
     ``coordinates`` are y with q = D y, as ``measured`` says.
     """
     scalars = evaluate_scalars(model.scalars, constants, ca.vertsplit(parameters))
-    origins = [ca.SX.zeros(3)]
-    orientations = [Orientation(ca.SX.eye(3), 2, ca.SX(0), ca.SX(0))]
+    motion = _FrameMotion(model, scalars, coordinates, constants, measured)
+    origins, orientations = [ca.SX.zeros(3)], [UNTURNED]
     for node in model.frames[WORLD + 1 :]:
-        origin, orientation = origins[node.parent], orientations[node.parent]
-        match node.step:
-            case Turn(axis, angle):
-                orientation = orientation.turned(axis, constants.unfolded(scalars[angle]))
-            case Offset(vector):
-                offset = ca.vertcat(*(scalars[i] for i in vector))
-                origin = origin + orientation.matrix() @ offset
-            case Joint(dof, axis, sign):
-                motion = sign * coordinates[dof]
-                if dof in measured.absolute:
-                    orientation = orientation.led(axis, coordinates[dof])
-                elif model.dofs[dof].kind == "revolute":
-                    orientation = orientation.turned(axis, motion)
-                else:
-                    origin = origin + orientation.matrix()[:, axis] * motion
-            case None:
-                pass
+        before = origins[node.parent], orientations[node.parent]
+        origin, orientation = motion.behind(node.step, *before)
         origins.append(origin)
         orientations.append(orientation)
-    return Kinematics(model, scalars, origins, orientations)
+    return Kinematics(model, scalars, origins, orientations, motion)

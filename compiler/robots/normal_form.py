@@ -16,6 +16,7 @@ from typing import Literal
 
 from compiler.expressions.scalars import Constant, ScalarTable
 from compiler.robots.attributes import evaluate
+from compiler.robots.bodies_apart import bodies_apart
 from compiler.robots.evaluation_order import EvaluationOrder
 from compiler.robots.idle_joints import renumbered, without_idle_joints
 from compiler.robots.robot import (
@@ -327,11 +328,15 @@ def _plus(a: ir.Interval, b: ir.Interval) -> ir.Interval:
 
 @dataclass(frozen=True)
 class RobotFamily:
-    """A grammar of a program whose derivations are robots in the plane (2) or in space (3)."""
+    """A grammar of a program whose derivations are robots in the plane (2) or in space (3).
+
+    ``itself`` says which of their bodies have to stay apart.
+    """
 
     program: ir.Program
     grammar: ir.Grammar
     dimension: Literal[2, 3]
+    itself: ir.AvoidSelf | None = None
 
     @cached_property
     def language(self) -> Language:
@@ -359,10 +364,14 @@ class RobotFamily:
 
     def robot(self, derivation: Derivation) -> RobotModel:
         """The normalised robot of a derivation; errors as of ``built``."""
-        return normalise(self.built(derivation))
+        built = self.built(derivation)
+        if self.itself is None:
+            return normalise(built)
+        return replace(normalise(built), apart=bodies_apart(built, self.itself))
 
 
 def family_of(program: ir.Program, task: ir.Task) -> RobotFamily:
     """The robot family of a task."""
     workspace = program.workspaces[task.workspace]
-    return RobotFamily(program, program.grammars[task.grammar], workspace.dimension)
+    grammar = program.grammars[task.grammar]
+    return RobotFamily(program, grammar, workspace.dimension, task.avoid_self)

@@ -259,7 +259,8 @@ class RobotModel:
     word order.  ``removed`` holds the word indices of joints that move nothing, ``own`` the
     dynamics of their own that modules have, in word order.  ``joints`` holds the degrees of freedom
     of the word, in word order, once they may be others than ``dofs``.  ``owners`` says per body
-    whose it is, where that is known.
+    whose it is, where that is known.  Pairs of bodies that have to stay ``apart`` are named by
+    their numbers.
     """
 
     dimension: Literal[2, 3]
@@ -273,6 +274,7 @@ class RobotModel:
     own: tuple[OwnDynamics, ...] = ()
     joints: tuple[WordDof, ...] | None = None
     owners: tuple[BodyOwner | None, ...] = ()
+    apart: tuple[tuple[int, int], ...] = ()
 
     @property
     def periodic(self) -> tuple[bool, ...]:

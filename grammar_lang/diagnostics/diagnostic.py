@@ -93,6 +93,7 @@ class Code(Enum):
     MIXED_OWNERS = "SRG0715"
     WIDE_RADIUS = "SRG0716"
     UNDRIVEN_JOINT = "SRG0717"
+    EXEMPT_BODIES = "SRG0718"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -183,7 +183,9 @@ def lower_robust(items: tuple[t.TaskItem, ...], names: NameTable, sink: Sink) ->
 
 
 def check_ownership(task: ir.Task, grammars: Mapping[str, ir.Grammar], sink: Sink) -> None:
-    """Report ``robust mass p % of M`` where bodies may be those of M, or none is.
+    """Report a clause that asks for the bodies of a module which may be its, or are none.
+
+    Such are ``robust mass p % of M`` and ``avoid self … except M N``.
 
     Args:
         task: the task.
@@ -191,21 +193,30 @@ def check_ownership(task: ir.Task, grammars: Mapping[str, ir.Grammar], sink: Sin
         sink: where errors go.
     """
     grammar = grammars.get(task.grammar)
-    if grammar is None or not grammar.semantics or task.robust is None:
+    if grammar is None or not grammar.semantics:
         return
-    for clause in task.robust.masses:
-        bodies = list(_bodies_of(grammar, clause.module))
+    for module, clause in _asked_for(task):
+        bodies = list(_bodies_of(grammar, module))
         mixed = next((each for each in bodies if len(each[1]) > 1), None)
         if mixed is not None:
             at, names = mixed
             message = f"it is not clear whose body this is, that of {' or '.join(names)}"
             hint = "emit it in a production of one module, or name one module in its quantities"
-            notes = [(clause.span, "the task asks for it here")]
+            notes = [(clause, "the task asks for it here")]
             sink.error(Code.MIXED_OWNERS, message, at, hint, notes)
         elif not bodies:
-            message = f"no body of a robot of `{grammar.name}` is that of module `{clause.module}`"
+            message = f"no body of a robot of `{grammar.name}` is that of module `{module}`"
             hint = "name a module that has a body"
-            sink.error(Code.BAD_VALUE, message, clause.span, hint)
+            sink.error(Code.BAD_VALUE, message, clause, hint)
+
+
+def _asked_for(task: ir.Task) -> Iterator[tuple[str, Span]]:
+    """The modules whose bodies a task asks for, and where."""
+    if task.robust is not None:
+        yield from ((clause.module, clause.span) for clause in task.robust.masses)
+    if task.avoid_self is not None:
+        for module in sorted({name for pair in task.avoid_self.exceptions for name in pair}):
+            yield module, task.avoid_self.span
 
 
 def _bodies_of(grammar: ir.Grammar, module: str) -> Iterator[tuple[Span, tuple[str, ...]]]:

@@ -185,6 +185,10 @@ class _Reader:
                 self._avoid_self(item, name, margin)
             else:
                 others.append(self.region(name))
+        if item.excepted and not any(self._is_self(name) for name in item.regions):
+            message = "`except` belongs to `avoid self`"
+            hint = "remove it: a region is avoided by every body, or by every effector"
+            self.sink.error(Code.BAD_VALUE, message, item.excepted[0][0].span, hint)
         return ir.Avoid(tuple(others), item.subject, margin, item.span) if others else None
 
     def _is_self(self, name: s.Ident) -> bool:
@@ -203,7 +207,20 @@ class _Reader:
             message = "a second `avoid self`"
             self.sink.error(Code.REPEATED_CLAUSE, message, name.span, "remove one", notes)
         else:
-            self.itself = ir.AvoidSelf(margin, item.span)
+            self.itself = ir.AvoidSelf(margin, self._exceptions(item), item.span)
+
+    def _exceptions(self, item: t.Avoid) -> frozenset[tuple[str, str]]:
+        """The pairs of modules whose bodies may touch; a name that is no module is reported."""
+        names, found = self.around.names, set[tuple[str, str]]()
+        for pair in item.excepted:
+            unknown = [name for name in pair if names.entity(name) is None]
+            for name in unknown:
+                modules = names.declared.modules
+                report_unknown(name, "a module", modules, names.declared, self.sink)
+            if not unknown:
+                one, two = sorted(name.text for name in pair)
+                found.add((one, two))
+        return frozenset(found)
 
     # --- formulas ------------------------------------------------------------------------------
 

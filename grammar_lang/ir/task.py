@@ -174,9 +174,13 @@ class Effort:
 
 @node
 class AvoidSelf:
-    """Bodies that no module joins stay apart by more than ``margin`` metres."""
+    """Bodies stay apart by more than ``margin`` metres where no joint alone is between them.
+
+    Those of two modules of a pair in ``exceptions``, each in the order of names, may touch.
+    """
 
     margin: Fraction
+    exceptions: frozenset[tuple[str, str]] = frozenset()
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -265,6 +265,9 @@ class _Resolver:
                 case _:
                     for name in _region_names(item):
                         self.add(known.get(name.text), name)
+            for module in _excepted(item):
+                if module.text in declared.modules:
+                    self.add(declared.terminals.get(module.text), module)
 
     def _origin(self, item: t.From) -> None:
         terminals = self.declared.terminals
@@ -360,6 +363,12 @@ def _region_names(item: t.TaskItem) -> Iterator[s.Ident]:
             yield from _atoms(formula)
         case _:
             pass
+
+
+def _excepted(item: t.TaskItem) -> Iterator[s.Ident]:
+    """The modules that `avoid self` names."""
+    for pair in item.excepted if isinstance(item, t.Avoid) else ():
+        yield from pair
 
 
 def _atoms(formula: f.Formula) -> Iterator[s.Ident]:

@@ -252,6 +252,10 @@ def _habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
         return "write coordinates of joints, as in `start at (30 deg, 0)`, or `start in` a region"
     if wanted == "`feedback` or `open`" and tokens.at(here) == "closed":
         return "write `control feedback` for a closed loop"
+    if wanted == "a name" and tokens.at(here - 1) == "margin":
+        return "the margin stands before `except`"
+    if wanted == "a name" and "except" in (tokens.at(here - 1), tokens.at(here - 2)):
+        return "modules stand in pairs, as in `except Hand Tube, Tube Tube`"
     if wanted == "`;` or `}`" and tokens.at(here) in _COMPARISONS:
         return "an inequality has two sides: write two of them, with `;` between"
     return None

@@ -63,8 +63,8 @@ def _final_rates(c: Children, span: Span) -> object:
 
 
 def _avoid(c: Children, span: Span) -> object:
-    names = tuple(_ident(n) for n in c[:-2])
-    return t.Avoid(names, c[-2], c[-1], span)
+    names = tuple(_ident(n) for n in c[:-3])
+    return t.Avoid(names, c[-3], c[-2], c[-1] or (), span)
 
 
 def _rates(c: Children, span: Span) -> object:
@@ -171,6 +171,8 @@ _TASKS: dict[str, Builder] = {
     "avoid": _avoid,
     "subject": lambda c, _: c[0].text,
     "margin": lambda c, _: c[0],
+    "except_": lambda c, _: tuple(c),
+    "excepted": lambda c, _: (_ident(c[0]), _ident(c[1])),
     "effort": lambda c, span: t.Effort(c[0], c[1], span),
     "norm": lambda c, _: _ident(c[0]),
     "horizon": lambda c, span: t.Horizon(c[0], c[1], span),

@@ -223,11 +223,12 @@ class Reach:
 
 @node
 class Avoid:
-    """``avoid R1, R2 with subject margin d;``."""
+    """``avoid R1, R2 with subject margin d except M1 M2, M3 M4;``."""
 
     regions: tuple[Ident, ...]
     subject: Literal["effector", "body"]
     margin: Expr | None
+    excepted: tuple[tuple[Ident, Ident], ...] = ()
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -85,6 +85,12 @@ def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
             yield from _reach(posed, task.reach, line)
         case "avoid":
             yield from _avoid(posed, line)
+        case "avoid_self" if task.avoid_self is not None:
+            if task.avoid_self.margin:
+                touching = replace(task.avoid_self, margin=Fraction(0))
+                says = "without the margin between bodies"
+                yield Change(line, says, posed.with_task(avoid_self=touching))
+            yield Change(line, "without `avoid self`", without(posed, [line]))
         case "satisfy" if task.reach is not None or len(task.satisfy) > 1:
             yield Change(line, "without this formula", without(posed, [line]))
         case "bounds_body":

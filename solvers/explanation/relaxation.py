@@ -46,6 +46,8 @@ def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
             return _ranged(posed, line)
         case "avoid":
             return posed.without_avoided(int(line.key[0]), str(line.key[1]))
+        case "avoid_self":
+            return posed.with_task(avoid_self=None)
         case "bounds":
             return posed.with_workspace(grown_bounds(posed.workspace, Fraction(WIDER)))
         case "bounds_body":

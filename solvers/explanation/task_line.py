@@ -13,7 +13,7 @@ from solvers.explanation.posed_task import PosedTask
 
 LineKind: TypeAlias = Literal[
     "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "avoid",
-    "bounds_body", "effort", "horizon", "gravity", "bounds", "modules", "control",
+    "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds", "modules", "control",
 ]  # fmt: skip
 
 
@@ -117,6 +117,9 @@ def _avoided(posed: PosedTask) -> Iterator[TaskLine]:
         for region in clause.regions:
             span = _mention(region, clause.span, sources)
             yield TaskLine("avoid", (index, region), f"{subject} stays out of `{region}`", span)
+    if posed.task.avoid_self is not None:
+        says = "the bodies of the robot stay apart"
+        yield TaskLine("avoid_self", (), says, posed.task.avoid_self.span)
     if posed.task.bounds_body:
         span = posed.task.clauses.get("bounds_body", posed.task.span)
         yield TaskLine("bounds_body", (), "the whole body stays within the bounds", span)

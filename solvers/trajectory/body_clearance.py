@@ -15,7 +15,7 @@ from compiler.robots.robot import Body, RodBody
 from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
-from solvers.trajectory.convex_set import ConvexSet, region_set
+from solvers.trajectory.convex_set import ConvexSet, point_set, region_set
 from solvers.trajectory.position_plan import Dwell, Separation
 from solvers.trajectory.separating_planes import Obstacles, separating_planes
 
@@ -143,6 +143,16 @@ class Avoidances:
                 for body, hull in zip(graph.model.bodies, graph.hulls, strict=True):
                     reach = distance + self._thickness(body)
                     yield Separation(tuple(count + i for i in hull), obstacle, reach)
+        if self.task.avoid_self is not None:
+            yield from self._apart_from_each_other(float(self.task.avoid_self.margin))
+
+    def _apart_from_each_other(self, margin: float) -> Iterator[Separation]:
+        """What keeps the differences of the points of two bodies away from zero."""
+        model, gaps = self.numeric.graph.model, self.numeric.graph.gaps
+        count, zero = len(model.effectors), point_set(np.zeros(model.dimension))
+        for pair, gap in zip(model.apart, gaps, strict=True):
+            reach = margin + sum(self._thickness(model.bodies[body]) for body in pair)
+            yield Separation(tuple(count + i for i in gap), zero, reach)
 
     def bodies_within_bounds(self, last: int) -> Iterator[Dwell]:
         """Where ``bounds with body`` keeps bodies, from sample 0 to the ``last``."""

@@ -54,6 +54,12 @@ class ConvexSet:
         return np.array(found).reshape(-1, 3)
 
 
+def point_set(place: Array) -> ConvexSet:
+    """The set of one point (d,), in metres."""
+    normals = np.concatenate([np.eye(len(place)), -np.eye(len(place))])
+    return ConvexSet(normals, normals @ place, place[None])
+
+
 @lru_cache(maxsize=4096)
 def region_set(shape: ir.Inequalities | ir.Hull, dimension: int) -> ConvexSet:
     """A set of a workspace in floats, made once: searches ask for the same ones again and again."""

@@ -273,7 +273,8 @@ class PathProblem:
     @property
     def binds_bodies(self) -> bool:
         """Whether the task asks anything of bodies."""
-        return self.task.bounds_body or any(a.subject == "body" for a in self.task.avoid)
+        named = any(avoid.subject == "body" for avoid in self.task.avoid)
+        return named or self.task.bounds_body or self.task.avoid_self is not None
 
     def corridor(self, theta: Array) -> Corridor:
         """What poses have to keep to on the path, for theta (p,)."""

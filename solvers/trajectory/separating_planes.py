@@ -3,7 +3,8 @@
 Candidates are the obstacle's facets; in the plane also the lines through two of the points, in
 space the planes through three of them and those along one edge of either.  The sets are disjoint
 iff one of these separates them (separating axis theorem); the lines from corners to points make the
-best gap the distance where two corners are nearest.
+best gap the distance where two corners are nearest.  Where an obstacle is one point, the line to
+what is nearest to it makes it the distance always, if they are apart.
 
 Arrays have rows last and coordinates first, so that every operation is one on long vectors.
 """
@@ -19,6 +20,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from solvers.trajectory.convex_set import ConvexSet
+from solvers.trajectory.hull_distance import nearest_to_zero
 from solvers.trajectory.subproblem import Indices
 
 SHORTEST = 1e-9
@@ -83,6 +85,8 @@ def separating_planes(
         those directions.
     """
     k, _, d = swept.shape
+    if obstacles.vertices.shape[1] == 1:
+        return _from_points(swept, obstacles, which)
     normal, support = np.empty((k, d)), np.empty(k)
     points = np.ascontiguousarray(swept.transpose(2, 1, 0))
     for start in range(0, k, MOST_ROWS):
@@ -94,6 +98,24 @@ def separating_planes(
             facets, vertices, edges = arrays
         normal[part], support[part] = _best(points[:, :, part], facets, vertices, edges)
     return normal, support
+
+
+def _from_points(swept: Array, obstacles: Obstacles, which: Indices | None) -> tuple[Array, Array]:
+    """The best half-planes between sets of points and obstacles that are one point each."""
+    k = len(swept)
+    place = obstacles.vertices[:, 0, np.zeros(k, dtype=int) if which is None else which].T
+    away = nearest_to_zero(swept - place[:, None])
+    gap = np.linalg.norm(away, axis=1)
+    normal = away / np.maximum(gap, SHORTEST)[:, None]
+    meeting = np.flatnonzero(gap <= SHORTEST)
+    for start in range(0, len(meeting), MOST_ROWS):
+        part = meeting[start : start + MOST_ROWS]
+        sets = np.zeros(len(part), dtype=int) if which is None else which[part]
+        arrays = (
+            each[:, :, sets] for each in (obstacles.facets, obstacles.vertices, obstacles.edges)
+        )
+        normal[part], _ = _best(np.ascontiguousarray(swept[part].transpose(2, 1, 0)), *arrays)
+    return normal, np.einsum("kd,kd->k", normal, place)
 
 
 def _best(points: Array, facets: Array, vertices: Array, edges: Array) -> tuple[Array, Array]:
@@ -143,7 +165,8 @@ def _planar(edge: Array) -> Array:
 def _spatial(edge: Array, points: Array, edges: Array) -> Array:
     """Normals (3, c, k): edge times edge, and the planes through three of the points."""
     k, width = points.shape[2], points.shape[1]
-    crossed = _cross(edge[:, :, None], edges[:, None]).reshape(3, -1, k)
+    count = edge.shape[1] * edges.shape[1]
+    crossed = _cross(edge[:, :, None], edges[:, None]).reshape(3, count, k)
     first, second, third = ([each[i] for each in combinations(range(width), 3)] for i in range(3))
     sides = points[:, second] - points[:, first], points[:, third] - points[:, first]
     return np.concatenate([crossed, _cross(*sides)], axis=1)

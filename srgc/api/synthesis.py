@@ -11,7 +11,7 @@ from srgc.api.program import Program
 from srgc.api.result import Result, TemporaryFolder, opened
 from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
-from srgc.session import chosen, refuse_cycles, refuse_unsupported
+from srgc.session import chosen, refuse_cycles
 from srgc.time_limit import TimeLimit
 
 if TYPE_CHECKING:
@@ -64,7 +64,6 @@ def synthesize(
     limit = TimeLimit(time_limit)
     chosen_task = chosen(program.ir.tasks, task, "task")
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
-    refuse_unsupported(program.ir, chosen_task)
     _refuse_numbers(seed, jobs, cells, time_limit)
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
     from srgc.search_options import named_search, named_solver
@@ -157,7 +156,6 @@ def plan(program: Program, task: str | None = None, *, cells: int | None = None)
     if cells is not None and cells < 1:
         raise UsageFault("`cells` counts from 1")
     chosen_task = chosen(program.ir.tasks, task, "task")
-    refuse_unsupported(program.ir, chosen_task)
     report = plan_report(program.ir, chosen_task, cells)
     return Plan(report, f"{program.name}, task {chosen_task.name}")
 

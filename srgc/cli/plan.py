@@ -55,12 +55,11 @@ def plan(
         raise UsageFault(f"{output}: a plan is drawn as SVG; let the name end in .svg")
     from srgc.paths import write_output
     from srgc.results.progress_display import progress
-    from srgc.session import chosen, program_of, refuse_unsupported
+    from srgc.session import chosen, program_of
     from srgc.text_reports.plan_report import dump_text, plan_report
 
     program = program_of(file)
     chosen_task = chosen(program.tasks, task, "task")
-    refuse_unsupported(program, chosen_task)
     if dump is not None:
         with progress("plan", quiet=quiet, plain=False):
             text = dump_text(program, chosen_task, dump, cells)

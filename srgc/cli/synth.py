@@ -77,13 +77,12 @@ def synth(
     if jobs is not None and cluster is not None:
         raise UsageFault("--jobs does not go with --cluster, which has its own workers")
     from solvers.execution.one_thread import ONE_THREAD
-    from srgc.session import chosen, program_of, refuse_cycles, refuse_unsupported
+    from srgc.session import chosen, program_of, refuse_cycles
 
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
     program = program_of(file)
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
-    refuse_unsupported(program, chosen_task)
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
     from srgc.search_options import named_search, named_solver
     from srgc.text_reports.synthesis_report import change_of, synthesis_text

@@ -139,7 +139,11 @@ def _marked(model: RobotModel) -> tuple[RobotModel, dict[int, int]]:
             tips[number] = len(frames)
             frames.append(FrameNode(number, Offset((vector[0], vector[1], vector[2]))))
     marked = replace(
-        model, scalars=scalars, frames=tuple(frames), effectors=tuple(range(len(frames)))
+        model,
+        scalars=scalars,
+        frames=tuple(frames),
+        effectors=tuple(range(len(frames))),
+        apart=(),
     )
     return marked, tips
 

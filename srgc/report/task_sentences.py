@@ -105,7 +105,9 @@ def _avoided(task: ir.Task) -> Iterator[str]:
     if task.avoid_self is not None:
         least = task.avoid_self.margin
         by = f" by at least {_value(least)} m" if least else ""
-        yield f"Bodies that no module joins stay apart{by}"
+        pairs = ", ".join(f"`{one}` and `{two}`" for one, two in sorted(task.avoid_self.exceptions))
+        except_ = f", except those of {pairs}" if pairs else ""
+        yield f"Bodies that no link and no joint alone connects stay apart{by}{except_}"
 
 
 def _limits(task: ir.Task) -> Iterator[str]:

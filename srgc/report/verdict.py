@@ -13,7 +13,7 @@ from srgc.report.controller import commanded_peak
 from srgc.report.evidence import Evidence, tried_robots
 from srgc.report.task_sentences import task_sentences
 from srgc.results.found_design import FoundDesign
-from srgc.text_reports.synthesis_report import used_inputs
+from srgc.text_reports.synthesis_report import UNASKED_SELF, used_inputs
 from srgc.text_reports.verification_report import by_map
 
 MODEL = (
@@ -147,6 +147,8 @@ def _proved_motion(evidence: Evidence) -> Iterator[str]:
             "by what they are off from its reference. What was followed is this closed loop; the "
             "bounds of the inputs hold for all that it commands."
         )
+    if evidence.task.avoid_self is None:
+        yield _code(f"{UNASKED_SELF[0].upper()}{UNASKED_SELF[1:]}: it may pass through itself.")
     if evidence.task.repeat:
         yield (
             "The motion goes on for ever. The certificate states a set of states in which every "

@@ -25,7 +25,7 @@ from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
 from srgc.search_options import named_search, named_solver
-from srgc.session import UsageFault, refuse_unsupported
+from srgc.session import UsageFault
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,6 @@ def tried_folder(folder: Path) -> TriedFolder:
 
 def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> TriedFolder:
     task = program.tasks[content["task"]]
-    refuse_unsupported(program, task)
     posed = PosedTask(program, task)
     tried = None
     if content["verdict"] != "found":

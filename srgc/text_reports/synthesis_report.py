@@ -101,6 +101,9 @@ def change_lines(change: Reconfiguration) -> list[str]:
 
 # --- The outcome of a synthesis as plain text -----------------------------------------------------
 
+UNASKED_SELF = "self-collision was not asked for (`avoid self with body;`)"
+"""What is said of a task that lets a robot pass through itself."""
+
 
 def _winding(turns: Sequence[int]) -> Iterator[str]:
     """Which joints are whole turns farther after a round."""
@@ -139,6 +142,35 @@ def _nearest(nearest: NearestMotion, task: ir.Task) -> Iterator[str]:
         yield f"         try first {first}"
 
 
+def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> list[str]:
+    """The robot that was found, and what its motion uses."""
+    lines = [f"robot:   {' '.join(design.derivation.word)}"]
+    for value in design.parameters:
+        p, shown = value.parameter, amount(float(value), value.parameter.unit, 5)
+        lines.append(f"         {p.module}.{p.name} = {shown} (symbol {p.symbol})")
+    if change is not None:
+        lines += change_lines(change)
+    lines += _inputs(design, task)
+    if robot_inputs(design.model):
+        lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
+    if design.loop is not None:
+        begins, ends = (float(k * task.step) for k in (design.loop.first, task.steps))
+        winding = "".join(_winding(design.loop.turns or ()))
+        again = f"from {begins:g} s to {ends:g} s again and again, for ever{winding}"
+        lines.append(f"repeats: {again}")
+    lines += [
+        f"formula: {condition.name}, robustness {condition.margin:.4g} m"
+        for condition in design.conditions
+        if condition.clause is not None
+    ]
+    if task.avoid_self is None:
+        lines.append(f"self:    {UNASKED_SELF}")
+    if design.model.removed:
+        gone = ", ".join(str(symbol) for symbol in design.model.removed)
+        lines.append(f"removed: joints that move nothing (symbols {gone})")
+    return lines
+
+
 def synthesis_text(
     result: Synthesis,
     task: ir.Task,
@@ -150,32 +182,10 @@ def synthesis_text(
 
     ``table`` is about all designs, ``change`` about what becomes of the existing robot.
     """
-    ends = float(task.steps * task.step)
     lines = [f"verdict: {result.verdict}" + (f" ({result.reason})" if result.reason else "")]
     design = result.design
     if design is not None:
-        lines.append(f"robot:   {' '.join(design.derivation.word)}")
-        for value in design.parameters:
-            p, shown = value.parameter, amount(float(value), value.parameter.unit, 5)
-            lines.append(f"         {p.module}.{p.name} = {shown} (symbol {p.symbol})")
-        if change is not None:
-            lines += change_lines(change)
-        lines += _inputs(design, task)
-        if robot_inputs(design.model):
-            lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
-        if design.loop is not None:
-            begins = float(design.loop.first * task.step)
-            winding = "".join(_winding(design.loop.turns or ()))
-            again = f"from {begins:g} s to {ends:g} s again and again, for ever{winding}"
-            lines.append(f"repeats: {again}")
-        lines += [
-            f"formula: {condition.name}, robustness {condition.margin:.4g} m"
-            for condition in design.conditions
-            if condition.clause is not None
-        ]
-        if design.model.removed:
-            gone = ", ".join(str(symbol) for symbol in design.model.removed)
-            lines.append(f"removed: joints that move nothing (symbols {gone})")
+        lines += _design(design, task, change)
     elif result.nearest is not None:
         lines += _nearest(result.nearest, task)
     refuted = sum(1 for r in result.records if r.verdict == "refuted")

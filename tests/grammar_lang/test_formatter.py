@@ -83,6 +83,7 @@ STATEMENTS = [
     ("task", "reach T by effector 2 rates <= v for (d + 1) s;"),
     ("task", "avoid self, O with body, margin 2 cm;"),
     ("task", "avoid O with effector margin (2) cm;"),
+    ("task", "avoid self with body, margin 2 cm, except A B, B B;"),
     ("task", "effort <= 10 N*m norm 2;"),
     ("task", "horizon 81 steps of 0.125 s;"),
     ("task", "horizon (80 + 1) steps of (1) s;"),

@@ -113,6 +113,13 @@ def test_syntax_errors(text: str, found: tuple[str, str], check: Check) -> None:
         ("horizon 10 s steps 80;", "`horizon 10 steps of 0.2 s`", "horizon 10 steps of 0.2 s;"),
         ("horizon 10 stps of 2 s;", "`steps`", "horizon 10 steps of 2 s;"),
         ("start at S;", "`start in` a region", "start in S;"),
+        ("avoid self with body, except L;", "in pairs", "avoid self with body;"),
+        ("avoid self with body except;", "in pairs", "avoid self with body;"),
+        (
+            "avoid self with body, except L L, margin 2 mm;",
+            "before `except`",
+            "avoid self with body, margin 2 mm;",
+        ),
     ],
 )
 def test_habits_of_other_notations_get_a_hint_that_helps(

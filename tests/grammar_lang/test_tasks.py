@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from pathlib import Path
 
 import mpmath
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Severity
 from grammar_lang.load import load_text
+
+ROOT = Path(__file__).parents[2]
 
 Check = Callable[[str], list[tuple[str, str]]]
 Build = Callable[..., str]
@@ -125,6 +128,19 @@ def test_clauses(task: Callable[..., ir.Task]) -> None:
         ({"more": "avoid self with body; avoid self with body;"}, [("REPEATED_CLAUSE", "self")]),
         ({"more": "avoid self, self with body;"}, [("REPEATED_CLAUSE", "self")]),
         ({"more": "avoid self with body margin -1 cm;"}, [("BAD_VALUE", "-1 cm")]),
+        ({"more": "avoid self with body, except L K;"}, [("UNKNOWN_NAME", "K")]),
+        (
+            {"more": "avoid self with body, except S L, L base;"},
+            [
+                ("WRONG_KIND", "S"),
+                ("UNKNOWN_NAME", "base"),
+            ],
+        ),
+        (
+            {"more": "avoid self with body except JO JO;"},
+            [("BAD_VALUE", "avoid self with body except JO JO;")],
+        ),
+        ({"more": "avoid S with body, except L L;"}, [("BAD_VALUE", "L")]),
         ({"more": "from B; from B eps JO;"}, [("REPEATED_CLAUSE", "from B eps JO;")]),
         ({"reach": "satisfy S; reach T; reach T;"}, [("REPEATED_CLAUSE", "reach T;")]),
     ],
@@ -184,6 +200,20 @@ def test_the_robot_itself(task: Callable[..., ir.Task], build: Build) -> None:
         ir.Avoid(("T",), "effector", Fraction(0)),
     )
     assert task().avoid_self is None
+
+
+def test_bodies_that_may_touch() -> None:
+    text = (ROOT / "specs" / "planar_arm_body.srg").read_text(encoding="utf-8")
+    itself = "avoid self, O with body, margin 2 cm, except L L, K L, L K;"
+    text = text.replace("avoid O with body margin 0.02 m;", itself)
+    text = text.replace("semantics PlanarArm {", "module K { role link; }\nsemantics PlanarArm {")
+    text = text.replace("link: N -> N eps L;", "link: N -> N eps L; other: N -> N eps K;")
+    block = "other { this.frame = N.frame; point(frame: N.frame, mass: 1 kg); } tool"
+    text = text.replace("  tool {", f"  {block} {{")
+    loaded = load_text(text, "t")
+    assert loaded.program is not None, loaded.diagnostics
+    some = loaded.program.tasks["PickAndPlaceWithBody"].avoid_self
+    assert some == ir.AvoidSelf(Fraction(1, 50), frozenset({("L", "L"), ("K", "L")}))
 
 
 def test_a_region_called_self(build: Build) -> None:

@@ -102,6 +102,12 @@ def test_completion_and_signature(client: Client, spec: str) -> None:
     assert labels(client, spec, SPEC, "length);", "move(x") == ["length", "density"]
     assert "N*m" in labels(client, spec, SPEC, "N*m;")
     assert labels(client, spec, SPEC, "judged") == []
+    itself = SPEC.replace("avoid O", "avoid self with body, except L L; avoid O")
+    uri = uri_of(client.folder / "itself.srg")
+    assert {"severity": 1} not in [
+        {"severity": each["severity"]} for each in client.open(uri, itself)
+    ]
+    assert labels(client, uri, itself, "L; avoid") == ["B", "JO", "L", "EN"]
     assert set(labels(client, spec, SPEC, "horizon")) >= {"reach", "avoid", "horizon", "satisfy"}
     params = client.at(spec, *place(SPEC, "L.density);"))
     help_ = client.ask("textDocument/signatureHelp", params)

@@ -12,7 +12,7 @@ from flint import arb
 from scipy.spatial.transform import Rotation
 
 from compiler.expressions.evaluators.balls import working_precision
-from solvers.verifier.proofs.apart import Apart
+from solvers.verifier.proofs.apart import Apart, BodiesApart
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.least_margins import close_margins
@@ -140,3 +140,76 @@ def test_digits_of_a_margin_say_no_more_than_was_proved(
     margin: float, digits: int, shown: float
 ) -> None:
     assert CheckedCondition("bounds", Status.HOLDS, margin, "m").least(digits) == shown
+
+
+def rods_apart(dimension: int, distance: float) -> BodiesApart:
+    """Two rods, points 0 and 1, and 2 and 3; the differences of their points are 4 to 7."""
+    axes = range(dimension)
+    return BodiesApart(
+        "bodies",
+        points=(4, 5, 6, 7),
+        rows=tuple(row([Fraction(s * (i == j)) for j in axes], Fraction(0)) for i in axes
+                   for s in (1, -1)),
+        vertices=(tuple(arb(0) for _ in axes),),
+        distance=arb(distance),
+        bodies=((0, 1), (2, 3)),
+    )  # fmt: skip
+
+
+def with_differences(ends: np.ndarray) -> np.ndarray:
+    """Ends of two rods (4, 3), and then the differences of the first one's from the second's."""
+    return np.concatenate([ends, (ends[:2, None] - ends[None, 2:]).reshape(4, 3)])
+
+
+def rods_distance(ends: np.ndarray) -> float:
+    """The distance of two rods by the closest places on 60 x 60 parts, refined three times."""
+    low, high = np.zeros(2), np.ones(2)
+    for _ in range(4):
+        s, t = (np.linspace(low[i], high[i], 61) for i in range(2))
+        one = ends[0] + s[:, None] * (ends[1] - ends[0])
+        two = ends[2] + t[:, None] * (ends[3] - ends[2])
+        gaps = np.linalg.norm(one[:, None] - two[None], axis=2)
+        i, j = np.unravel_index(int(gaps.argmin()), gaps.shape)
+        width = (high - low) / 30
+        centre = np.array([s[i], t[j]])
+        low, high = np.maximum(0, centre - width), np.minimum(1, centre + width)
+    return float(gaps.min())
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_two_rods_that_move(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    ends = rng.normal(size=(4, 3)) + np.array([[3.0], [3.0], [0.0], [0.0]])
+    rates = rng.normal(size=(4, 3))
+    instants = [ends + t * rates for t in np.linspace(0, 1, 200)]
+    least = min(rods_distance(each) for each in instants)
+    distance = least / 2
+    bodies = rods_apart(3, distance)
+    with working_precision(80):
+        points = StraightPoints(with_differences(ends), with_differences(rates))
+        checked(points, bodies, 5)
+    assert bodies.status is Status.HOLDS
+    assert bodies.margin <= least - distance + 1e-9
+    assert bodies.margin >= 0.97 * (least - distance) - 1e-3
+    at = ends + bodies.time * rates
+    line = np.array(bodies.place) - at[0]
+    along = at[1] - at[0]
+    assert np.linalg.norm(np.cross(line, along)) <= 1e-6 * np.linalg.norm(along)
+    too_near = rods_apart(3, least + 0.05)
+    with working_precision(80):
+        checked(points, too_near, 5)
+    assert too_near.status is Status.FAILS
+
+
+def test_rods_that_cross_in_the_plane() -> None:
+    """Thin rods that pass through each other; those that only come near each other do not."""
+    for reach, expected in ((0.6, Status.FAILS), (0.4, Status.HOLDS)):
+        ends = np.array([[-1.0, 0.5], [1.0, 0.5], [0.1, reach - 1], [-0.1, reach - 3]])
+        rates = np.array([[0.0, -0.5], [0.0, -0.5], [0.0, 0.5], [0.0, 0.5]])
+        ends, rates = (
+            np.concatenate([e, (e[:2, None] - e[None, 2:]).reshape(4, 2)]) for e in (ends, rates)
+        )
+        bodies = rods_apart(2, 0.0)
+        with working_precision(80):
+            checked(StraightPoints(ends, rates), bodies, 3)
+        assert bodies.status is expected

@@ -101,7 +101,8 @@ task Turn {
   reach rates at rest for 1 s;
   avoid with, with with body, margin 2 cm;
   avoid O with effector margin (1 + 2) cm;
-  avoid self with body;
+  avoid self with body; avoid self with body, except except except, margin Tube;
+  avoid self, O with body margin 2 mm except Tube Tube;
   effort <= 10 N*m norm 2;
   horizon 40 steps of 50 ms; gravity (0, -9.81) m/s^2; modules <= 6; bounds with body; slack 1e-6;
   from fixed eps '[' fixed L.length = 2 m, L2.fixed = 3 m;

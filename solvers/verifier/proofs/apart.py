@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
@@ -140,6 +141,41 @@ class Apart(Constraint):
             sum(w * x for w, x in zip(weights, axis, strict=True))
             for axis in zip(*places, strict=True)
         )
+
+
+@dataclass(slots=True)
+class BodiesApart(Apart):
+    """Two bodies stay apart: the hull of their points' differences stays away from zero.
+
+    The differences are the ``points``, those with the first point of the first body in front;
+    ``bodies`` are the points of the bodies themselves, of which ``place`` tells.
+    """
+
+    bodies: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
+
+    def violated(self, over: Slice) -> bool:
+        """Whether the bodies are certainly nearer at the middle of the slice, or certainly meet."""
+        places = [[axis[0] for axis in over.points[point]] for point in self.points]
+        if len(places[0]) == 2 and _surround_zero(places):
+            return True
+        nearest = _mixed(self._nearest(over).left, places)
+        return _nearer(nearest, [arb(0)] * len(nearest), self.distance)
+
+    def where(self, over: Slice) -> tuple[float, ...]:
+        """The point of the first body that is nearest to the second, at the middle of the slice."""
+        first, second = self.bodies
+        shares = np.reshape(self._nearest(over).left, (len(first), len(second))).sum(axis=1)
+        places = np.array([over.middle(point) for point in first])
+        return tuple((np.maximum(shares, 0.0) @ places / np.maximum(shares, 0.0).sum()).tolist())
+
+
+def _surround_zero(places: Sequence[Point]) -> bool:
+    """Whether zero certainly lies in a triangle of some points of the plane."""
+    return any(
+        all(bool(side > 0) for side in sides) or all(bool(side < 0) for side in sides)
+        for a, b, c in combinations(places, 3)
+        for sides in [[p[0] * q[1] - p[1] * q[0] for p, q in ((a, b), (b, c), (c, a))]]
+    )
 
 
 def _product(left: Point, right: Point) -> arb:

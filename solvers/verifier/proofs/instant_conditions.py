@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from flint import arb
@@ -10,10 +10,10 @@ from flint import arb
 from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
 from compiler.robots.robot import RobotModel, RodBody
 from grammar_lang import ir
-from solvers.verifier.proofs.apart import Apart
+from solvers.verifier.proofs.apart import Apart, BodiesApart
 from solvers.verifier.proofs.scene import Scene
 from solvers.verifier.proofs.state_limits import StateLimit
-from solvers.verifier.proofs.tube_checks import Constraint, Inside, rows_of
+from solvers.verifier.proofs.tube_checks import Constraint, Inside, row, rows_of
 
 
 def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:
@@ -33,6 +33,8 @@ def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:
         for name in avoid.regions:
             region = workspace.region(name)
             found += [_apart(scene, region, avoid.margin, group) for group in groups]
+    if task.avoid_self is not None:
+        found += _apart_from_each_other(scene, bodies, task.avoid_self.margin)
     return found
 
 
@@ -60,6 +62,27 @@ def _apart(
         vertices=vertices,
         distance=ball(margin) + radius,
     )
+
+
+def _apart_from_each_other(
+    scene: Scene, bodies: Sequence[tuple[str, tuple[int, ...], arb]], margin: Fraction
+) -> Iterator[BodiesApart]:
+    first, axes = len(scene.model.effectors), range(scene.workspace.dimension)
+    zero = tuple(
+        row([Fraction(sign * (i == j)) for j in axes], Fraction(0))
+        for i in axes
+        for sign in (1, -1)
+    )
+    for (one, two), gap in zip(scene.model.apart, scene.graph.gaps, strict=True):
+        (name, points, radius), (other, others, reach) = bodies[one], bodies[two]
+        yield BodiesApart(
+            f"clearance of {name} to {other}",
+            tuple(first + point for point in gap),
+            rows=zero,
+            vertices=(tuple(arb(0) for _ in axes),),
+            distance=ball(margin) + radius + reach,
+            bodies=(points, others),
+        )
 
 
 def _radius(model: RobotModel, body: int, tail: Sequence[arb]) -> arb:

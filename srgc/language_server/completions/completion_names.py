@@ -187,6 +187,8 @@ class NamesDue:
             yield from _named(declared.workspaces, _KINDS.Module, "workspace")
         elif head == ("from",):
             yield from self._origin()
+        elif head == ("avoid",) and "except" in self._said:
+            yield from _named(declared.modules, _KINDS.Class, "module")
         elif head in {("start",), ("reach",), ("avoid",), ("satisfy",)} and not self._value:
             yield from self._regions(maps=head in {("avoid",), ("satisfy",)})
             if self._said == ("avoid",):
