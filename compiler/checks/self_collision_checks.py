@@ -18,7 +18,7 @@ from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import counted
 
-MOST_ROBOTS = 12
+MOST_ROBOTS = 100
 """So many of the smallest robots are looked at for bodies that have to stay apart."""
 MOST_PAIRS = 12
 """So many pairs are named."""
@@ -51,6 +51,7 @@ def _report(task: ir.Task, itself: ir.AvoidSelf, family: RobotFamily, sink: Sink
                 f"in `{' '.join(derivation.word)}` {counted(len(apart), 'pair')} of bodies "
                 f"must stay apart; what may touch: {listed or 'nothing'}",
                 itself.span,
+                "name other pairs of modules that may touch behind `except`",
             )
             return
     if tried:

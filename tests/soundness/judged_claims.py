@@ -262,15 +262,19 @@ def _effector(claim: Mapping[str, Any], made: HandArm, figures: Figures) -> int:
 def _least(name: str, values: Array, fine: int) -> tuple[float, str]:
     """The least of samples of a distance, less what may hide between two of them.
 
-    Where the inputs change, every ``fine`` samples, there is a sample, and a kink hides nothing.
+    That is told by how the distance bends upwards at the four samples around: below the line from
+    one sample to the next it is only then.  Where the inputs change, every ``fine`` samples, there
+    is a sample, and a kink hides nothing.
     """
-    bends = np.abs(np.diff(values, 2))
-    bends[fine - 1 :: fine] = 0
-    hidden = float(bends.max()) / 4
     lowest = float(values.min())
     if lowest < -CLEAR:
         return lowest, name
-    return (lowest - hidden if lowest > CLEAR + hidden else 0.0), name
+    bends = np.zeros(len(values) + 2)
+    bends[2:-2] = np.maximum(0.0, np.diff(values, 2))
+    bends[1 + fine : -2 : fine] = 0
+    around = np.max([bends[i : i + len(values) - 1] for i in range(4)], axis=0)
+    shown = float(np.min(np.minimum(values[:-1], values[1:]) - around / 4))
+    return (shown if shown > CLEAR else 0.0), name
 
 
 def along(

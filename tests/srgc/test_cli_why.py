@@ -12,7 +12,6 @@ from typing import Any
 
 import pytest
 
-from solvers.verifier.claims.certificate import spec_digest
 from srgc.cli import run
 from tests.oracles import result_files
 from tests.oracles.extended_arm import best_robustness
@@ -249,20 +248,6 @@ def test_an_altered_spec(srgc: Srgc, impossible: Path, tmp_path: Path) -> None:
     ran = srgc("why", folder)
     assert (ran.status, ran.out) == (2, "")
     assert "altered" in ran.err
-
-
-def test_a_clause_that_is_not_compiled(srgc: Srgc, impossible: Path, tmp_path: Path) -> None:
-    """Of a folder from elsewhere: `synth` writes none about such a task."""
-    folder = tmp_path / "out"
-    shutil.copytree(impossible, folder)
-    result_files.alter_spec(folder, "reach T;", "reach T; avoid self with body;", sign=False)
-    (path,) = (folder / "spec").iterdir()
-    content = result_files.read(folder, "design.json")
-    digest = spec_digest({path.name: path.read_bytes()})
-    result_files.write(folder, content | {"spec_sha256": digest}, "design.json")
-    ran = srgc("why", folder)
-    assert (ran.status, ran.out) == (5, "")
-    assert "error[SRG0190]: `avoid self` cannot be compiled by this version" in ran.err
 
 
 @pytest.mark.parametrize("content", ["", "[]", "{}", '{"spec": 1, "spec_sha256": 2}', "\x00"])
