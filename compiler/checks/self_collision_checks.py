@@ -20,6 +20,8 @@ from grammar_lang.diagnostics.wording import counted
 
 MOST_ROBOTS = 100
 """So many of the smallest robots are looked at for bodies that have to stay apart."""
+LONGEST = 200
+"""Longer words are passed over: a check is to be quick."""
 MOST_PAIRS = 12
 """So many pairs are named."""
 
@@ -64,7 +66,7 @@ def _report(task: ir.Task, itself: ir.AvoidSelf, family: RobotFamily, sink: Sink
 def _smallest(family: RobotFamily, task: ir.Task) -> Iterator[tuple[Derivation, RobotModel]]:
     """The smallest robots with all joints of their words; none where they are hard to come by."""
     try:
-        words = family.language.words(max_modules=task.modules)
+        words = family.language.words(max_length=LONGEST, max_modules=task.modules)
         for derivation in islice(structures_of(family.language, words), MOST_ROBOTS):
             yield derivation, family.built(derivation)
     except (

@@ -92,9 +92,8 @@ class RobotGraph:
       what must not be negative, for the values above to exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
-      them span which body; ``points(q, theta, k)``: effectors, then body points, then the
-      differences of such as have to stay apart; ``gaps`` says which of the last belong to which
-      pair of bodies.  These are not places, but vectors that must not get short.
+      them span which body; ``points(q, theta, k)``: effectors, body points, then differences of
+      body points, which are no places; ``gaps`` says which are those of which pair ``apart``.
 
     A function is made when it is first asked for: their sizes differ by orders of magnitude.
     """
@@ -344,8 +343,10 @@ def robot_graph(
     driven = drive(model, Motion(*own, w[n:], u, theta), constants)
     regular = _unfolded(mass, constants)
     points = [body.body_points(item) for item in model.bodies]
-    bodies = model.bodies
-    apart = [body.differences(bodies[one], bodies[two]) for one, two in model.apart]
+    apart = list[list[ca.SX]]()
+    for one, two in model.apart:
+        check_time(MADE)
+        apart.append(body.differences(model.bodies[one], model.bodies[two]))
     d = model.dimension
     places = _numbered([*points, *apart])
     parts = _Expressions(

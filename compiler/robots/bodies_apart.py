@@ -30,16 +30,16 @@ def exempt_bodies(model: RobotModel, itself: ir.AvoidSelf) -> tuple[tuple[int, i
 
 def _pairs(model: RobotModel, itself: ir.AvoidSelf, *, exempt: bool) -> tuple[tuple[int, int], ...]:
     links = _links(model)
-    carrying = {links.of[body.frame] for body in model.bodies}
+    touching = links.touching({links.of[body.frame] for body in model.bodies})
     modules = [owner and owner.module for owner in model.owners] or [None] * len(model.bodies)
     found = list[tuple[int, int]]()
     for one, two in combinations(_colliding(model, links), 2):
-        first, second = (links.of[model.bodies[i].frame] for i in (one, two))
+        first, second = sorted(links.of[model.bodies[i].frame] for i in (one, two))
         if first == second:
             continue
         owners = modules[one], modules[two]
         named = None not in owners and tuple(sorted(map(str, owners))) in itself.exceptions
-        if (named or links.may_touch(first, second, carrying)) == exempt:
+        if (named or (first, second) in touching) == exempt:
             found.append((one, two))
     return tuple(found)
 
@@ -54,22 +54,24 @@ class _Links:
     frames: Sequence[FrameNode]
     of: Sequence[int]
 
-    def may_touch(self, one: int, two: int, carrying: set[int]) -> bool:
-        """Whether bodies of two links may touch; links ``carrying`` bodies part others."""
-        below, above = self._down(one), self._down(two)
-        common = max(set(below) & set(above))
-        if common in (one, two):
-            between = {*below, *above} - {one, two}
-            return not any(link in carrying for link in between if link > common)
-        ways = [way[: way.index(common)] for way in (below, above)]
-        alone = not any(link in carrying for way in ways for link in way[1:])
-        return alone and self._mount(ways[0][-1]) == self._mount(ways[1][-1])
+    def touching(self, carrying: set[int]) -> set[tuple[int, int]]:
+        """The pairs of links ``carrying`` bodies that may touch, the smaller number in front.
 
-    def _down(self, link: int) -> list[int]:
-        """A link and those that it stands on, down to the world."""
-        found = [link]
-        while found[-1] != WORLD:
-            found.append(self.of[self.frames[found[-1]].parent])
+        From each link the way down through links without bodies is followed, and the first one
+        that has some.
+        """
+        found = set[tuple[int, int]]()
+        mounted: dict[tuple[int, tuple[Step, ...]], list[tuple[int, int]]] = {}
+        for link in sorted(carrying - {WORLD}):
+            above = below = link
+            while below == link or (below not in carrying and below != WORLD):
+                above, below = below, self.of[self.frames[below].parent]
+                # Those on other joints at the same frame.
+                beside = mounted.setdefault((below, self._mount(above)), [])
+                found |= {(other, link) for joint, other in beside if joint != above}
+                beside.append((above, link))
+            if below in carrying:
+                found.add((below, link))
         return found
 
     def _mount(self, link: int) -> tuple[Step, ...]:
