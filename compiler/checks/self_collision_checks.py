@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
+from compiler.checks.starting_robots import PASSED_OVER
 from compiler.robots.bodies_apart import bodies_apart, exempt_bodies
-from compiler.robots.frame_table import SemanticsError
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
-from compiler.words.budget import BudgetExceededError
 from compiler.words.derivation import Derivation
-from compiler.words.finite_automaton import AutomatonTooLargeError
-from compiler.words.intersection import IntersectionTooLargeError
-from compiler.words.structures import InfiniteAmbiguityError, structures_of
+from compiler.words.structures import structures_of
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import counted
@@ -69,13 +66,7 @@ def _smallest(family: RobotFamily, task: ir.Task) -> Iterator[tuple[Derivation, 
         words = family.language.words(max_length=LONGEST, max_modules=task.modules)
         for derivation in islice(structures_of(family.language, words), MOST_ROBOTS):
             yield derivation, family.built(derivation)
-    except (
-        AutomatonTooLargeError,
-        BudgetExceededError,
-        InfiniteAmbiguityError,
-        IntersectionTooLargeError,
-        SemanticsError,
-    ):
+    except PASSED_OVER:
         return
 
 

@@ -17,6 +17,14 @@ from compiler.words.language import restrict
 from compiler.words.structures import InfiniteAmbiguityError, structures_of
 from grammar_lang import ir
 
+PASSED_OVER: tuple[type[Exception], ...] = (
+    AutomatonTooLargeError,
+    BudgetExceededError,
+    InfiniteAmbiguityError,
+    IntersectionTooLargeError,
+    SemanticsError,
+)
+"""What keeps a check from looking at the robots of a family."""
 MOST_ROBOTS = 8
 """Families with more are passed over: a check is to be quick."""
 
@@ -38,13 +46,7 @@ def starting_robots(
             return None
         words = language.words(max_modules=task.modules)
         known = list(islice(structures_of(language, words), MOST_ROBOTS + 1))
-    except (
-        AutomatonTooLargeError,
-        BudgetExceededError,
-        InfiniteAmbiguityError,
-        IntersectionTooLargeError,
-        SemanticsError,
-    ):
+    except PASSED_OVER:
         return None
     if len(known) > MOST_ROBOTS:
         return None

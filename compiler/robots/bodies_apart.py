@@ -1,8 +1,8 @@
 """Which bodies of a robot have to stay apart where a task says ``avoid self with body``.
 
-Bodies of one link may touch, and those of links that one joint connects.  Links without bodies are
-skipped, as those between the axes of a wrist are.  So may those of two links whose joints sit at
-one frame of a third.  A link with rods collides as these are, one without at its centres of mass.
+Bodies may touch that are of one link, of two links that one joint connects, or of two links whose
+joints sit at one frame of a third.  Links without bodies are skipped, as those between the axes of
+a wrist are.  A link with rods collides as these are, one without at its centres of mass.
 """
 
 from __future__ import annotations

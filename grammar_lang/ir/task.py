@@ -174,7 +174,7 @@ class Effort:
 
 @node
 class AvoidSelf:
-    """Bodies stay apart by more than ``margin`` metres where no joint alone is between them.
+    """Bodies of links that no joint connects stay apart by more than ``margin`` metres.
 
     Those of two modules of a pair in ``exceptions``, each in the order of names, may touch.
     """

@@ -96,7 +96,7 @@ _TASK = {
     "rest": "`at rest`: all rates are zero, at the end of a motion below 0.001 rad/s or m/s.",
     "rates": "`rates <= v`: a bound of all rates, which are chosen at the start, or at the end.",
     "for": "`reach R at rest for d;`: throughout the last d seconds.",
-    "self": "`avoid self with body;`: bodies that no link and no joint alone connects stay apart.",
+    "self": "`avoid self with body;`: bodies of links that no joint connects stay apart.",
     "except": "`except M1 M2, M3 M4`: bodies of the modules of a pair may touch.",
     "always": "`always F`, `always[t1, t2] F`: F at every instant from now on (of the window).",
     "eventually": "`eventually F`, `eventually[t1, t2] F`: F at some instant (of the window).",

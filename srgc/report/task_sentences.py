@@ -106,8 +106,9 @@ def _avoided(task: ir.Task) -> Iterator[str]:
         least = task.avoid_self.margin
         by = f" by at least {_value(least)} m" if least else ""
         pairs = ", ".join(f"`{one}` and `{two}`" for one, two in sorted(task.avoid_self.exceptions))
-        except_ = f", except those of {pairs}" if pairs else ""
-        yield f"Bodies that no link and no joint alone connects stay apart{by}{except_}"
+        more = f", and those of {pairs}" if pairs else ""
+        free = f"those of one link, those of links that one joint connects{more}"
+        yield f"The robot's bodies stay apart{by}, except {free}"
 
 
 def _limits(task: ir.Task) -> Iterator[str]:
