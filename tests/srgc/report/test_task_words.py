@@ -40,11 +40,9 @@ def words(text: str, folder: Path) -> str:
         (TURNER, "  reach T;", "  reach T;\n  robust mass 3 % of L;",
          "the masses of each `L` are off by up to 3 % alike"),
         (TURNER, "  reach T;", "  reach T;\n  avoid self with body;",
-         "The robot's bodies stay apart, except those of one link, those of links that one joint "
-         "connects."),
+         "The robot's bodies stay apart, except those of one link, those of links that one joint"),
         (TURNER, "  reach T;", "  reach T;\n  avoid self with body, margin 5 mm, except L L;",
-         "stay apart by at least 0.005 m, except those of one link, those of links that one joint "
-         "connects, and those of `L` and `L`."),
+         "one joint connects, and those of `L` and `L`."),
         (TURNER, "  reach T;", "  reach T;\n  control open loop;",
          "The inputs are fixed in advance"),
         (TURNER, "  reach T;", "  reach T;\n  control feedback;",
