@@ -75,16 +75,18 @@ class MotionProof:
     def prepared(self, path_problem: PathProblem, outcome: ControlOutcome) -> PathProblem | None:
         """The problem of which a motion that was just found may be proved at once.
 
-        None where motions go on for ever, where the task names disturbances, or where a motion
-        needs feedback and its rates had no price: such ones take more preparation.
+        None where a motion needs feedback and the task asks for an open loop, or where its rates
+        had no price and no disturbance is named: a calm one is looked for at once.
         """
-        if self.task.repeat or self.task.robust is not None:
-            return None
         finer = refined(path_problem, outcome.trajectory)
         opened = False in feedback_choices(path_problem, outcome)
         feedback = not opened or unstable(finer, outcome.trajectory)
-        if feedback and (self.task.control == "open loop" or not path_problem.rates):
+        if feedback and self.task.control == "open loop":
             return None
+        if feedback and not path_problem.rates:
+            if self.task.robust is None:
+                return None
+            path_problem = calmer(path_problem)
         return replace(path_problem, bound=False, feedback=feedback, refines=feedback)
 
     def begin_early(self, prepared: PathProblem, outcome: ControlOutcome) -> Begun[Design | None]:
