@@ -19,7 +19,7 @@ from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation
 from grammar_lang.units import UNIT_NAMES
 
 FUNCTIONS = ("rot", "move", "sin", "cos", "tan", "sqrt", "abs", "rate")
-EMISSIONS = ("rod", "point", "solid", "effector")
+EMISSIONS = ("rod", "point", "solid", "effector", "sphere", "capsule", "cylinder", "box")
 ROLES = ("base", "joint", "link", "effector")
 
 _ITEMS = "module|grammar|semantics|workspace|task"

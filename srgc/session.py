@@ -74,6 +74,10 @@ def check_loaded(loaded: Loaded) -> Checked:
         from compiler.checks.self_collision_checks import self_collision_diagnostics
 
         self_collision_diagnostics(loaded.sound, sink)
+    if complete and _has_solids(loaded.sound):
+        from compiler.checks.shape_checks import shape_diagnostics
+
+        shape_diagnostics(loaded.sound, sink)
     if complete and any(isinstance(task.start, ir.StartAt) for task in tasks):
         from compiler.checks.given_start_checks import given_start_diagnostics
         from compiler.checks.task_checks import start_diagnostics
@@ -91,6 +95,12 @@ def check_loaded(loaded: Loaded) -> Checked:
             formula_diagnostics(program, sink)
     checked = None if sink.has_errors else loaded.program
     return Checked(checked, sink.sorted(), loaded.sources)
+
+
+def _has_solids(program: ir.Program) -> bool:
+    """Whether a robot may have bodies that collide as points for want of a shape."""
+    blocks = (b for g in program.grammars.values() for b in (g.semantics or {}).values())
+    return any(isinstance(emission, ir.Solid) for block in blocks for emission in block.emissions)
 
 
 def program_of(path: Path) -> ir.Program:

@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import islice
-
-from compiler.checks.starting_robots import PASSED_OVER
+from compiler.checks.smallest_robots import smallest_robots
 from compiler.robots.bodies_apart import bodies_apart, exempt_bodies
-from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
-from compiler.words.derivation import Derivation
-from compiler.words.structures import structures_of
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import counted
 
-MOST_ROBOTS = 100
-"""So many of the smallest robots are looked at for bodies that have to stay apart."""
-LONGEST = 200
-"""Longer words are passed over: a check is to be quick."""
 MOST_PAIRS = 12
 """So many pairs are named."""
 
@@ -30,12 +20,12 @@ def self_collision_diagnostics(program: ir.Program, sink: Sink) -> None:
     """
     for task in program.tasks.values():
         if task.avoid_self is not None and program.grammars[task.grammar].semantics:
-            _report(task, task.avoid_self, family_of(program, task), sink)
+            _report(program, task, task.avoid_self, sink)
 
 
-def _report(task: ir.Task, itself: ir.AvoidSelf, family: RobotFamily, sink: Sink) -> None:
+def _report(program: ir.Program, task: ir.Task, itself: ir.AvoidSelf, sink: Sink) -> None:
     tried = 0
-    for derivation, model in _smallest(family, task):
+    for derivation, model in smallest_robots(program, task):
         tried += 1
         apart = bodies_apart(model, itself)
         if apart:
@@ -60,17 +50,6 @@ def _report(task: ir.Task, itself: ir.AvoidSelf, family: RobotFamily, sink: Sink
         sink.note(Code.EXEMPT_BODIES, message, itself.span, hint)
 
 
-def _smallest(family: RobotFamily, task: ir.Task) -> Iterator[tuple[Derivation, RobotModel]]:
-    """The smallest robots with all joints of their words; none where they are hard to come by."""
-    try:
-        words = family.language.words(max_length=LONGEST, max_modules=task.modules)
-        for derivation in islice(structures_of(family.language, words), MOST_ROBOTS):
-            yield derivation, family.built(derivation)
-    except PASSED_OVER:
-        return
-
-
 def _named(model: RobotModel, body: int) -> str:
-    owner = model.owners[body]
-    name = f"body {body + 1}"
+    owner, name = model.collider_owners[body], model.collider_names[body]
     return name if owner is None else f"{name} ({owner.module} at symbol {owner.symbol})"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -10,6 +9,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.batched_function import BatchedFunction
+from compiler.discretisation.spanning_points import Points, SpanningPoints
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.scalars import Constant
 
@@ -19,22 +19,11 @@ LONGEST_STEP = 0.3
 """Per round, in radians or metres."""
 
 
-@dataclass(frozen=True, slots=True)
-class Points:
-    """Positions of m points at K samples, in metres, and their derivatives.
-
-    Shapes: value (K, m, d), by_q (K, m, d, n), by_theta (K, m, d, p).
-    """
-
-    value: Array
-    by_q: Array
-    by_theta: Array
-
-
 class NumericPoints:
-    """Evaluates where the points of a robot's graph are; not for proofs.
+    """Evaluates where effectors are and what collides; not for proofs.
 
-    There are n coordinates and p parameters, in SI units.
+    There are n coordinates and p parameters, in SI units.  Effectors are the first points, then
+    come those that ``spanning`` makes of the graph's.
     """
 
     def __init__(self, graph: RobotGraph) -> None:
@@ -45,6 +34,7 @@ class NumericPoints:
         self.constants = np.array(
             [float(c.value) if isinstance(c, Constant) else np.pi for c in graph.constants]
         )
+        self.spanning = SpanningPoints(graph)
         self._trackers: dict[tuple[int, int], ca.Function] = {}
 
     @cached_property
@@ -98,12 +88,12 @@ class NumericPoints:
         return np.concatenate([first[None, :], np.asarray(found.full()).T])
 
     def points(self, q: Array, theta: Array) -> Points:
-        """All points of the graph at K samples; q (K, n), theta (p,) or (K, p)."""
+        """All points at K samples; q (K, n), theta (p,) or (K, p)."""
         if theta.ndim == 1:
             found = self._points_in_batches((q,), np.concatenate([theta, self.constants]))
         else:
             found = self._points_of_designs((q, theta), self.constants)
-        return self._read(found)
+        return self.spanning.of(self._read(found), theta, self.constants)
 
     def effectors(self, q: Array, theta: Array) -> Points:
         """The effectors alone at K samples; q (K, n), theta (p,)."""
@@ -116,7 +106,11 @@ class NumericPoints:
         return Points(parts[..., 0], parts[..., 1 : 1 + self.n], parts[..., 1 + self.n :])
 
     def positions(self, q: Array, theta: Array) -> Array:
-        """Where all points of the graph are at K samples, (K, m, d) in m; q (K, n), theta (p,)."""
+        """Where all points are at K samples, (K, m, d) in m; q (K, n), theta (p,)."""
+        return self.spanning.positions(self.graph_points(q, theta), theta, self.constants)
+
+    def graph_points(self, q: Array, theta: Array) -> Array:
+        """Where the points of the graph are, (K, t, d) in m; some are directions."""
         found = self._positions_in_batches((q,), np.concatenate([theta, self.constants]))
         return found.reshape(len(q), found.shape[1] // self.d, self.d)
 

@@ -21,10 +21,11 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.dynamics.energy_graph import ldl_solve
-from compiler.dynamics.equations_of_motion import MADE, RobotGraph
+from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.dynamics.kinematics import generalised_forces, kinematics, own_motion
 from compiler.dynamics.newton_euler import inverse_dynamics
 from compiler.dynamics.rigid_bodies import Motion, drive, mass_matrix
+from compiler.dynamics.robot_points import MADE
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant
 from compiler.robots.state_and_input import robot_inputs, robot_states

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import accumulate, pairwise
 
 import casadi as ca
 
@@ -32,13 +31,13 @@ from compiler.dynamics.rigid_bodies import (
     gravitational_forces,
     mass_matrix,
 )
+from compiler.dynamics.robot_points import MADE, Extent, Gap, RobotPoints, robot_points
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
 
-MADE = "equations of motion were made"
 MOST_INSTRUCTIONS = 40_000
 """Of first derivatives of which second ones are made: they have five to seven times as many."""
 MOST_OF_SECOND = 10_000
@@ -60,9 +59,7 @@ class _Expressions:
     gravitational: ca.SX
     forces: ca.SX
     derivatives: ca.SX
-    effectors: ca.SX
-    body_points: ca.SX
-    differences: ca.SX
+    points: RobotPoints
     conditions: ca.SX
 
 
@@ -91,9 +88,9 @@ class RobotGraph:
     - ``conditions(q, w, u, theta, k)``: what must not be zero (the first ``divisors`` entries), and
       what must not be negative, for the values above to exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
-    - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``hulls`` says which of
-      them span which body; ``points(q, theta, k)``: effectors, body points, then differences of
-      body points, which are no places; ``gaps`` says which are those of which pair ``apart``.
+    - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``extents`` says which of
+      them are of what collides; ``points(q, theta, k)``: effectors, body points, then what is no
+      place (:mod:`compiler.dynamics.robot_points`); ``gaps`` are those of the pairs ``apart``.
 
     A function is made when it is first asked for: their sizes differ by orders of magnitude.
     """
@@ -102,8 +99,6 @@ class RobotGraph:
     gravity: tuple[Fraction, ...]
     coordinates: Coordinates
     constants: tuple[Constant | PiConstant, ...]
-    hulls: tuple[tuple[int, ...], ...]
-    gaps: tuple[tuple[int, ...], ...]
     divisors: int
     parts: _Expressions = field(repr=False)
 
@@ -292,20 +287,36 @@ class RobotGraph:
     @cached_property
     def effectors(self) -> ca.Function:
         """Positions of the effectors."""
-        return self._function("effectors", [self.parts.q], self.parts.effectors)
+        return self._function("effectors", [self.parts.q], self.parts.points.effectors)
 
     @cached_property
     def body_points(self) -> ca.Function:
-        """Positions of the points that span the bodies."""
-        return self._function("body_points", [self.parts.q], self.parts.body_points)
+        """Positions of the points that bodies and shapes are about."""
+        return self._function("body_points", [self.parts.q], self.parts.points.bodies)
+
+    @cached_property
+    def sizes(self) -> ca.Function:
+        """The sizes of the shapes, in metres."""
+        return self._function("sizes", [], self.parts.points.sizes)
+
+    @property
+    def extents(self) -> tuple[Extent, ...]:
+        """The points of each collider of the model."""
+        return self.parts.points.extents
+
+    @property
+    def gaps(self) -> tuple[Gap, ...]:
+        """The points of each pair ``apart`` of the model."""
+        return self.parts.points.gaps
 
     @property
     def _points(self) -> ca.SX:
-        return ca.vertcat(self.parts.effectors, self.parts.body_points, self.parts.differences)
+        points = self.parts.points
+        return ca.vertcat(points.effectors, points.bodies, points.others)
 
     @cached_property
     def points(self) -> ca.Function:
-        """Effectors, body points, differences."""
+        """Effectors, body points, differences, directions."""
         return self._function("points", [self.parts.q], self._points)
 
     @cached_property
@@ -342,13 +353,7 @@ def robot_graph(
     own = own_motion(coordinates, q), own_motion(coordinates, w[:n])
     driven = drive(model, Motion(*own, w[n:], u, theta), constants)
     regular = _unfolded(mass, constants)
-    points = [body.body_points(item) for item in model.bodies]
-    apart = list[list[ca.SX]]()
-    for one, two in model.apart:
-        check_time(MADE)
-        apart.append(body.differences(model.bodies[one], model.bodies[two]))
-    d = model.dimension
-    places = _numbered([*points, *apart])
+    points = robot_points(body)
     parts = _Expressions(
         q,
         w,
@@ -361,21 +366,12 @@ def robot_graph(
         pull,
         generalised_forces(coordinates, driven.forces),
         driven.derivatives,
-        _stack([body.origins[frame][:d] for frame in model.effectors]),
-        _stack([point[:d] for group in points for point in group]),
-        _stack([point[:d] for group in apart for point in group]),
+        points,
         constants.conditions.vector(),
     )
     divisors = len(constants.conditions.divisors)
     symbols = tuple(constants.symbols)
-    hulls, gaps = places[: len(points)], places[len(points) :]
-    return RobotGraph(model, gravity, coordinates, symbols, hulls, gaps, divisors, parts)
-
-
-def _numbered(groups: Sequence[Sequence[ca.SX]]) -> tuple[tuple[int, ...], ...]:
-    """The numbers of the points of each group, which stand one behind the other."""
-    ends = [0, *accumulate(len(group) for group in groups)]
-    return tuple(tuple(range(first, last)) for first, last in pairwise(ends))
+    return RobotGraph(model, gravity, coordinates, symbols, divisors, parts)
 
 
 def _with_still(parts: _Expressions, entries: ca.SX) -> _Expressions:
@@ -394,7 +390,3 @@ def _unfolded(matrix: ca.SX, constants: SymbolicEvaluator) -> ca.SX:
         for j in range(matrix.size2()):
             result[i, j] = constants.unfolded(matrix[i, j])
     return result
-
-
-def _stack(columns: list[ca.SX]) -> ca.SX:
-    return ca.vertcat(*columns) if columns else ca.SX(0, 1)

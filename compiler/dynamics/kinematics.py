@@ -13,11 +13,12 @@ from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import evaluate_scalars
 from compiler.robots.robot import (
     WORLD,
-    Body,
+    Collider,
     Joint,
     Offset,
+    PointBody,
     RobotModel,
-    RodBody,
+    Shape,
     SolidBody,
     Step,
     Turn,
@@ -180,25 +181,34 @@ class Kinematics:
         offset = ca.vertcat(*(self.scalars[i] for i in local))
         return self.origins[frame] + self.orientations[frame].matrix() @ offset
 
-    def rod_end(self, rod: RodBody) -> ca.SX:
-        """The world position of the far end of a rod."""
-        direction = rod.sign * self.axis(rod.frame, rod.axis)
-        return self.origins[rod.frame] + direction * self.scalars[rod.length]
+    def bases(self, collider: Collider) -> list[ca.SX]:
+        """The points that a body or shape is about.
 
-    def body_points(self, body: Body) -> list[ca.SX]:
-        """The points whose convex hull is the body: both ends of a rod, else one point."""
-        if isinstance(body, RodBody):
-            return [self.origins[body.frame], self.rod_end(body)]
-        if isinstance(body, SolidBody):
-            return [self.point(body.frame, body.com)]
-        return [self.origins[body.frame]]
+        Both ends of what has a length, the middle of a box or sphere, the place of a mass.
+        """
+        if isinstance(collider, SolidBody):
+            return [self.point(collider.frame, collider.com)]
+        origin = self.origins[collider.frame]
+        if isinstance(collider, PointBody) or collider.length is None:
+            return [origin]
+        direction = collider.sign * self.axis(collider.frame, collider.axis)
+        return [origin, origin + direction * self.scalars[collider.length]]
 
-    def differences(self, one: Body, two: Body) -> list[ca.SX]:
-        """The points of one body less those of another, free of what moves both alike.
+    def columns(self, collider: Collider) -> list[ca.SX]:
+        """The directions of the axes along which a shape extends about its bases, in the world.
+
+        None where it does so alike in all directions, or not at all.
+        """
+        if not isinstance(collider, Shape):
+            return []
+        return [self.axis(collider.frame, axis) for axis in collider.across(self.model.dimension)]
+
+    def seen_from_below(self, one: int, two: int) -> Kinematics:
+        """The same, free of what moves two frames alike.
 
         They are seen from the last frame that both are behind; with absolute angles, in world axes.
         """
-        ways = [[WORLD, *self.model.chain(body.frame)] for body in (one, two)]
+        ways = [[WORLD, *self.model.chain(frame)] for frame in (one, two)]
         common = max(set(ways[0]) & set(ways[1]))
         origins, orientations = list(self.origins), list(self.orientations)
         origins[common] = ca.SX.zeros(3)
@@ -209,8 +219,7 @@ class Kinematics:
                 node = self.model.frames[frame]
                 before = origins[node.parent], orientations[node.parent]
                 origins[frame], orientations[frame] = self.motion.behind(node.step, *before)
-        seen = replace(self, origins=origins, orientations=orientations)
-        return [a - b for a in seen.body_points(one) for b in seen.body_points(two)]
+        return replace(self, origins=origins, orientations=orientations)
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ from compiler.expressions.evaluators.balls import closed_ball, working_precision
 from compiler.expressions.exact_numbers import rational_bounds
 from compiler.expressions.scalars import evaluate_constant
 from compiler.expressions.tape import tape
-from compiler.robots.robot import Offset, RobotModel, RodBody, SolidBody
+from compiler.robots.robot import Offset, RobotModel, RodBody, Shape, SolidBody
 from grammar_lang import ir
 
 Poses: TypeAlias = tuple[Pose, ...]
@@ -141,11 +141,11 @@ def _lengths(model: RobotModel) -> set[int]:
     for node in model.frames:
         if isinstance(node.step, Offset):
             found.update(node.step.vector[:2])
-    for body in model.bodies:
-        if isinstance(body, RodBody):
-            found.add(body.length)
-        elif isinstance(body, SolidBody):
-            found.update(body.com[:2])
+    for each in model.colliders:
+        if isinstance(each, SolidBody):
+            found.update(each.com[:2])
+        elif isinstance(each, RodBody | Shape) and each.length is not None:
+            found.add(each.length)
     return found
 
 

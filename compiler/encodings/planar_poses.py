@@ -32,7 +32,6 @@ from compiler.robots.robot import (
     Offset,
     PointBody,
     RobotModel,
-    RodBody,
     SolidBody,
     Step,
     Turn,
@@ -54,7 +53,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Rod:
-    """The ends of a rod, and its direction in the axes of their group."""
+    """The ends of a rod or of a shape's axis, and its direction in the axes of their group."""
 
     ends: tuple[Place, Place]
     along: Vector
@@ -72,8 +71,8 @@ class _Frame:
 class PlanarPose:
     """One robot in one unknown pose, named ``pose`` in the script.
 
-    ``effectors``, ``points`` (point masses and coms of solids) and ``rods`` are in the order of the
-    model.
+    ``effectors``, ``points`` (of what has no length) and ``rods`` (of what has) are in the order of
+    the model.
     """
 
     model: RobotModel
@@ -99,20 +98,17 @@ class PlanarPose:
                 step = None if number in absorbed else node.step
                 self._frames.append(self._stepped(self._frames[node.parent], step))
         self.effectors = [self._frames[frame].place for frame in self.model.effectors]
-        for body in self.model.bodies:
-            frame = self._frames[body.frame]
-            match body:
-                case RodBody(_, axis, sign, length):
-                    along = _turn(frame.axes, _unit(axis, sign))
-                    reach = self.scalars.term(length)
-                    self.rods.append(
-                        Rod((frame.place, self._moved(frame, axis, sign, reach)), along)
-                    )
-                case PointBody():
-                    self.points.append(frame.place)
-                case SolidBody(com=com):
-                    local = (self.scalars.term(com[0]), self.scalars.term(com[1]))
-                    self.points.append(self._beside(frame, local))
+        for each in self.model.colliders:
+            frame = self._frames[each.frame]
+            if isinstance(each, SolidBody):
+                local = (self.scalars.term(each.com[0]), self.scalars.term(each.com[1]))
+                self.points.append(self._beside(frame, local))
+            elif isinstance(each, PointBody) or each.length is None:
+                self.points.append(frame.place)
+            else:
+                along = _turn(frame.axes, _unit(each.axis, each.sign))
+                end = self._moved(frame, each.axis, each.sign, self.scalars.term(each.length))
+                self.rods.append(Rod((frame.place, end), along))
         used = [*self.effectors, *self.points, *self._origins]
         used += [end for rod in self.rods for end in rod.ends]
         for place in used:
@@ -233,7 +229,7 @@ def _absorbed(model: RobotModel) -> set[int]:
 
     Nothing else may be in the joint's frame.
     """
-    occupied = {body.frame for body in model.bodies} | set(model.effectors)
+    occupied = {each.frame for each in model.colliders} | set(model.effectors)
     children: dict[int, list[int]] = {}
     for number, node in enumerate(model.frames):
         if number != WORLD:

@@ -1,18 +1,18 @@
-"""What the bodies of a robot look like: cylinders, spheres and boxes.  No dynamics rest on it."""
+"""What a robot looks like, and what it is in collisions.  No dynamics rest on it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
 
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, nearest, unit
 from compiler.rigid_links.mass_moments import body_moments
-from compiler.robots.robot import Body, PointBody, RodBody, SolidBody
+from compiler.robots.robot import Body, Collider, PointBody, RodBody, Shape, SolidBody
+from grammar_lang import ir
 
 SLENDERNESS = 50
 """The length of a rod without a radius over the radius it is drawn with."""
@@ -23,20 +23,20 @@ THINNEST = Fraction(1, 1000)
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
-    """A shape centred on ``pose``.
+class Geometry:
+    """A set centred on ``pose``.
 
-    ``size`` in metres: of a cylinder radius and length (along z), of a sphere its radius, of a box
-    its three sides.
+    ``size`` in metres: of a cylinder or capsule radius and length (along z, that of a capsule
+    without its ends), of a sphere its radius, of a box its three sides.
     """
 
-    kind: Literal["cylinder", "sphere", "box"]
+    kind: ir.ShapeKind
     pose: Pose
     size: tuple[float, ...]
 
 
-def body_shape(body: Body, scalars: Sequence[arb], frame: Pose) -> list[Shape]:
-    """The shape of a body whose frame has this pose, if it has any extent.
+def body_shape(body: Body, scalars: Sequence[arb], frame: Pose) -> list[Geometry]:
+    """The look of a body whose frame has this pose, if it has any extent.
 
     A solid is a box of about its inertia.
     """
@@ -44,23 +44,48 @@ def body_shape(body: Body, scalars: Sequence[arb], frame: Pose) -> list[Shape]:
     return [shape] if all(size > 0 for size in shape.size) else []
 
 
-def _shape(body: Body, scalars: Sequence[arb], frame: Pose) -> Shape:
+def _shape(body: Body, scalars: Sequence[arb], frame: Pose) -> Geometry:
     match body:
         case RodBody(_, axis, sign, length, _, radius):
             extent = scalars[length]
             thickness = extent / SLENDERNESS if radius is None else scalars[radius]
             middle = frame.moved(unit(axis, sign) * (extent / 2))
-            return Shape("cylinder", _upright(middle, axis), _sizes(thickness, extent))
+            return Geometry("cylinder", _upright(middle, axis), _sizes(thickness, extent))
         case PointBody(_, mass):
             volume = scalars[mass] * 3 / (4 * arb.pi() * STEEL)
-            return Shape("sphere", frame, _sizes(volume.root(3)))
+            return Geometry("sphere", frame, _sizes(volume.root(3)))
         case SolidBody(_, mass, com, _):
             centre = frame.moved(column([scalars[i] for i in com]))
             if not scalars[mass] > 0:
-                return Shape("box", centre, (0.0, 0.0, 0.0))
+                return Geometry("box", centre, (0.0, 0.0, 0.0))
             central = body_moments(body, scalars, WORLD_POSE).central
             sides = [12 * central[i, i] / scalars[mass] for i in range(3)]
-            return Shape("box", centre, _sizes(*(_root(side) for side in sides)))
+            return Geometry("box", centre, _sizes(*(_root(side) for side in sides)))
+
+
+def shape_geometry(
+    each: Collider, scalars: Sequence[arb], frame: Pose, flat: Fraction
+) -> Geometry | None:
+    """What a body or shape whose frame has this pose is in collisions; None if it has no extent.
+
+    Boxes of the plane are ``flat`` metres thick.
+    """
+    if isinstance(each, RodBody):
+        if each.radius is None:
+            return None
+        kind: ir.ShapeKind = "capsule"
+        sizes: tuple[arb, ...] = scalars[each.length], scalars[each.radius]
+    elif isinstance(each, Shape):
+        kind, sizes = each.kind, tuple(scalars[size] for size in each.sizes)
+    else:
+        return None
+    if kind == "sphere":
+        return Geometry(kind, frame, _sizes(*sizes))
+    if kind == "box":
+        return Geometry(kind, frame, _sizes(*sizes, *[ball(flat)] * (3 - len(sizes))))
+    length, radius = sizes
+    middle = frame.moved(unit(each.axis, each.sign) * (length / 2))
+    return Geometry(kind, _upright(middle, each.axis), _sizes(radius, length))
 
 
 def _upright(pose: Pose, axis: int) -> Pose:

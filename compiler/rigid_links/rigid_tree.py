@@ -8,19 +8,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import combinations
 from typing import Literal
 
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls, working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, nearest, unit
-from compiler.rigid_links.link_shape import Shape, body_shape
+from compiler.rigid_links.link_shape import Geometry, body_shape, shape_geometry
 from compiler.rigid_links.mass_moments import MassMoments, body_moments, none
-from compiler.robots.robot import WORLD, Joint, Offset, RobotDof, RobotModel, Turn
+from compiler.robots.robot import WORLD, Joint, Offset, RobotDof, RobotModel, Shape, Turn
 from grammar_lang import ir
 
 PRECISION = 256
 """Bits of the balls: far more than doubles have, for robots of any length."""
+
+FLAT = Fraction(1, 100)
+"""How thick a box of the plane is in space, in metres."""
 
 Limits = tuple[float, float] | None
 
@@ -49,11 +53,15 @@ class LinkJoint:
 
 @dataclass(frozen=True, slots=True)
 class RigidLink:
-    """All bodies that no joint separates, in the frame of the link; the base has no joint."""
+    """All bodies that no joint separates, in the frame of the link; the base has no joint.
+
+    ``looks`` are what is drawn of it, ``collisions`` what collides and has an extent.
+    """
 
     joint: LinkJoint | None
     moments: MassMoments
-    shapes: tuple[Shape, ...]
+    looks: tuple[Geometry, ...]
+    collisions: tuple[Geometry, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,11 +74,15 @@ class LinkFrame:
 
 @dataclass(frozen=True, slots=True)
 class RigidTree:
-    """The links, the base (fixed in the world) first, parents before children; effectors."""
+    """The links, the base (fixed in the world) first, parents before children; effectors.
+
+    Pairs of links that collide and may be ``touching`` are named where others may not.
+    """
 
     dimension: Literal[2, 3]
     links: tuple[RigidLink, ...]
     effectors: tuple[LinkFrame, ...]
+    touching: tuple[tuple[int, int], ...]
 
     def carried(self) -> tuple[tuple[int, LinkJoint], ...]:
         """The links that joints carry, with these, by the numbers of the degrees of freedom."""
@@ -110,17 +122,39 @@ def rigid_tree(
             raise RigidTreeError("a number of the robot has no value")
         joints, frames = _frames(model, scalars)
         moments = [none() for _ in range(len(joints) + 1)]
-        shapes: list[list[Shape]] = [[] for _ in moments]
+        looks: list[list[Geometry]] = [[] for _ in moments]
+        collisions: list[list[Geometry]] = [[] for _ in moments]
         weights = [arb(factor) for factor in factors] or [arb(1)] * len(model.bodies)
-        for body, weight in zip(model.bodies, weights, strict=True):
+        for number, (body, weight) in enumerate(zip(model.bodies, weights, strict=True)):
             frame = frames[body.frame]
             moments[frame.link] += body_moments(body, scalars, frame.pose).times(weight)
-            shapes[frame.link] += body_shape(body, scalars, frame.pose)
+            if number not in model.covered:
+                looks[frame.link] += body_shape(body, scalars, frame.pose)
+        for each in model.colliders:
+            frame = frames[each.frame]
+            geometry = shape_geometry(each, scalars, frame.pose, FLAT)
+            if geometry is not None:
+                collisions[frame.link].append(geometry)
+                looks[frame.link] += [geometry] * isinstance(each, Shape)
         links = tuple(
-            RigidLink(joint, moment, tuple(shape))
-            for joint, moment, shape in zip([None, *joints], moments, shapes, strict=True)
+            RigidLink(joint, moment, tuple(seen), tuple(hard))
+            for joint, moment, seen, hard in zip(
+                [None, *joints], moments, looks, collisions, strict=True
+            )
         )
-        return RigidTree(model.dimension, links, tuple(frames[i] for i in model.effectors))
+        effectors = tuple(frames[i] for i in model.effectors)
+        return RigidTree(model.dimension, links, effectors, _touching(model, links, frames))
+
+
+def _touching(
+    model: RobotModel, links: Sequence[RigidLink], frames: Sequence[LinkFrame]
+) -> tuple[tuple[int, int], ...]:
+    if not model.apart:
+        return ()
+    of = [frames[each.frame].link for each in model.colliders]
+    apart = {frozenset((of[one], of[two])) for one, two in model.apart}
+    hard = [number for number, link in enumerate(links) if link.collisions]
+    return tuple(pair for pair in combinations(hard, 2) if frozenset(pair) not in apart)
 
 
 def _frames(model: RobotModel, scalars: Sequence[arb]) -> tuple[list[LinkJoint], list[LinkFrame]]:

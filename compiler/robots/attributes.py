@@ -6,7 +6,7 @@ be as deep as memory allows; see :mod:`compiler.robots.evaluation_order`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -21,14 +21,17 @@ from compiler.robots.frame_table import (
     declarations,
     product,
 )
+from compiler.robots.links import links_of
 from compiler.robots.robot import (
     Body,
     BodyOwner,
+    FrameNode,
     Joint,
     Offset,
     PointBody,
     RobotModel,
     RodBody,
+    Shape,
     SolidBody,
     Step,
     Turn,
@@ -66,11 +69,16 @@ def evaluate(
     emitted = _Emitted(values, FrameTable(values.scalars.nodes, values.zero))
     bodies: list[Body] = []
     owners: list[BodyOwner | None] = []
+    shapes: list[Shape] = []
+    shape_owners: list[BodyOwner | None] = []
     effectors: list[int] = []
     for node in emission_order(derivation):
         for emission in semantics[derivation.nodes[node].production.label].emissions:
             if isinstance(emission, ir.Effector):
                 effectors.append(emitted.frame(node, emission.frame))
+            elif isinstance(emission, ir.Shape):
+                shapes.append(emitted.shape(node, emission))
+                shape_owners.append(_owner(derivation, node, emission))
             else:
                 bodies.append(emitted.body(node, emission))
                 owners.append(_owner(derivation, node, emission))
@@ -84,6 +92,22 @@ def evaluate(
         tuple(effectors),
         own=tuple(declared.own),
         owners=tuple(owners),
+        shapes=tuple(shapes),
+        shape_owners=tuple(shape_owners),
+        covered=_covered(emitted.table.frames, bodies, shapes),
+    )
+
+
+def _covered(
+    frames: Sequence[FrameNode], bodies: Sequence[Body], shapes: Sequence[Shape]
+) -> tuple[int, ...]:
+    """The bodies, by number, that are centres of mass of links with shapes."""
+    links = links_of(frames)
+    shaped = {links.of[shape.frame] for shape in shapes}
+    return tuple(
+        number
+        for number, body in enumerate(bodies)
+        if links.of[body.frame] in shaped and not isinstance(body, RodBody)
     )
 
 
@@ -148,6 +172,12 @@ class _Emitted:
                 x, y, z = (self.table.keep(each) for each in self.values.vector(node, com))
                 tensor = tuple(self.scalar(node, item) for item in inertia)
                 return SolidBody(frame, heavy, (x, y, z), tensor)
+
+    def shape(self, node: int, emission: ir.Shape) -> Shape:
+        frame = self.frame(node, emission.frame)
+        axis, sign = AXES[emission.axis or "x"]
+        sizes = tuple(self.scalar(node, size) for size in emission.sizes)
+        return Shape(frame, emission.kind, axis, sign, sizes)
 
 
 # --- Values of attributes and of the expressions over them, at the nodes of one derivation --------

@@ -282,6 +282,8 @@ def expressions(emission: ir.Emission) -> tuple[ir.Expr, ...]:
             return (frame, mass)
         case ir.Solid(frame, mass, com, inertia):
             return (frame, mass, com, *inertia)
+        case ir.Shape(_, frame, _, sizes):
+            return (frame, *sizes)
         case ir.Effector(frame):
             return (frame,)
 

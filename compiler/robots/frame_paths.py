@@ -319,6 +319,8 @@ def _body(emission: ir.Emission) -> tuple[ir.Expr, ...]:
             return (mass,)
         case ir.Solid(_, mass, com, inertia):
             return (mass, com, *inertia)
+        case ir.Shape(_, _, _, sizes):
+            return sizes
         case ir.Effector():
             return ()
 

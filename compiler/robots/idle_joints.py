@@ -93,6 +93,12 @@ class _Reach:
                     self._add(body.frame, axis, away=True, aligned=True)
                 elif isinstance(body, RodBody):
                     self._add(body.frame, axis, away=True, aligned=body.axis != axis)
+        for shape in model.shapes:
+            self.carries[shape.frame] = True
+            if shape.kind != "sphere":
+                for axis in range(3):
+                    aligned = shape.kind == "box" or shape.axis != axis
+                    self._add(shape.frame, axis, away=True, aligned=aligned)
         for frame in model.effectors:
             self.carries[frame] = True
         for frame in range(count - 1, WORLD, -1):

@@ -61,12 +61,14 @@ def with_rigid_steps_merged(model: RobotModel) -> RobotModel:
     rebuilder = _Rebuilder(model, table)
     bodies = tuple(replace(body, frame=rebuilder.frame(body.frame)) for body in model.bodies)
     effectors = tuple(rebuilder.frame(frame) for frame in model.effectors)
+    shapes = tuple(replace(shape, frame=rebuilder.frame(shape.frame)) for shape in model.shapes)
     return replace(
         model,
         frames=tuple(rebuilder.frames),
         scalars=tuple(table.nodes),
         bodies=bodies,
         effectors=effectors,
+        shapes=shapes,
     )
 
 
@@ -213,7 +215,7 @@ def _followers(model: RobotModel) -> dict[int, int]:
     Rigid steps that commute with the first joint's motion are nothing between: they may as well
     stand behind both joints.
     """
-    items = [body.frame for body in model.bodies] + list(model.effectors)
+    items = [item.frame for item in (*model.bodies, *model.shapes)] + list(model.effectors)
     used = _used(model, items)
     carrier = _carriers(model)
     occupied = {carrier[frame] for frame in items}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, TypeVar
 
 from compiler.expressions.scalars import ScalarNode
 from grammar_lang import ir
@@ -103,6 +103,8 @@ def own_dynamics(
 
 
 WORLD = 0
+
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,6 +224,39 @@ class SolidBody:
 Body: TypeAlias = RodBody | PointBody | SolidBody
 
 
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What a link is in collisions: a massless convex set, in ``sizes`` as ``ir.Shape`` has them.
+
+    Those with an axis lead from the frame's origin along ``sign`` times it.
+    """
+
+    frame: int
+    kind: ir.ShapeKind
+    axis: int
+    sign: int
+    sizes: tuple[int, ...]
+
+    @property
+    def radius(self) -> int | None:
+        """The scalar by which a point or a segment is grown in all directions."""
+        return self.sizes[-1] if self.kind in {"sphere", "capsule"} else None
+
+    @property
+    def length(self) -> int | None:
+        """The scalar of how far it leads along its axis."""
+        return self.sizes[0] if self.kind in {"capsule", "cylinder"} else None
+
+    def across(self, dimension: int) -> tuple[int, ...]:
+        """The axes along which it extends beside its origin or its line, in so many dimensions."""
+        if self.kind == "box":
+            return tuple(range(dimension))
+        return tuple(i for i in range(dimension) if self.kind == "cylinder" and i != self.axis)
+
+
+Collider: TypeAlias = Body | Shape
+
+
 def scalars_of_step(step: Step | None) -> tuple[int, ...]:
     """The scalars of a step, in order."""
     match step:
@@ -259,8 +294,9 @@ class RobotModel:
     word order.  ``removed`` holds the word indices of joints that move nothing, ``own`` the
     dynamics of their own that modules have, in word order.  ``joints`` holds the degrees of freedom
     of the word, in word order, once they may be others than ``dofs``.  ``owners`` says per body
-    whose it is, where that is known.  Pairs of bodies that have to stay ``apart`` are named by
-    their numbers.
+    whose it is, where that is known, ``shape_owners`` per shape.  Bodies that are ``covered`` do
+    not collide: their links do as shapes.  Pairs that have to stay ``apart`` are of ``colliders``,
+    by their numbers.
     """
 
     dimension: Literal[2, 3]
@@ -275,6 +311,29 @@ class RobotModel:
     joints: tuple[WordDof, ...] | None = None
     owners: tuple[BodyOwner | None, ...] = ()
     apart: tuple[tuple[int, int], ...] = ()
+    shapes: tuple[Shape, ...] = ()
+    shape_owners: tuple[BodyOwner | None, ...] = ()
+    covered: tuple[int, ...] = ()
+
+    @property
+    def colliders(self) -> tuple[Collider, ...]:
+        """What collides: the bodies that are not covered, then the shapes."""
+        return (*self._uncovered(self.bodies), *self.shapes)
+
+    @property
+    def collider_owners(self) -> tuple[BodyOwner | None, ...]:
+        """Whose each of the ``colliders`` is, where that is known; none where nothing is."""
+        return (*self._uncovered(self.owners), *self.shape_owners)
+
+    @property
+    def collider_names(self) -> tuple[str, ...]:
+        """What each of the ``colliders`` is called: bodies and shapes are numbered from 1."""
+        bodies = [f"body {number}" for number in range(1, len(self.bodies) + 1)]
+        shapes = [f"shape {number}" for number in range(1, len(self.shapes) + 1)]
+        return (*self._uncovered(bodies), *shapes)
+
+    def _uncovered(self, items: Sequence[Item]) -> Iterator[Item]:
+        return (item for number, item in enumerate(items) if number not in self.covered)
 
     @property
     def periodic(self) -> tuple[bool, ...]:

@@ -24,6 +24,7 @@ from compiler.robots.robot import (
     RobotModel,
     RobotParameter,
     RodBody,
+    Shape,
     SolidBody,
     Turn,
     scalars_of_body,
@@ -48,6 +49,9 @@ def robot_key(model: RobotModel) -> str:
     parts = [f"dim {model.dimension}"]
     parts += [_frame_text(model, frame, texts) for frame in model.frames]
     parts += [_body_text(body, texts) for body in model.bodies]
+    parts += [_shape_text(shape, texts) for shape in model.shapes]
+    if model.covered:
+        parts.append(f"covered {model.covered}")
     parts.append(f"effectors {model.effectors}")
     parts += [_own_text(own, names) for own in model.own]
     parts += [f"{name}: {model.parameters[index].domain}" for index, name in names.items()]
@@ -144,6 +148,7 @@ def _used_scalars(model: RobotModel) -> set[int]:
     """The scalars that frames and bodies use, directly or not."""
     used = {i for frame in model.frames for i in scalars_of_step(frame.step)}
     used |= {i for body in model.bodies for i in scalars_of_body(body)}
+    used |= {i for shape in model.shapes for i in shape.sizes}
     for i in range(len(model.scalars) - 1, -1, -1):
         node = model.scalars[i]
         if i in used and isinstance(node, Apply):
@@ -161,6 +166,11 @@ def _body_text(body: Body, texts: list[str]) -> str:
         case SolidBody(frame, mass, com, inertia):
             items = [texts[i] for i in (*com, *inertia)]
             return f"solid {frame} {texts[mass]} {items}"
+
+
+def _shape_text(shape: Shape, texts: list[str]) -> str:
+    sizes = [texts[i] for i in shape.sizes]
+    return f"{shape.kind} {shape.frame} {shape.axis} {shape.sign} {sizes}"
 
 
 # --- Whether two normalised robots are different beyond doubt -------------------------------------
@@ -196,6 +206,8 @@ def _skeleton(model: RobotModel) -> tuple[object, ...]:
         model.dimension,
         tuple(_bare_frame(frame) for frame in model.frames),
         tuple(_bare_body(body) for body in model.bodies),
+        tuple(replace(shape, sizes=(0,) * len(shape.sizes)) for shape in model.shapes),
+        model.covered,
         tuple((dof.kind, dof.range is None, dof.rate is None) for dof in model.dofs),
         model.effectors,
     )
@@ -243,6 +255,7 @@ def _scalars(model: RobotModel) -> tuple[int, ...]:
     """The scalars of frames and bodies, in order."""
     found = [scalar for frame in model.frames for scalar in scalars_of_step(frame.step)]
     found += [scalar for body in model.bodies for scalar in scalars_of_body(body)]
+    found += [scalar for shape in model.shapes for scalar in shape.sizes]
     return tuple(found)
 
 

@@ -1,8 +1,9 @@
 """What a task asks of the points of a robot at every instant, at the start and on arrival; exact.
 
-Points are numbered as in ``RobotGraph.points``: the effectors, then both ends of every rod, every
-point mass, and the com of every solid, in the order of the bodies.  Each demand is necessary for a
-motion that does the task: margins, radii, rates, time and self-collision are left out.
+Points are numbered as in ``RobotGraph.points``: the effectors, then both ends of all that has a
+length and the middle of all else that collides.  They lie in what they are of.  Each demand is
+necessary for a motion that does the task: margins, radii and sizes, rates, time and self-collision
+are left out.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import TypeAlias
 
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices, pose_questions
 from compiler.robots.given_start import given_start
-from compiler.robots.robot import RobotModel, RodBody
+from compiler.robots.robot import RobotModel, RodBody, Shape
 from compiler.tasks.necessary import task_avoidance
 from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
@@ -93,11 +94,12 @@ def motion_conditions(
 
 
 def body_points(model: RobotModel) -> tuple[tuple[int, ...], ...]:
-    """The numbers of the points that span each body."""
+    """The numbers of the points, one or both ends of a segment, about which each collider is."""
     found: list[tuple[int, ...]] = []
     start = len(model.effectors)
-    for body in model.bodies:
-        count = 2 if isinstance(body, RodBody) else 1
+    for each in model.colliders:
+        long = isinstance(each, RodBody) or (isinstance(each, Shape) and each.length is not None)
+        count = 2 if long else 1
         found.append(tuple(range(start, start + count)))
         start += count
     return tuple(found)

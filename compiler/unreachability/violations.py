@@ -61,7 +61,7 @@ class PointTapes:
         q, theta, constants = ca.SX.sym("q", n), ca.SX.sym("theta", p), SymbolicEvaluator()
         at = kinematics(model, q, theta, constants, own_coordinates(model))
         points = [at.origins[frame] for frame in model.effectors]
-        points += [point for body in model.bodies for point in at.body_points(body)]
+        points += [point for each in model.colliders for point in at.bases(each)]
         value = ca.densify(ca.vertcat(*(point[: self.dimension] for point in points)))
         inputs = [q, theta, constants.vector()]
         self._numeric = ca.Function("points", inputs, [ca.cse(value)])

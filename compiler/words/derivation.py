@@ -137,18 +137,22 @@ def emission_order(derivation: Derivation) -> list[int]:
 
 def body_symbols(
     derivation: Derivation, semantics: Mapping[str, ir.SemanticBlock]
-) -> tuple[int | None, ...]:
-    """Per body, in the order of the robot's, the symbol in the word that brings it.
+) -> tuple[tuple[int | None, ...], tuple[int | None, ...]]:
+    """Per body, and per shape, in the order of the robot's, the symbol that brings it.
 
-    None for a body of a production without terminals.
+    None for those of a production without terminals.
     """
-    found: list[int | None] = []
+    bodies, shapes = list[int | None](), list[int | None]()
     for node in emission_order(derivation):
         place = _place(derivation, node)
         emissions = semantics[derivation.nodes[node].production.label].emissions
-        bodies = sum(not isinstance(emission, ir.Effector) for emission in emissions)
-        found += [place if place < len(derivation.word) else None] * bodies
-    return tuple(found)
+        symbol = place if place < len(derivation.word) else None
+        for emission in emissions:
+            if isinstance(emission, ir.Shape):
+                shapes.append(symbol)
+            elif not isinstance(emission, ir.Effector):
+                bodies.append(symbol)
+    return tuple(bodies), tuple(shapes)
 
 
 def _place(derivation: Derivation, node: int) -> int:

@@ -94,6 +94,7 @@ class Code(Enum):
     WIDE_RADIUS = "SRG0716"
     UNDRIVEN_JOINT = "SRG0717"
     EXEMPT_BODIES = "SRG0718"
+    SOLID_WITHOUT_SHAPE = "SRG0719"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -1,4 +1,4 @@
-"""Emissions: rods, point masses, solids and effectors with named arguments."""
+"""Emissions: rods, point masses, solids, shapes and effectors with named arguments."""
 
 from __future__ import annotations
 
@@ -34,6 +34,10 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
     "point": ("frame", "mass"),
     "solid": ("frame", "mass", "com", "inertia"),
     "effector": ("frame",),
+    "sphere": ("frame", "radius"),
+    "capsule": ("frame", "axis", "length", "radius"),
+    "cylinder": ("frame", "axis", "length", "radius"),
+    "box": ("frame", "size"),
 }
 _OPTIONAL = frozenset({("rod", "radius")})
 
@@ -82,8 +86,21 @@ class Emissions:
                 com = self._com(arguments["com"])
                 inertia = self._inertia(arguments["inertia"])
                 return ir.Solid(frame, mass, com, inertia, emission.span, mentions)
-            case _:
+            case "effector":
                 return ir.Effector(frame, emission.span, mentions)
+            case "sphere":
+                radius = self._positive(arguments["radius"], LENGTH)
+                return ir.Shape("sphere", frame, None, (radius,), emission.span, mentions)
+            case "box":
+                edges = self._edges(arguments["size"])
+                return ir.Shape("box", frame, None, edges, emission.span, mentions)
+            case _:
+                shape: ir.ShapeKind = "capsule" if kind == "capsule" else "cylinder"
+                axis = self._axis(arguments["axis"], kind)
+                length, radius = (
+                    self._positive(arguments[name], LENGTH) for name in ("length", "radius")
+                )
+                return ir.Shape(shape, frame, axis, (length, radius), emission.span, mentions)
 
     def _rod(
         self,
@@ -92,16 +109,20 @@ class Emissions:
         emission: s.Emission,
         mentions: tuple[int, ...],
     ) -> ir.Rod:
-        axis = require_axis(arguments["axis"], self.sink)
-        if axis in {"z", "-z"}:
-            message = f"a rod along {axis} leaves the plane"
-            self.scope.uses.append(DimensionUse(3, arguments["axis"].span, message))
+        axis = self._axis(arguments["axis"], "rod")
         length = self._positive(arguments["length"], LENGTH)
         density = self._positive(arguments["density"], DENSITY)
         radius = None
         if "radius" in arguments:
             radius = self._positive(arguments["radius"], LENGTH)
         return ir.Rod(frame, axis, length, density, radius, emission.span, mentions)
+
+    def _axis(self, written: s.Expr, kind: str) -> ir.Axis:
+        axis = require_axis(written, self.sink)
+        if axis in {"z", "-z"}:
+            message = f"a {kind} along {axis} leaves the plane"
+            self.scope.uses.append(DimensionUse(3, written.span, message))
+        return axis
 
     # --- arguments -----------------------------------------------------------------------------
 
@@ -164,7 +185,9 @@ class Emissions:
 
     def _positive(self, expr: s.Expr, dimension: Dimension) -> ir.Expr:
         """A scalar that, if it is a constant, is not negative."""
-        value = self._scalar(expr, dimension)
+        return self._not_negative(self._scalar(expr, dimension), expr)
+
+    def _not_negative(self, value: ir.Expr, expr: s.Expr) -> ir.Expr:
         known = constants.evident(value)
         if known is not None and known[0] < 0:
             self.sink.error(
@@ -188,6 +211,30 @@ class Emissions:
             hint = "narrow the range to zero and more"
             self.sink.error(Code.BAD_EMISSION, message, expr.span, hint)
 
+    def _edges(self, expr: s.Expr) -> tuple[ir.Expr, ...]:
+        """The edges of a box: two in the plane, three in space."""
+        if not isinstance(expr, s.Tuple) or len(expr.items) not in {2, 3}:
+            message = "the size of a box is two numbers in the plane, three in space"
+            self.sink.error(Code.BAD_EMISSION, message, expr.span, "write `size: (a, b, c) m`")
+            return (ZERO, ZERO, ZERO)
+        only, other = (2, "in space") if len(expr.items) == 2 else (3, "in the plane")
+        message = f"{other} a box has {len(expr.items) % 2 + 2} edges"
+        self.scope.uses.append(DimensionUse(2 if only == 2 else 3, expr.span, message))
+        found = self._scalars(expr, LENGTH)
+        return tuple(self._not_negative(e, x) for e, x in zip(found, expr.items, strict=True))
+
+    def _scalars(self, expr: s.Tuple, dimension: Dimension) -> tuple[ir.Expr, ...]:
+        """Scalars of one dimension, each with a unit or all with the one behind them."""
+        unit = list_unit(expr.unit, dimension, self.sink)
+        found: list[ir.Expr] = []
+        for item in expr.items:
+            value = Checker(self.scope, self.sink).elaborate(item)
+            if unit.unit is not None and value.sort is Sort.SCALAR:
+                value = scale(value, unit.unit, item.span, self.sink)
+            warn_implausible(value, dimension, item, unit.unit, self.sink)
+            found.append(require_scalar(value, dimension, item.span, self.sink))
+        return tuple(self._sized(e, expr) for e in found)
+
     def _com(self, expr: s.Expr) -> ir.Expr:
         value = Checker(self.scope, self.sink).elaborate(expr)
         found = require_vector(value, LENGTH, expr.span, self.sink)
@@ -207,11 +254,4 @@ class Emissions:
             return (ZERO,)
         message = "in the plane an inertia is one number"
         self.scope.uses.append(DimensionUse(3, expr.span, message))
-        unit = list_unit(expr.unit, INERTIA, self.sink)
-        found: list[ir.Expr] = []
-        for item in expr.items:
-            value = Checker(self.scope, self.sink).elaborate(item)
-            if unit.unit is not None and value.sort is Sort.SCALAR:
-                value = scale(value, unit.unit, item.span, self.sink)
-            found.append(require_scalar(value, INERTIA, item.span, self.sink))
-        return tuple(self._sized(e, expr) for e in found)
+        return self._scalars(expr, INERTIA)

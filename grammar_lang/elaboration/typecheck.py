@@ -41,7 +41,8 @@ _SCALAR_FUNCTIONS: dict[str, ir.Function] = {
     "abs": "abs",
 }
 FUNCTIONS = (*_SCALAR_FUNCTIONS, "rot", "move")
-EMISSIONS = ("rod", "point", "solid", "effector")
+SHAPES = ("sphere", "capsule", "cylinder", "box")
+EMISSIONS = ("rod", "point", "solid", "effector", *SHAPES)
 
 
 def read_unit(ident: s.Ident, sink: Sink) -> Unit | None:

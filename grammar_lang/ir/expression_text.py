@@ -16,6 +16,7 @@ from typing import TypeAlias
 from grammar_lang.ir.expressions import (
     THIS,
     AttributeOf,
+    Axis,
     Binary,
     Compose,
     DofOf,
@@ -43,6 +44,8 @@ from grammar_lang.ir.family import (
     Production,
     Rod,
     SemanticBlock,
+    Shape,
+    ShapeKind,
     Solid,
 )
 
@@ -149,8 +152,17 @@ def _emitted(emission: Emission, names: Names) -> tuple[str, list[tuple[str, str
             moments = ", ".join(map(text, inertia))
             tensor = moments if len(inertia) == 1 else f"({moments})"
             return "solid", [frame, ("mass", text(mass)), ("com", text(com)), ("inertia", tensor)]
+        case Shape(kind, _, axis, sizes):
+            return kind, [frame, *_measures(kind, axis, tuple(map(text, sizes)))]
         case Effector():
             return "effector", [frame]
+
+
+def _measures(kind: ShapeKind, axis: Axis | None, sizes: tuple[str, ...]) -> list[tuple[str, str]]:
+    if kind == "box":
+        return [("size", f"({', '.join(sizes)})")]
+    along = [] if axis is None else [("axis", str(axis)), ("length", sizes[0])]
+    return [*along, ("radius", sizes[-1])]
 
 
 # --- expressions -------------------------------------------------------------------------------

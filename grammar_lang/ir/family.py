@@ -282,6 +282,26 @@ class Solid:
     mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
+ShapeKind: TypeAlias = Literal["sphere", "capsule", "cylinder", "box"]
+
+
+@node
+class Shape:
+    """What a link is in collisions; it has no mass.
+
+    A sphere has its centre, a box its middle at the frame's origin; capsules and cylinders lead
+    from there along an ``axis``.  ``sizes`` are the radius of a sphere, length and radius of
+    capsules and cylinders, the edges of a box: two in the plane, three in space.
+    """
+
+    kind: ShapeKind
+    frame: Expr
+    axis: Axis | None
+    sizes: tuple[Expr, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
+
+
 @node
 class Effector:
     """An effector at the frame's origin."""
@@ -291,7 +311,7 @@ class Effector:
     mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
-Emission: TypeAlias = Rod | PointMass | Solid | Effector
+Emission: TypeAlias = Rod | PointMass | Solid | Shape | Effector
 
 
 def owners(production: Production, emission: Emission) -> tuple[int, ...]:

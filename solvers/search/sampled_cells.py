@@ -124,13 +124,13 @@ def _closed(planned: PlannedEffector, cells: Iterable[int]) -> PlannedEffector:
 
 def effectors_on_bodies(numeric: NumericRobot) -> frozenset[int]:
     """The effectors (from 0) that are on a point or a rod of some body, in random poses."""
-    graph, n = numeric.graph, numeric.n
-    count, rng = len(graph.model.effectors), np.random.default_rng(0)
+    model, n = numeric.graph.model, numeric.n
+    count, rng = len(model.effectors), np.random.default_rng(0)
     found = set(range(count))
-    for theta in parameter_space(graph.model).uniform(rng, 2):
+    for theta in parameter_space(model).uniform(rng, 2):
         points = numeric.points(rng.uniform(-1.0, 1.0, (POSES_OF_BODIES, n)), theta).value
         near = []
-        for hull in (each for each in graph.hulls if len(each) <= 2):
+        for hull in (each for each in numeric.spanning.hulls if len(each) <= 2):
             start, end = points[:, count + hull[0]], points[:, count + hull[-1]]
             way, off = end - start, points[:, :count] - start[:, None]
             square = np.maximum(np.sum(way**2, axis=1), 1e-300)

@@ -11,7 +11,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.expressions.evaluators.floats import scalar_floats
-from compiler.robots.robot import Body, RodBody
+from compiler.robots.robot import Collider, RodBody, Shape
 from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 from solvers.parameters.parameter_search import parameter_space
@@ -131,8 +131,8 @@ class Avoidances:
 
     def separations(self) -> Iterator[Separation]:
         """What every ``avoid`` keeps apart."""
-        graph = self.numeric.graph
-        count = len(graph.model.effectors)
+        model = self.numeric.graph.model
+        count = len(model.effectors)
         for avoid in self.task.avoid:
             for name in avoid.regions:
                 obstacle = self.region(name)
@@ -140,18 +140,18 @@ class Avoidances:
                 if avoid.subject == "effector":
                     yield from (Separation((e,), obstacle, distance) for e in range(count))
                     continue
-                for body, hull in zip(graph.model.bodies, graph.hulls, strict=True):
-                    reach = distance + self._thickness(body)
+                for each, hull in zip(model.colliders, self.numeric.spanning.hulls, strict=True):
+                    reach = distance + self._thickness(each)
                     yield Separation(tuple(count + i for i in hull), obstacle, reach)
         if self.task.avoid_self is not None:
             yield from self._apart_from_each_other(float(self.task.avoid_self.margin))
 
     def _apart_from_each_other(self, margin: float) -> Iterator[Separation]:
         """What keeps the differences of the points of two bodies away from zero."""
-        model, gaps = self.numeric.graph.model, self.numeric.graph.gaps
+        model, gaps = self.numeric.graph.model, self.numeric.spanning.gaps
         count, zero = len(model.effectors), point_set(np.zeros(model.dimension))
         for pair, gap in zip(model.apart, gaps, strict=True):
-            reach = margin + sum(self._thickness(model.bodies[body]) for body in pair)
+            reach = margin + sum(self._thickness(model.colliders[body]) for body in pair)
             yield Separation(tuple(count + i for i in gap), zero, reach)
 
     def bodies_within_bounds(self, last: int) -> Iterator[Dwell]:
@@ -159,16 +159,16 @@ class Avoidances:
         if not self.task.bounds_body:
             return
         graph, bounds = self.numeric.graph, self.bounds
-        for body, hull in zip(graph.model.bodies, graph.hulls, strict=True):
-            within = replace(bounds, offsets=bounds.offsets - self._thickness(body))
+        for each, hull in zip(graph.model.colliders, self.numeric.spanning.hulls, strict=True):
+            within = replace(bounds, offsets=bounds.offsets - self._thickness(each))
             for i in hull:
                 yield Dwell(len(graph.model.effectors) + i, 0, last, within)
 
-    def _thickness(self, body: Body) -> float:
-        """A bound on the radius of a body: search only, the proof reads each one exactly."""
-        if not isinstance(body, RodBody) or body.radius is None:
+    def _thickness(self, collider: Collider) -> float:
+        """A bound on the radius of a collider: search only, the proof reads each one exactly."""
+        if not isinstance(collider, RodBody | Shape) or collider.radius is None:
             return 0.0
         model = self.numeric.graph.model
-        values = scalar_floats(model.scalars, parameter_space(model).upper)
-        radii = [b.radius for b in model.bodies if isinstance(b, RodBody)]
-        return max(abs(values[r]) for r in radii if r is not None)
+        space = parameter_space(model)
+        values = (scalar_floats(model.scalars, corner) for corner in (space.lower, space.upper))
+        return max(abs(each[collider.radius]) for each in values)

@@ -9,8 +9,8 @@ from enum import StrEnum
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.discretisation.numeric_points import Points
 from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.discretisation.spanning_points import Points
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
 from solvers.trajectory.linear_model import Model, PositionRows, bends, fictitious_inputs
 from solvers.trajectory.mobility import mobility

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.discretisation.numeric_points import Points
 from compiler.discretisation.numeric_robot import Linearisation, NumericRobot
+from compiler.discretisation.spanning_points import Points
 from solvers.trajectory.mobility import Mobility
 from solvers.trajectory.subproblem import Indices
 from solvers.trajectory.trajectory import Trajectory

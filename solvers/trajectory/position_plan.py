@@ -22,6 +22,8 @@ from solvers.trajectory.subproblem import Indices
 
 MANY = 16
 """With more separations than this, those far away at a step are left out there."""
+MOST_CORNERS = 8
+"""Of what has more points, so many that are nearest to the half-plane are held behind it."""
 NEARBY = 0.3
 """What is farther away than this part of the extent of the motion counts as far."""
 ASTRAY = 0.02
@@ -235,7 +237,7 @@ class PositionPlan:
             if len(self.separations) > MANY:
                 steps = alike.close(positions, far, steps)
             part = self._halves(alike, positions, bends, far, steps)
-            number.append(np.repeat(alike.numbers[steps[0]], 2 * alike.points.shape[1]))
+            number.append(np.repeat(alike.numbers[steps[0]], len(part[0]) // max(1, len(steps[0]))))
             parts.append(part)
         if len(parts) < 2:
             return parts
@@ -261,6 +263,11 @@ class PositionPlan:
         swept = positions[sample, point]
         normal, support = alike.planes(swept, which, far)
         k, width, d = swept.shape
+        if width > 2 * MOST_CORNERS:
+            width = 2 * MOST_CORNERS
+            heights = np.einsum("kwd,kd->kw", swept, normal)
+            kept = np.sort(np.argpartition(heights, width - 1, axis=1)[:, :width], axis=1)
+            sample, point = (np.take_along_axis(each, kept, axis=1) for each in (sample, point))
         normals = np.broadcast_to(-normal[:, None, :], (k, width, d)).reshape(-1, d)
         offset = np.repeat(-(support + alike.distances[which] + self.margin), width)
         if self.spread is not None:
@@ -268,9 +275,9 @@ class PositionPlan:
         if bends is not None:
             # Chords keep so much more distance that the curves keep enough.
             moving = (first < last)[:, None]
-            bent = bends[np.minimum(first, len(bends) - 1)[:, None], group]
+            bent = bends[np.minimum(first, len(bends) - 1)[:, None], point]
             toward = np.where(moving, -np.einsum("kpd,kd->kp", bent, normal), 0.0)
-            offset -= np.tile(np.maximum(0.0, toward), 2).ravel()
+            offset -= np.maximum(0.0, toward).ravel()
         return sample.ravel(), point.ravel(), normals, offset
 
 

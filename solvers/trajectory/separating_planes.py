@@ -3,8 +3,8 @@
 Candidates are the obstacle's facets; in the plane also the lines through two of the points, in
 space the planes through three of them and those along one edge of either.  The sets are disjoint
 iff one of these separates them (separating axis theorem); the lines from corners to points make the
-best gap the distance where two corners are nearest.  Where an obstacle is one point, the line to
-what is nearest to it makes it the distance always, if they are apart.
+best gap the distance where two corners are nearest.  Where an obstacle is one point, or there are
+many points, the line between the nearest points of both is taken, if they are apart.
 
 Arrays have rows last and coordinates first, so that every operation is one on long vectors.
 """
@@ -25,6 +25,10 @@ from solvers.trajectory.subproblem import Indices
 
 SHORTEST = 1e-9
 """Metres, or products of them: what is shorter has no direction."""
+MOST_POINTS = 8
+"""Of more points the nearest one is looked for: candidates grow with the cube of their number."""
+MOST_DIFFERENCES = 1 << 17
+"""More differences of points from vertices go in blocks."""
 MOST_ROWS = 256
 """More rows go in blocks, so that the candidates stay in the processor's cache."""
 
@@ -85,8 +89,8 @@ def separating_planes(
         those directions.
     """
     k, _, d = swept.shape
-    if obstacles.vertices.shape[1] == 1:
-        return _from_points(swept, obstacles, which)
+    if obstacles.vertices.shape[1] == 1 or swept.shape[1] > MOST_POINTS:
+        return _between_nearest(swept, obstacles, which)
     normal, support = np.empty((k, d)), np.empty(k)
     points = np.ascontiguousarray(swept.transpose(2, 1, 0))
     for start in range(0, k, MOST_ROWS):
@@ -100,22 +104,44 @@ def separating_planes(
     return normal, support
 
 
-def _from_points(swept: Array, obstacles: Obstacles, which: Indices | None) -> tuple[Array, Array]:
-    """The best half-planes between sets of points and obstacles that are one point each."""
-    k = len(swept)
-    place = obstacles.vertices[:, 0, np.zeros(k, dtype=int) if which is None else which].T
-    away = nearest_to_zero(swept - place[:, None])
-    gap = np.linalg.norm(away, axis=1)
-    normal = away / np.maximum(gap, SHORTEST)[:, None]
+def _between_nearest(
+    swept: Array, obstacles: Obstacles, which: Indices | None
+) -> tuple[Array, Array]:
+    """The half-planes across the lines between the nearest points of sets and obstacles.
+
+    Where both meet, the best of other candidates: of all where there are few points, else of the
+    facets and the direction from the middle of one to that of the other.
+    """
+    k, width, d = swept.shape
+    sets = np.zeros(k, dtype=int) if which is None else which
+    normal, gap = np.empty((k, d)), np.empty(k)
+    size = max(1, MOST_DIFFERENCES // (width * obstacles.vertices.shape[1]))
+    for start in range(0, k, size):
+        part = slice(start, start + size)
+        vertices = obstacles.vertices[:, :, sets[part]].transpose(2, 1, 0)
+        apart = swept[part, :, None] - vertices[:, None]
+        away = nearest_to_zero(apart.reshape(len(apart), -1, d))
+        gap[part] = np.linalg.norm(away, axis=1)
+        normal[part] = away / np.maximum(gap[part], SHORTEST)[:, None]
     meeting = np.flatnonzero(gap <= SHORTEST)
     for start in range(0, len(meeting), MOST_ROWS):
-        part = meeting[start : start + MOST_ROWS]
-        sets = np.zeros(len(part), dtype=int) if which is None else which[part]
-        arrays = (
-            each[:, :, sets] for each in (obstacles.facets, obstacles.vertices, obstacles.edges)
+        rows = meeting[start : start + MOST_ROWS]
+        points = np.ascontiguousarray(swept[rows].transpose(2, 1, 0))
+        facets, vertices, edges = (
+            each[:, :, sets[rows]]
+            for each in (obstacles.facets, obstacles.vertices, obstacles.edges)
         )
-        normal[part], _ = _best(np.ascontiguousarray(swept[part].transpose(2, 1, 0)), *arrays)
-    return normal, np.einsum("kd,kd->k", normal, place)
+        if width <= MOST_POINTS:
+            normal[rows], _ = _best(points, facets, vertices, edges)
+            continue
+        across = points.mean(axis=1, keepdims=True) - vertices.mean(axis=1, keepdims=True)
+        candidates = np.concatenate([facets, _unit(across, facets[:, :1])], axis=1)
+        depths = _heights(candidates, points).min(axis=0) - _heights(candidates, vertices).max(
+            axis=0
+        )
+        normal[rows] = candidates[:, np.argmax(depths, axis=0), np.arange(len(rows))].T
+    support = np.einsum("kd,dvk->vk", normal, obstacles.vertices[:, :, sets]).max(axis=0)
+    return normal, support
 
 
 def _best(points: Array, facets: Array, vertices: Array, edges: Array) -> tuple[Array, Array]:

@@ -212,9 +212,9 @@ class _Review:
 
     @cached_property
     def about(self) -> Array:
-        """Positions of all points at the instants in floats, (instants, points, d)."""
+        """Where the points of the graph are at the instants in floats, (instants, points, d)."""
         states = self.seen.states[:: self.seen.fine // INSTANTS, : self.numeric.n]
-        return self.numeric.points(states, self.seen.theta).value
+        return self.numeric.graph_points(states, self.seen.theta)
 
     def doubtful(self, condition: Constraint) -> list[int]:
         """The instants at which a condition is not seen to hold by the facets of its set."""
@@ -225,8 +225,13 @@ class _Review:
             np.array([float(x) for x in column])
             for column in zip(*((row.offset, row.length) for row in condition.rows), strict=True)
         )
-        beyond = (self.about[:, list(condition.points)] @ normals.T - offsets) / lengths
-        room = float(condition.distance) + DOUBT
+        heights = self.about[:, list(condition.points)] @ normals.T
+        # Whatever a shape adds is no farther from its points than all weights together reach.
+        about = sum(
+            np.linalg.norm([float(x) for x in each.farthest]) for each in condition.extensions
+        )
+        beyond = (heights - offsets) / lengths
+        room = float(condition.distance) + float(about) + DOUBT
         if isinstance(condition, Inside):
             unsure = np.max(beyond, axis=(1, 2), initial=-np.inf) > -room
         else:

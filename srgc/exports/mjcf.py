@@ -12,7 +12,7 @@ from math import ceil
 
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
-from compiler.rigid_links.link_shape import Shape
+from compiler.rigid_links.link_shape import Geometry
 from compiler.rigid_links.mass_moments import inertial
 from compiler.rigid_links.rigid_tree import PRECISION, LinkJoint
 from srgc.exports.exported_robot import ExportedRobot
@@ -74,6 +74,7 @@ class _Writer:
         xml.open("worldbody")
         self.bodies()
         xml.close()
+        self.exclusions()
         self.motors()
         self.keyframe()
         xml.close()
@@ -101,7 +102,7 @@ class _Writer:
     def passed_over(self, number: int) -> bool:
         """Whether a link is no body of its own."""
         link = self.robot.tree.links[number]
-        bare = number > 0 and link.moments.massless and not link.shapes
+        bare = number > 0 and link.moments.massless and not link.looks and not link.collisions
         return bare and len(self.children[number]) == 1 and not self.tools[number]
 
     def body(self, number: int, joints: tuple[LinkJoint, ...]) -> None:
@@ -119,8 +120,10 @@ class _Writer:
             self.inertial(number)
         for item in placed:
             self.joint(item)
-        for shape in link.shapes:
-            self.geom(shape)
+        for look in link.looks:
+            self.geom(look, group="2", contype="0", conaffinity="0")
+        for geometry in link.collisions:
+            self.geom(geometry, group="3")
         for tool in self.tools[number]:
             pose = robot.tree.effectors[tool].pose
             origin, turn = doubles(pose.origin), pose.quaternion()
@@ -155,21 +158,31 @@ class _Writer:
             **limits,
         )
 
-    def geom(self, shape: Shape) -> None:
-        size = shape.size
-        if shape.kind == "cylinder":
-            size = (shape.size[0], shape.size[1] / 2)
-        elif shape.kind == "box":
-            size = tuple(side / 2 for side in shape.size)
+    def geom(self, geometry: Geometry, **more: Value) -> None:
+        size = geometry.size
+        if geometry.kind in {"cylinder", "capsule"}:
+            size = (geometry.size[0], geometry.size[1] / 2)
+        elif geometry.kind == "box":
+            size = tuple(side / 2 for side in geometry.size)
         self.xml.element(
             "geom",
-            type=shape.kind,
+            type=geometry.kind,
             size=size,
-            pos=doubles(shape.pose.origin),
-            quat=shape.pose.quaternion(),
-            contype="0",
-            conaffinity="0",
+            pos=doubles(geometry.pose.origin),
+            quat=geometry.pose.quaternion(),
+            **more,
         )
+
+    def exclusions(self) -> None:
+        """Pairs of bodies that the task lets touch; MuJoCo itself lets a body and its parent."""
+        pairs = self.robot.tree.touching
+        if not pairs:
+            return
+        self.xml.open("contact")
+        for one, two in pairs:
+            first, second = (self.robot.names.links[number] for number in (one, two))
+            self.xml.element("exclude", body1=first, body2=second)
+        self.xml.close()
 
     def motors(self) -> None:
         self.xml.open("actuator")

@@ -9,8 +9,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles
-from compiler.rigid_links.link_shape import Shape
+from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
+from compiler.rigid_links.link_shape import Geometry
 from compiler.rigid_links.mass_moments import MassMoments, inertial, legal, token
 from compiler.rigid_links.rigid_tree import PRECISION, axis_of
 from srgc.exports.exported_robot import ExportedRobot, Motor
@@ -58,9 +58,11 @@ class _Writer:
         link = self.robot.tree.links[number]
         self.xml.open("link", name=self.robot.names.links[number])
         self.inertial(self.remaining(number))
-        for tag in ("visual", "collision"):
-            for shape in link.shapes:
-                self.shape(tag, shape)
+        for look in link.looks:
+            self.geometry("visual", look)
+        for geometry in link.collisions:
+            for part in _parts(geometry):
+                self.geometry("collision", part)
         self.xml.close()
 
     def remaining(self, number: int) -> MassMoments:
@@ -92,18 +94,18 @@ class _Writer:
     def origin(self, pose: Pose) -> None:
         self.xml.element("origin", xyz=doubles(pose.origin), rpy=pose.roll_pitch_yaw())
 
-    def shape(self, tag: str, shape: Shape) -> None:
+    def geometry(self, tag: str, geometry: Geometry) -> None:
         self.xml.open(tag)
-        self.origin(shape.pose)
+        self.origin(geometry.pose)
         self.xml.open("geometry")
-        match shape.kind:
-            case "cylinder":
-                radius, length = shape.size
+        match geometry.kind:
+            case "cylinder" | "capsule":
+                radius, length = geometry.size
                 self.xml.element("cylinder", radius=radius, length=length)
             case "sphere":
-                self.xml.element("sphere", radius=shape.size[0])
+                self.xml.element("sphere", radius=geometry.size[0])
             case "box":
-                self.xml.element("box", size=shape.size)
+                self.xml.element("box", size=geometry.size)
         self.xml.close()
         self.xml.close()
 
@@ -151,3 +153,15 @@ class _Writer:
         xml.text("mechanicalReduction", "1")
         xml.close()
         xml.close()
+
+
+def _parts(geometry: Geometry) -> list[Geometry]:
+    """What URDF has: a capsule is a cylinder and two spheres."""
+    if geometry.kind != "capsule":
+        return [geometry]
+    radius, length = geometry.size
+    ends = [geometry.pose.moved(unit(2, sign) * (ball(Fraction(length)) / 2)) for sign in (-1, 1)]
+    return [
+        Geometry("cylinder", geometry.pose, geometry.size),
+        *(Geometry("sphere", end, (radius,)) for end in ends),
+    ]

@@ -49,6 +49,10 @@ _SEMANTICS = {
     "point": "A point mass at the origin of a frame.",
     "solid": "A rigid body with mass, centre of mass and inertia about it.",
     "effector": "An effector at the origin of a frame.",
+    "sphere": "A ball about the origin of a frame, which collides and has no mass.",
+    "capsule": "What is nearer than a radius to a segment along an axis; it collides.",
+    "cylinder": "A cylinder from the origin of a frame along an axis; it collides.",
+    "box": "A box about the origin of a frame, along its axes; it collides.",
     "rot": "`rot(axis, angle)`: turned about an axis of the local frame.",
     "move": "`move(axis, d)` or `move((x, y, z))`: moved in the local frame.",
 }

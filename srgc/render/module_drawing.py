@@ -7,7 +7,7 @@ which the modules are farthest from each other on the picture.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from math import radians
 
@@ -81,11 +81,13 @@ def module_drawing(
     theta: Array,
 ) -> ModuleDrawing:
     """The drawing of a robot whose parameters have the values theta (p,), SI."""
-    numeric = NumericRobot(robot_graph(robot.model))
+    # Without shapes: all bodies have points then.
+    model = replace(robot.model, shapes=(), shape_owners=(), covered=(), apart=())
+    numeric = NumericRobot(robot_graph(model))
     poses = _poses(robot.model.dofs)
     points = numeric.points(poses, theta).value
     best = points[_clearest(points, robot)]
-    hulls = [[len(robot.model.effectors) + i for i in hull] for hull in numeric.graph.hulls]
+    hulls = [[len(model.effectors) + i for i in hull] for hull in numeric.spanning.hulls]
     return _drawing(robot, word, modules, best, hulls)
 
 

@@ -196,7 +196,7 @@ class _Collection:
                 self.effectors.append(place(_tool(block)))
                 self.effector_marks.append(self.count)
                 self.count += 1
-            else:
+            elif not isinstance(emission, ir.Shape):
                 self.bodies.append(place(_body_owner(block, emission)))
         start = self.count
         self.count += len(block.marks)

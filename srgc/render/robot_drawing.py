@@ -29,11 +29,13 @@ from compiler.robots.robot import (
     RobotDof,
     RobotModel,
     RodBody,
+    Shape,
     Step,
 )
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
-from srgc.render.svg import View, document, fitted, label, place
+from srgc.render.svg import View, closed_path, document, fitted, label, place
+from srgc.render.workspace_drawing import outline
 
 PICTURE = 320.0
 """Width of the picture of a robot alone."""
@@ -56,6 +58,14 @@ class DrawnRod:
 
     ends: tuple[int, int]
     radius: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnShape:
+    """A shape by its corners, ``radius`` metres about the hull of these."""
+
+    corners: tuple[int, ...]
+    radius: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +97,7 @@ class DrawnRobot:
     theta: Array
     rods: tuple[DrawnRod, ...]
     masses: tuple[DrawnMass, ...]
+    shapes: tuple[DrawnShape, ...]
     bones: tuple[tuple[int, int], ...]
     joints: tuple[DrawnJoint, ...]
     effectors: tuple[int, ...]
@@ -108,19 +119,23 @@ def drawn_robot(model: RobotModel, theta: Array) -> DrawnRobot:
     marked, tips = _marked(model)
     numeric = NumericRobot(robot_graph(marked))
     scalars = scalar_floats(marked.scalars, theta)
-    rods, masses = [], []
-    for body, hull in zip(model.bodies, numeric.graph.hulls, strict=True):
-        first = len(marked.effectors) + hull[0]
-        if isinstance(body, RodBody):
-            radius = None if body.radius is None else scalars[body.radius]
-            rods.append(DrawnRod((first, len(marked.effectors) + hull[-1]), radius))
+    rods, masses, shapes = [], [], []
+    for each, hull in zip(marked.colliders, numeric.spanning.hulls, strict=True):
+        corners = tuple(len(marked.effectors) + i for i in hull)
+        if isinstance(each, RodBody):
+            radius = None if each.radius is None else scalars[each.radius]
+            rods.append(DrawnRod((corners[0], corners[-1]), radius))
+        elif isinstance(each, Shape):
+            radius = 0.0 if each.radius is None else scalars[each.radius]
+            shapes.append(DrawnShape(corners, radius))
         else:
-            masses.append(DrawnMass(first, not isinstance(body, PointBody)))
+            masses.append(DrawnMass(corners[0], not isinstance(each, PointBody)))
     return DrawnRobot(
         numeric,
         theta,
         tuple(rods),
         tuple(masses),
+        tuple(shapes),
         _bones(model),
         tuple(_joints(model, tips)),
         model.effectors,
@@ -144,6 +159,7 @@ def _marked(model: RobotModel) -> tuple[RobotModel, dict[int, int]]:
         frames=tuple(frames),
         effectors=tuple(range(len(frames))),
         apart=(),
+        covered=(),
     )
     return marked, tips
 
@@ -187,6 +203,7 @@ def pose_marks(robot: DrawnRobot, points: Array, view: View) -> str:
     """The robot with its points (P, d): rods, the lines between its frames, joints, effectors."""
     seen = view.project(points)
     marks = [_foot(seen[WORLD])]
+    marks += [_shape(shape, seen, view) for shape in robot.shapes]
     marks += [_segment("bone", seen[[a, b]]) for a, b in robot.bones]
     for rod in robot.rods:
         ends = seen[list(rod.ends)]
@@ -222,6 +239,13 @@ def _segment(kind: str, ends: Array, more: str = "") -> str:
         f'<line class="{kind}" x1="{place(a)}" y1="{place(b)}" x2="{place(c)}" y2="{place(d)}"'
         f"{more}/>"
     )
+
+
+def _shape(shape: DrawnShape, seen: Array, view: View) -> str:
+    """The outline of a shape; a line as thick as it is about the hull of its corners."""
+    width = max(1.0, 2 * shape.radius * view.scale)
+    path = closed_path(outline(seen[list(shape.corners)]))
+    return f'<path class="solid" stroke-width="{place(width)}" d="{path}"/>'
 
 
 def _axis(joint: DrawnJoint, seen: Array) -> str:

@@ -343,6 +343,7 @@ def _motion(motion: RobotMotion, grid: _Grid, cells: list[str], view: View) -> d
             for rod in robot.rods
         ],
         "joints": [[joint.point, -1 if joint.tip is None else joint.tip] for joint in robot.joints],
+        "solids": [list(shape.corners) for shape in robot.shapes],
         "masses": [mass.point for mass in robot.masses],
         "effectors": list(robot.effectors),
         "kinds": [dof.kind for dof in robot.numeric.graph.model.dofs],

@@ -137,16 +137,17 @@ def test_differences_are_as_long_as_in_the_world(model: RobotModel, absolute: bo
     points = numeric.points(q, theta)
     first = len(model.effectors)
     assert np.array_equal(points.value, numeric.positions(q, theta))
-    for (one, two), gap in zip(pairs, numeric.graph.gaps, strict=True):
+    for (one, two), gap in zip(pairs, numeric.spanning.gaps, strict=True):
         a, b = (
-            points.value[:, [first + i for i in numeric.graph.hulls[body]]] for body in (one, two)
+            points.value[:, [first + i for i in numeric.spanning.hulls[body]]]
+            for body in (one, two)
         )
         lengths = np.linalg.norm(a[:, :, None] - b[:, None], axis=3).reshape(len(q), -1)
         found = points.value[:, [first + i for i in gap]]
         assert np.allclose(np.linalg.norm(found, axis=2), lengths, rtol=1e-12, atol=1e-12)
     # A joint that both bodies are behind moves no difference, but for axes of the world.
     if model.dimension == 3:
-        assert not np.any(points.by_q[:, first + numeric.graph.gaps[0][0] :, :, 0])
+        assert not np.any(points.by_q[:, first + numeric.spanning.gaps[0][0] :, :, 0])
 
 
 def test_effectors_alone() -> None:

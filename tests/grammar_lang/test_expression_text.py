@@ -134,6 +134,9 @@ def test_what_is_written_is_read_as_the_same(scalar: str, frame: str, length: st
     solid(frame: this.slid, mass: 2, com: (P.length, 0.25), inertia: (1, 2, 3, 0, 0.1, 0));
     solid(frame: this.slid, mass: 2, com: A2.v, inertia: 1/3);
     point(frame: world, mass: 250 g); effector(frame: one.tip);
+    sphere(frame: {frame}, radius: 1/3); box(frame: world, size: (P.length, 2 * abs({length}), 3));
+    capsule(frame: world, axis: -z, length: P.length, radius: 0.1);
+    cylinder(frame: one.tip, axis: x, length: 1, radius: P.length);
     """
     text = BLOCKS.format(two=statements)
     program = loaded(text).program

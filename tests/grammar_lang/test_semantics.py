@@ -92,6 +92,27 @@ def test_emissions() -> None:
     )
 
 
+def test_shapes() -> None:
+    found = blocks(
+        "a: S -> L;",
+        """a {
+          sphere(frame: world, radius: 5 cm);
+          capsule(frame: world, axis: -x, length: L.length, radius: 0.1);
+          cylinder(radius: L.length, length: 20 cm, axis: y, frame: world);
+          box(frame: world, size: (L.length, 20) cm);
+          box(frame: world, size: (1 m, 20 cm, 3));
+        }""",
+    )
+    length, world = ir.ParameterOf(0, "length"), ir.World()
+    sphere, capsule, cylinder, flat, box = found["a"].emissions
+    assert sphere == ir.Shape("sphere", world, None, (num("1/20"),))
+    assert capsule == ir.Shape("capsule", world, "-x", (length, num("1/10")))
+    assert cylinder == ir.Shape("cylinder", world, "y", (num("1/5"), length))
+    assert box == ir.Shape("box", world, None, (num("1"), num("1/5"), num("3")))
+    # The unit behind the list is that of bare numbers alone.
+    assert flat == ir.Shape("box", world, None, (length, num("1/5")))
+
+
 def test_steps_rules_and_emissions_know_which_modules_they_mention() -> None:
     """By a coordinate, a parameter or a constant that is folded away, in order of mention."""
     modules = """
@@ -213,6 +234,24 @@ CHAIN = "a: S -> B; b: S -> S e L;"
             [("BAD_EMISSION", "(1, 2)")],
         ),
         ("a: S -> B;", "a { point(frame: world, mass: 1 m); }", [("UNIT_MISMATCH", "1 m")]),
+        # Shapes.
+        ("a: S -> B;", "a { sphere(frame: world); }", [("BAD_EMISSION", "sphere")]),
+        ("a: S -> B;", "a { sphre(frame: world, radius: 1); }", [("BAD_EMISSION", "sphre")]),
+        ("a: S -> B;", "a { sphere(frame: world, radius: -1); }", [("BAD_EMISSION", "-1")]),
+        ("a: S -> B;", "a { sphere(frame: world, radius: 1 kg); }", [("UNIT_MISMATCH", "1 kg")]),
+        ("a: S -> B;", "a { box(frame: world, size: 1 m); }", [("BAD_EMISSION", "1 m")]),
+        (
+            "a: S -> B;",
+            "a { box(frame: world, size: (1, 2, 3, 4) m); }",
+            [("BAD_EMISSION", "(1, 2, 3, 4) m")],
+        ),
+        ("a: S -> B;", "a { box(frame: world, size: (1, -2)); }", [("BAD_EMISSION", "-2")]),
+        ("a: S -> B;", "a { box(frame: world, size: (1, 2) kg); }", [("UNIT_MISMATCH", "kg")]),
+        (
+            "a: S -> B;",
+            "a { capsule(frame: world, axis: 1, length: 1, radius: 1); }",
+            [("SORT_MISMATCH", "1")],
+        ),
         # Cycles.
         (
             "a: S -> B;",

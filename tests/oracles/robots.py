@@ -22,6 +22,7 @@ from compiler.robots.robot import (
     RobotModel,
     RobotParameter,
     RodBody,
+    Shape,
     SolidBody,
     Step,
     Turn,
@@ -47,6 +48,7 @@ class Builder:
     parameters: list[RobotParameter] = field(default_factory=list)
     bodies: list[Body] = field(default_factory=list)
     effectors: list[int] = field(default_factory=list)
+    shapes: list[Shape] = field(default_factory=list)
     symbols: int = 0
 
     def symbol(self) -> int:
@@ -105,6 +107,10 @@ class Builder:
         tensor = tuple(self.number(item) for item in inertia)
         self.bodies.append(SolidBody(frame, self.number(mass), (x, y, z), tensor))
 
+    def shape(self, frame: int, kind: ir.ShapeKind, sizes: Sequence[int], axis: str = "x") -> None:
+        """``sizes`` are scalars, as ``ir.Shape`` has them."""
+        self.shapes.append(Shape(frame, kind, *AXES[axis], tuple(sizes)))
+
     def effector(self, frame: int) -> None:
         self.effectors.append(frame)
 
@@ -122,6 +128,8 @@ class Builder:
             tuple(self.parameters),
             tuple(self.bodies),
             tuple(self.effectors),
+            shapes=tuple(self.shapes),
+            shape_owners=(None,) * len(self.shapes),
         )
 
 

@@ -78,9 +78,9 @@ def pairs_in_poses(seed: int, count: int) -> tuple[Array, Array, Array]:
     q = np.random.default_rng(100 + seed).uniform(-np.pi, np.pi, size=(count, numeric.n))
     points, first = numeric.positions(q, np.zeros(0)), len(model.effectors)
     one, two, ours = list[Array](), list[Array](), list[Array]()
-    for (a, b), gap in zip(model.apart, numeric.graph.gaps, strict=True):
+    for (a, b), gap in zip(model.apart, numeric.spanning.gaps, strict=True):
         for body, found in ((a, one), (b, two)):
-            found.append(points[:, [first + i for i in numeric.graph.hulls[body]]])
+            found.append(points[:, [first + i for i in numeric.spanning.hulls[body]]])
         differences = points[:, [first + i for i in gap]]
         ours.append(np.linalg.norm(nearest_to_zero(differences), axis=1))
     return np.concatenate(one), np.concatenate(two), np.concatenate(ours)

@@ -152,7 +152,7 @@ def rods_apart(dimension: int, distance: float) -> BodiesApart:
                    for s in (1, -1)),
         vertices=(tuple(arb(0) for _ in axes),),
         distance=arb(distance),
-        bodies=((0, 1), (2, 3)),
+        body=(0, 1),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from compiler.arrays import Array
-from compiler.discretisation.numeric_points import Points
+from compiler.discretisation.spanning_points import Points
 from solvers.trajectory.convex_set import ConvexSet
 from solvers.trajectory.linear_model import bends
 from solvers.trajectory.position_plan import Dwell, PositionPlan, Separation

@@ -15,11 +15,14 @@ import numpy as np
 from flint import arb
 
 from compiler.arrays import Array
+from solvers.verifier.proofs.extension import Corner, Extension, Rim, corner_at, corners, lowest
 from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.tube_checks import Constraint, Row
 
 Point: TypeAlias = Sequence[arb]
 
+RIM_ROUNDS = 3
+"""So often the points of rims that are lowest in a direction are added, and it is found anew."""
 GLANCE = 0.5
 """A direction is renewed where it shows less than this part of what it did."""
 
@@ -28,6 +31,7 @@ GLANCE = 0.5
 class Apart(Constraint):
     """The hull of some points stays away from a convex obstacle by more than a distance.
 
+    What ``extensions`` add to every point counts with it.
     ``vertices`` is empty for an unbounded obstacle, whose own facets are then the only candidates.
     The direction that separated them last is tried first: it mostly does so again.
     """
@@ -66,8 +70,7 @@ class Apart(Constraint):
     def _along(self, row: Row, over: Slice) -> tuple[arb, arb]:
         """The distance in one direction less what is asked: over the slice, and at its middle."""
         lower, centre = arb("inf"), arb("inf")
-        for point in self.points:
-            value, at = over.form(row.normal, point)
+        for value, at in lowest(over, row.normal, self.points, self.extensions):
             lower, centre = lower.min(value), centre.min(at)
         return (
             ((lower - row.offset) / row.length - self.distance).lower(),
@@ -78,7 +81,7 @@ class Apart(Constraint):
         """The half-space of the obstacle whose normal leads from it to the points."""
         if not self.vertices:
             return []
-        normal = tuple(arb(x) for x in self._nearest(over).difference)
+        normal = tuple(arb(x) for x in self._nearest(over)[1].difference)
         length = _product(normal, normal).sqrt()
         if not length > 0:
             return []
@@ -87,29 +90,41 @@ class Apart(Constraint):
             support = support.max(_product(normal, vertex))
         return [Row(normal, support, length)]
 
-    def _nearest(self, over: Slice) -> Nearest:
-        return nearest_points(
-            [over.middle(point) for point in self.points],
-            [[float(x) for x in vertex] for vertex in self.vertices],
-        )
+    def _nearest(self, over: Slice) -> tuple[list[Corner], Nearest]:
+        """Corners at the middle of a slice, and where their hull is nearest to the obstacle.
+
+        Those of discs that are lowest in the direction found are added, a few times.
+        """
+        obstacle = [[float(x) for x in vertex] for vertex in self.vertices]
+        rims = [list[Rim]() for _ in self.extensions]
+        while True:
+            tried = corners(self.points, self.extensions, rims)
+            places = [[float(x.mid()) for x in corner_at(over, corner)] for corner in tried]
+            found = nearest_points(places, obstacle)
+            more = [each.lowest_on_rim(found.difference, over) for each in self.extensions]
+            if not any(more) or len(rims[0]) == RIM_ROUNDS:
+                return tried, found
+            for rim, way in zip(rims, more, strict=True):
+                rim.append(way or (1.0, 0.0))
 
     def violated(self, over: Slice) -> bool:
         """Whether the condition certainly fails at the middle of the slice."""
-        places = [[axis[0] for axis in over.points[point]] for point in self.points]
-        tried = [*places, *self._inner(over, places)]
+        places = [corner_at(over, corner) for corner in corners(self.points, self.extensions)]
+        tried = [*places, *self._inner(places)]
         if any(all(bool(_excess(row, p) < 0) for row in self.rows) for p in tried):
             return True
         if self.vertices:
-            nearest = self._nearest(over)
-            body, foot = _mixed(nearest.left, places), _mixed(nearest.right, self.vertices)
-            return _nearer(body, foot, self.distance)
+            found, nearest = self._nearest(over)
+            body = _mixed(nearest.left, [corner_at(over, corner) for corner in found])
+            return _nearer(body, _mixed(nearest.right, self.vertices), self.distance)
         return any(_nearer(p, foot, self.distance) for p in places for foot in self._feet(p))
 
-    def _inner(self, over: Slice, places: Sequence[Point]) -> list[list[arb]]:
+    def _inner(self, places: Sequence[Point]) -> list[list[arb]]:
         """The middle of the part of a body between two points that lies in the obstacle."""
         if len(places) != 2:
             return []
-        (p, q), (low, high) = (over.middle(point) for point in self.points), (0.0, 1.0)
+        p, q = ([float(x.mid()) for x in place] for place in places)
+        low, high = 0.0, 1.0
         for row in self.rows:
             at, along = -float(row.offset), 0.0
             for a, x, y in zip(row.normal, p, q, strict=True):
@@ -133,40 +148,58 @@ class Apart(Constraint):
 
     def where(self, over: Slice) -> tuple[float, ...]:
         """The point of the body that is nearest to the obstacle, at the middle of the slice."""
-        places = [over.middle(point) for point in self.points]
         if not self.vertices:
-            return tuple(places[0])
-        weights = self._nearest(over).left
-        return tuple(
-            sum(w * x for w, x in zip(weights, axis, strict=True))
-            for axis in zip(*places, strict=True)
-        )
+            return over.middle(self.points[0])
+        found, nearest = self._nearest(over)
+        return _place(nearest.left, over, found)
 
 
 @dataclass(slots=True)
 class BodiesApart(Apart):
     """Two bodies stay apart: the hull of their points' differences stays away from zero.
 
-    The differences are the ``points``, those with the first point of the first body in front;
-    ``bodies`` are the points of the bodies themselves, of which ``place`` tells.
+    The differences are the ``points``, those with the first point of the first body in front, and
+    the ``extensions`` are of the first body, then of the second.  ``body`` are the points of the
+    first body itself, and ``shape`` what it adds to them, of which ``place`` tells.
     """
 
-    bodies: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
+    body: tuple[int, ...] = ()
+    shape: tuple[Extension, ...] = ()
 
     def violated(self, over: Slice) -> bool:
         """Whether the bodies are certainly nearer at the middle of the slice, or certainly meet."""
-        places = [[axis[0] for axis in over.points[point]] for point in self.points]
+        found, least = self._nearest(over)
+        places = [corner_at(over, corner) for corner in found]
         if len(places[0]) == 2 and _surround_zero(places):
             return True
-        nearest = _mixed(self._nearest(over).left, places)
+        nearest = _mixed(least.left, places)
         return _nearer(nearest, [arb(0)] * len(nearest), self.distance)
 
     def where(self, over: Slice) -> tuple[float, ...]:
         """The point of the first body that is nearest to the second, at the middle of the slice."""
-        first, second = self.bodies
-        shares = np.reshape(self._nearest(over).left, (len(first), len(second))).sum(axis=1)
-        places = np.array([over.middle(point) for point in first])
-        return tuple((np.maximum(shares, 0.0) @ places / np.maximum(shares, 0.0).sum()).tolist())
+        found, least = self._nearest(over)
+        others = len(self.points) // len(self.body)
+        first = self.extensions[: len(self.shape)]
+        seen = [column for each in first for column in each.columns]
+        own = dict(zip(seen, (c for each in self.shape for c in each.columns), strict=True))
+        body: list[Corner] = [
+            (
+                self.body[self.points.index(point) // others],
+                tuple((own[column], weight) for column, weight in terms if column in own),
+            )
+            for point, terms in found
+        ]
+        return _place(least.left, over, body)
+
+
+def _place(shares: Sequence[float], over: Slice, found: Sequence[Corner]) -> tuple[float, ...]:
+    """About the point of the hull of corners in which each counts its share."""
+    counted = [(max(0.0, share), corner) for share, corner in zip(shares, found, strict=True)]
+    total, place = sum(share for share, _ in counted), np.zeros(len(over.points[0]))
+    for share, corner in counted:
+        if share:
+            place += share / total * np.array([float(x.mid()) for x in corner_at(over, corner)])
+    return tuple(place.tolist())
 
 
 def _surround_zero(places: Sequence[Point]) -> bool:

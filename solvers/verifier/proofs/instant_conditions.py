@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
-from compiler.robots.robot import RobotModel, RodBody
+from compiler.robots.robot import Collider, RodBody, Shape
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart, BodiesApart
+from solvers.verifier.proofs.extension import BoxExtension, DiscExtension, Extension
 from solvers.verifier.proofs.scene import Scene
 from solvers.verifier.proofs.state_limits import StateLimit
 from solvers.verifier.proofs.tube_checks import Constraint, Inside, row, rows_of
@@ -21,76 +23,118 @@ def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:
     task, workspace, graph = scene.task, scene.workspace, scene.graph
     effectors = tuple(range(len(graph.model.effectors)))
     bounds = rows_of(scene.polytope(workspace.bounds))
-    bodies = _bodies(scene, tail)
+    bodies = _colliders(scene, tail)
     found: list[Constraint] = [Inside("bounds", effectors, rows=bounds)]
     if task.bounds_body:
-        for name, points, radius in bodies:
-            found.append(Inside(f"bounds of {name}", points, rows=bounds, distance=radius))
+        for each in bodies:
+            name, distance = f"bounds of {each.name}", each.radius
+            found.append(Inside(name, each.points, each.extensions, rows=bounds, distance=distance))
     several = len(effectors) > 1
-    tips = [(f"effector {e + 1}" if several else "effector", (e,), arb(0)) for e in effectors]
+    tips = [_Moving(f"effector {e + 1}" if several else "effector", (e,)) for e in effectors]
     for avoid in task.avoid:
         groups = bodies if avoid.subject == "body" else tips
         for name in avoid.regions:
             region = workspace.region(name)
-            found += [_apart(scene, region, avoid.margin, group) for group in groups]
+            found += [_apart(scene, region, avoid.margin, each) for each in groups]
     if task.avoid_self is not None:
         found += _apart_from_each_other(scene, bodies, task.avoid_self.margin)
     return found
 
 
-def _bodies(scene: Scene, tail: Sequence[arb]) -> list[tuple[str, tuple[int, ...], arb]]:
-    """Per body its name, its points behind the effectors, and its radius."""
-    first = len(scene.model.effectors)
+@dataclass(frozen=True, slots=True)
+class _Moving:
+    """What moves: its name, the numbers of its points, and what it is about these."""
+
+    name: str
+    points: tuple[int, ...]
+    radius: arb = field(default_factory=lambda: arb(0))
+    extensions: tuple[Extension, ...] = ()
+
+
+def _colliders(scene: Scene, tail: Sequence[arb]) -> list[_Moving]:
+    """What the links of the robot are in collisions."""
+    model, first = scene.model, len(scene.model.effectors)
+    scalars = scalar_balls(model.scalars, tail)
     return [
-        (scene.body(i), tuple(first + point for point in hull), _radius(scene.model, i, tail))
-        for i, hull in enumerate(scene.graph.hulls)
+        _Moving(
+            scene.body(number),
+            _numbers(first, extent.bases),
+            _radius(each, scalars),
+            _extensions(each, _numbers(first, extent.columns), scalars),
+        )
+        for number, (each, extent) in enumerate(
+            zip(model.colliders, scene.graph.extents, strict=True)
+        )
     ]
 
 
-def _apart(
-    scene: Scene, region: ir.Region, margin: Fraction, group: tuple[str, tuple[int, ...], arb]
-) -> Apart:
-    name, points, radius = group
+def _numbers(first: int, points: Sequence[int]) -> tuple[int, ...]:
+    """Numbers among all points of those that are counted from behind the effectors."""
+    return tuple(first + point for point in points)
+
+
+def _apart(scene: Scene, region: ir.Region, margin: Fraction, moving: _Moving) -> Apart:
     polytope = scene.polytope(region)
     vertices: tuple[tuple[arb, ...], ...] = ()
     if polytope.is_bounded:
         vertices = tuple(tuple(ball(x) for x in vertex) for vertex in polytope.vertices)
     return Apart(
-        f"clearance of {name} to {region.name}",
-        points,
+        f"clearance of {moving.name} to {region.name}",
+        moving.points,
+        moving.extensions,
         rows=rows_of(polytope),
         vertices=vertices,
-        distance=ball(margin) + radius,
+        distance=ball(margin) + moving.radius,
     )
 
 
 def _apart_from_each_other(
-    scene: Scene, bodies: Sequence[tuple[str, tuple[int, ...], arb]], margin: Fraction
+    scene: Scene, moving: Sequence[_Moving], margin: Fraction
 ) -> Iterator[BodiesApart]:
-    first, axes = len(scene.model.effectors), range(scene.workspace.dimension)
+    model, axes = scene.model, range(scene.workspace.dimension)
+    first = len(model.effectors)
     zero = tuple(
         row([Fraction(sign * (i == j)) for j in axes], Fraction(0))
         for i in axes
         for sign in (1, -1)
     )
-    for (one, two), gap in zip(scene.model.apart, scene.graph.gaps, strict=True):
-        (name, points, radius), (other, others, reach) = bodies[one], bodies[two]
+    for pair, gap in zip(model.apart, scene.graph.gaps, strict=True):
+        one, two = (moving[i] for i in pair)
         yield BodiesApart(
-            f"clearance of {name} to {other}",
-            tuple(first + point for point in gap),
+            f"clearance of {one.name} to {two.name}",
+            _numbers(first, gap.bases),
+            tuple(
+                replace(extension, columns=_numbers(first, columns))
+                for each, columns in zip((one, two), gap.columns, strict=True)
+                for extension in each.extensions
+            ),
             rows=zero,
             vertices=(tuple(arb(0) for _ in axes),),
-            distance=ball(margin) + radius + reach,
-            bodies=(points, others),
+            distance=ball(margin) + one.radius + two.radius,
+            body=one.points,
+            shape=one.extensions,
         )
 
 
-def _radius(model: RobotModel, body: int, tail: Sequence[arb]) -> arb:
-    """The radius of a body: that of a capsule, else zero."""
-    item = model.bodies[body]
-    if not isinstance(item, RodBody) or item.radius is None:
-        return arb(0)
-    return scalar_balls(model.scalars, tail)[item.radius]
+def _radius(each: Collider, scalars: Sequence[arb]) -> arb:
+    """The radius of a capsule or a sphere, else zero."""
+    if isinstance(each, RodBody | Shape) and each.radius is not None:
+        return scalars[each.radius]
+    return arb(0)
+
+
+def _extensions(
+    each: Collider, columns: tuple[int, ...], scalars: Sequence[arb]
+) -> tuple[Extension, ...]:
+    """What a box or a cylinder adds to the points that it is about."""
+    if not isinstance(each, Shape) or not columns:
+        return ()
+    sizes = [scalars[size] for size in each.sizes]
+    if each.kind == "box":
+        return (BoxExtension(columns, tuple(size / 2 for size in sizes)),)
+    radius = sizes[-1]
+    flat = len(columns) == 1
+    return (BoxExtension(columns, (radius,)) if flat else DiscExtension(columns, radius),)
 
 
 def state_limits(scene: Scene, size: int) -> list[StateLimit]:

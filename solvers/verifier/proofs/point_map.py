@@ -22,6 +22,8 @@ from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
 
 _Series: TypeAlias = "arb_series | list[arb]"
+Terms: TypeAlias = tuple[tuple[int, arb], ...]
+"""Points, by number, with weights."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,24 +42,32 @@ class Slice:
     columns: tuple[arb_mat, ...] = ()
     ranges: tuple[tuple[arb, ...], ...] = ()
 
-    def form(self, normal: Sequence[arb], point: int) -> tuple[arb, arb]:
-        """Enclosures of ``normal . p`` over the slice and at its middle."""
+    def form(self, normal: Sequence[arb], point: int, terms: Terms = ()) -> tuple[arb, arb]:
+        """Enclosures of ``normal . p`` over the slice and at its middle.
+
+        p is a point, or a point and other points, directions, times the weights of ``terms``.
+        """
+        parts = [(normal, point)]
+        parts += [([weight * a for a in normal], column) for column, weight in terms]
         zero, one, two = arb(0), arb(0), arb(0)
-        for a, (p0, p1, p2) in zip(normal, self.points[point], strict=True):
-            zero, one, two = zero + a * p0, one + a * p1, two + a * p2
+        for scaled, number in parts:
+            for a, (p0, p1, p2) in zip(scaled, self.points[number], strict=True):
+                zero, one, two = zero + a * p0, one + a * p1, two + a * p2
         if self.columns:
-            zero = zero.intersection(self._together(normal, point))
+            zero = zero.intersection(self._together(parts))
         s = arb(0, 1) * self.half
         square = arb(0.5, 0.5) * self.half * self.half
         value = zero + one * s + two * square
         if self.ranges:
-            value = value.intersection(_product(normal, self.ranges[point]))
+            ranges = (_product(scaled, self.ranges[number]) for scaled, number in parts)
+            value = value.intersection(sum(ranges, arb(0)))
         return value, zero
 
-    def _together(self, normal: Sequence[arb], point: int) -> arb:
-        """``normal . p`` at the middle, by the columns."""
-        centre = _product(normal, self.path[point])
-        moved = arb_mat([list(normal)]) * self.columns[point]
+    def _together(self, parts: Sequence[tuple[Sequence[arb], int]]) -> arb:
+        """The sum of ``normal . p`` at the middle, by the columns."""
+        centre = sum((_product(normal, self.path[point]) for normal, point in parts), arb(0))
+        first, *others = (arb_mat([list(normal)]) * self.columns[point] for normal, point in parts)
+        moved = sum(others, first)
         return centre + SIGNS * sum((abs(item) for item in moved.entries()), arb(0)).upper()
 
     def middle(self, point: int) -> tuple[float, ...]:

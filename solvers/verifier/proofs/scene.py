@@ -119,8 +119,8 @@ class Scene:
         return polytope_of(region.shape, self.workspace.dimension)
 
     def body(self, number: int) -> str:
-        """The name of a body, its number from 0."""
-        return self.bodies[number] if self.bodies else f"body {number + 1}"
+        """The name of a collider of the model, by its number from 0."""
+        return self.bodies[number] if self.bodies else self.model.collider_names[number]
 
 
 def scene_of(
@@ -130,12 +130,14 @@ def scene_of(
     cells: Abstraction,
     derivation: Derivation | None = None,
 ) -> Scene:
-    """The scene of a robot in a task; bodies are named after the modules of its derivation."""
+    """The scene of a robot in a task; what collides is named after modules of its derivation."""
     bodies: tuple[str, ...] = ()
     if derivation is not None:
-        symbols = body_symbols(derivation, program.grammars[task.grammar].semantics or {})
-        if len(symbols) == len(model.bodies):
-            bodies = _named(symbols, derivation.word)
+        semantics = program.grammars[task.grammar].semantics or {}
+        own, shapes = body_symbols(derivation, semantics)
+        if len(own) == len(model.bodies) and len(shapes) == len(model.shapes):
+            symbols = [s for number, s in enumerate(own) if number not in model.covered]
+            bodies = _named(model, [*symbols, *shapes], derivation.word)
     return _scene(model, program.workspaces[task.workspace], task, cells, bodies)
 
 
@@ -150,8 +152,10 @@ def _scene(
     return Scene(graph, workspace, task, cells, bodies)
 
 
-def _named(symbols: Sequence[int | None], word: Sequence[str]) -> tuple[str, ...]:
+def _named(
+    model: RobotModel, symbols: Sequence[int | None], word: Sequence[str]
+) -> tuple[str, ...]:
     return tuple(
-        f"body {number}" + ("" if symbol is None else f" ({word[symbol]} at symbol {symbol})")
-        for number, symbol in enumerate(symbols, 1)
+        name + ("" if symbol is None else f" ({word[symbol]} at symbol {symbol})")
+        for name, symbol in zip(model.collider_names, symbols, strict=True)
     )

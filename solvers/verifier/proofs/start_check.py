@@ -39,14 +39,14 @@ def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) 
 
 
 def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]:
-    """The bodies of which a length, mass, density, radius or moment of inertia is negative."""
+    """What has a length, mass, density, radius, size or moment of inertia that is negative."""
     scalars = scalar_balls(model.scalars, tail)
+    amounts = [(f"body {number}", amounts_of(body)) for number, body in enumerate(model.bodies, 1)]
+    amounts += [(f"shape {number}", shape.sizes) for number, shape in enumerate(model.shapes, 1)]
     return [
-        CheckedCondition(
-            f"amounts of body {number}", Status.FAILS, float(scalars[i].mid()), "SI", 0.0
-        )
-        for number, body in enumerate(model.bodies, 1)
-        for i in amounts_of(body)
+        CheckedCondition(f"amounts of {name}", Status.FAILS, float(scalars[i].mid()), "SI", 0.0)
+        for name, own in amounts
+        for i in own
         if scalars[i] < 0
     ]
 

@@ -7,7 +7,7 @@ an honest "undecided".
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -18,6 +18,7 @@ from flint import arb
 from compiler.expressions.evaluators.balls import ball, below
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.enclosure import TubeSegment
+from solvers.verifier.proofs.extension import Extension, lowest
 from solvers.verifier.proofs.point_map import PointMap, Slice
 
 MOST_SPLITS = 12
@@ -92,6 +93,7 @@ class Constraint(ABC):
 
     name: str
     points: tuple[int, ...] = ()
+    extensions: tuple[Extension, ...] = ()
     margin: float = float("inf")
     time: float = 0.0
     place: tuple[float, ...] = ()
@@ -165,9 +167,8 @@ class Inside(Constraint):
     def bound(self, over: Slice) -> tuple[arb, arb]:
         """The least distance to a facet, less what is asked: over the slice, and at its middle."""
         worst, middle = arb("inf"), arb("inf")
-        for point in self.points:
-            for item in self.rows:
-                value, centre = over.form(item.normal, point)
+        for item in self.rows:
+            for value, centre in self._farthest(item, over):
                 worst = worst.min((item.offset - value) / item.length)
                 middle = middle.min((item.offset - centre) / item.length)
         return worst - self.distance, middle - self.distance
@@ -175,10 +176,16 @@ class Inside(Constraint):
     def violated(self, over: Slice) -> bool:
         """Whether the condition certainly fails at the middle of the slice."""
         return any(
-            bool(over.form(item.normal, point)[1] > item.offset - self.distance * item.length)
-            for point in self.points
+            bool(centre > item.offset - self.distance * item.length)
             for item in self.rows
+            for _, centre in self._farthest(item, over)
         )
+
+    def _farthest(self, item: Row, over: Slice) -> Iterator[tuple[arb, arb]]:
+        """Enclosures of ``normal . p`` of what may be farthest along the normal of a row."""
+        against = [-a for a in item.normal]
+        for value, centre in lowest(over, against, self.points, self.extensions):
+            yield -value, -centre
 
     def where(self, over: Slice) -> tuple[float, ...]:
         """The point that is nearest to a facet, at the middle of the slice."""

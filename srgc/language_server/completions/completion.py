@@ -189,6 +189,14 @@ EMISSION_SNIPPETS = MappingProxyType(
             "inertia: ${4:0.1 kg*m^2});"
         ),
         "effector": "effector(frame: ${1:this.frame});",
+        "sphere": "sphere(frame: ${1:this.frame}, radius: ${2:5 cm});",
+        "capsule": (
+            "capsule(frame: ${1:N.frame}, axis: ${2:x}, length: ${3:L.length}, radius: ${4:4 cm});"
+        ),
+        "cylinder": (
+            "cylinder(frame: ${1:N.frame}, axis: ${2:x}, length: ${3:L.length}, radius: ${4:4 cm});"
+        ),
+        "box": "box(frame: ${1:this.frame}, size: ${2:(10, 8, 6) cm});",
     }
 )
 

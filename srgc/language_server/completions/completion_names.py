@@ -246,6 +246,12 @@ class Form:
         return f"{name}({', '.join(parameter for parameter, _ in self.parameters)})"
 
 
+_ALONG = (
+    ("frame", "where its axis begins"),
+    ("axis", "the axis of the frame along which it lies: x, y, z, -x, -y or -z"),
+    ("length", "how far it leads, m"),
+    ("radius", "its radius, m"),
+)
 EMISSIONS: dict[str, Form] = {
     "rod": Form(
         (
@@ -274,6 +280,16 @@ EMISSIONS: dict[str, Form] = {
         "a rigid body",
     ),
     "effector": Form((("frame", "where it is"),), "an effector at the origin of a frame"),
+    "sphere": Form(
+        (("frame", "where its centre is"), ("radius", "its radius, m")),
+        "a ball that collides, without mass",
+    ),
+    "capsule": Form(_ALONG, "all that is nearer than the radius to a segment, without mass"),
+    "cylinder": Form(_ALONG, "a cylinder that collides, without mass"),
+    "box": Form(
+        (("frame", "where its middle is"), ("size", "its edges (a, b, c), in the plane (a, b), m")),
+        "a box along the axes of the frame that collides, without mass",
+    ),
 }
 FUNCTIONS: dict[str, Form] = {
     "rot": Form(

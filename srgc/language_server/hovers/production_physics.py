@@ -10,6 +10,7 @@ from grammar_lang import ir
 from grammar_lang.ir import constants
 from grammar_lang.ir.expression_text import (
     Names,
+    emission_text,
     expression_text,
     number_text,
     occurrence_names,
@@ -102,6 +103,7 @@ class AddedPhysics:
     dofs: tuple[str, ...]
     bodies: tuple[AddedBody, ...]
     effectors: tuple[str, ...]
+    shapes: tuple[str, ...]
     torques: tuple[str, ...]
 
 
@@ -225,13 +227,15 @@ def added_physics(program: ir.Program, grammar: ir.Grammar, label: str) -> Added
 
     modules = tuple(program.modules.get(symbol.name) for symbol in production.right)
     reader = _Reader(production, modules, names)
-    bodies = [e for e in block.emissions if not isinstance(e, ir.Effector)]
+    bodies = [e for e in block.emissions if not isinstance(e, ir.Effector | ir.Shape)]
+    shapes = [e for e in block.emissions if isinstance(e, ir.Shape)]
     effectors = [e for e in block.emissions if isinstance(e, ir.Effector)]
     return AddedPhysics(
         tuple(f"`{rule_text(rule, names)}`" for rule in block.rules),
         tuple(reader.dofs()),
         tuple(map(reader.body, bodies)),
         tuple(f"`{reader.text(effector.frame)}`" for effector in effectors),
+        tuple(f"`{emission_text(shape, names)}`" for shape in shapes),
         tuple(reader.torques()),
     )
 
@@ -254,6 +258,8 @@ def physics_text(added: AddedPhysics, dimension: int | None) -> str:
     parts += [_body_text(body, dimension) for body in added.bodies]
     if added.effectors:
         parts.append(f"**Effector** at {', '.join(added.effectors)}")
+    if added.shapes:
+        parts.append(f"**Collides as**\n\n{_listed(added.shapes)}")
     if not added.bodies:
         parts.append("It adds no mass: nothing to the kinetic energy.")
     return "\n\n".join(parts)

@@ -92,7 +92,7 @@
   function preparedMotion() {
     const times = motion.times, end = motion.steps * motion.step;
     const marks = {
-      foot: all(".robot .foot")[0], bones: all(".robot .bone"), rods: all(".robot .rod"), capsules: all(".robot .capsule"),
+      foot: all(".robot .foot")[0], bones: all(".robot .bone"), rods: all(".robot .rod"), capsules: all(".robot .capsule"), solids: all(".robot .solid"),
       axes: all(".robot .axis"), joints: all(".robot .joint"), masses: all(".robot .mass"),
       effectors: all(".robot .effector"), trails: all(".trail"), traces: all(".trace"),
       cells: all(".cell"), tube: all(".tube")[0], ribbon: all(".ribbon")[0],
@@ -135,6 +135,7 @@
       const at = (point) => seen(row, point * d);
       put(marks.foot, at(0));
       motion.bones.forEach(([a, b], i) => ends(marks.bones[i], at(a), at(b)));
+      motion.solids.forEach((corners, i) => marks.solids[i].setAttribute("d", line(outline(corners.map(at))) + "Z"));
       let capsule = 0;
       motion.rods.forEach(([a, b, thick], i) => {
         ends(marks.rods[i], at(a), at(b));
@@ -221,10 +222,11 @@
       document.dispatchEvent(new CustomEvent("srgc-time", { detail: { t: now } }));
     }
 
-    const widths = marks.capsules.map((mark) => Number(mark.getAttribute("stroke-width")));
+    const thick = marks.capsules.concat(marks.solids);
+    const widths = thick.map((mark) => Number(mark.getAttribute("stroke-width")));
 
     function turned() {
-      marks.capsules.forEach((mark, i) => mark.setAttribute("stroke-width", (zoom * widths[i]).toFixed(1)));
+      thick.forEach((mark, i) => mark.setAttribute("stroke-width", (zoom * widths[i]).toFixed(1)));
       tips = motion.effectors.map((point) => motion.points.map((row) => seen(row, point * d)));
       if (d === 3) {
         marks.trails.forEach((mark, e) => mark.setAttribute("d", line(tips[e])));

@@ -1,0 +1,62 @@
+"""The links of a robot: what no joint parts.
+
+Two links may touch that one joint connects, or whose joints sit at one frame of a third.  Links
+without bodies are skipped, as those between the axes of a wrist are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from compiler.robots.robot import WORLD, FrameNode, Joint, Step
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """The links of a robot; a link is called by its first frame.
+
+    ``of`` says per frame in which link it is.
+    """
+
+    frames: Sequence[FrameNode]
+    of: Sequence[int]
+
+    def touching(self, carrying: set[int]) -> set[tuple[int, int]]:
+        """The pairs of links ``carrying`` bodies that may touch, the smaller number in front.
+
+        From each link the way down through links without bodies is followed, and the first one
+        that has some.
+        """
+        found = set[tuple[int, int]]()
+        mounted: dict[tuple[int, tuple[Step, ...]], list[tuple[int, int]]] = {}
+        for link in sorted(carrying - {WORLD}):
+            above = below = link
+            while below == link or (below not in carrying and below != WORLD):
+                above, below = below, self.of[self.frames[below].parent]
+                # Those on other joints at the same frame.
+                beside = mounted.setdefault((below, self._mount(above)), [])
+                found |= {(other, link) for joint, other in beside if joint != above}
+                beside.append((above, link))
+            if below in carrying:
+                found.add((below, link))
+        return found
+
+    def _mount(self, link: int) -> tuple[Step, ...]:
+        """Where the joint of a link is in the link below it: the rigid steps to its frame."""
+        steps, frame = list[Step](), self.frames[link].parent
+        while frame != self.of[frame]:
+            step = self.frames[frame].step
+            if step is not None:
+                steps.append(step)
+            frame = self.frames[frame].parent
+        return tuple(steps)
+
+
+def links_of(frames: Sequence[FrameNode]) -> Links:
+    """The links of a robot with these frames."""
+    of = list[int]()
+    for number, node in enumerate(frames):
+        own = number == WORLD or isinstance(node.step, Joint)
+        of.append(number if own else of[node.parent])
+    return Links(frames, of)
