@@ -170,7 +170,7 @@ def _family(
     symbols = [x.name for p in grammar.grammar.productions for x in p.right]
     used = [modules[name].module for name in symbols if name in modules]
     joints = {dof.kind for module in used for dof in module.dofs}
-    driven = {dof.kind for module in used for dof in module.free_dofs}
+    driven = {dof.kind for module in used for dof in module.free_dofs if dof.effort is None}
     kinds: tuple[ir.DofKind, ...] = ("revolute", "prismatic")
     return Family(
         kinds=tuple(kind for kind in kinds if kind in joints),

@@ -128,7 +128,7 @@ class RobotGraph:
         for body in range(len(self.model.bodies)):
             weights = tuple(i for i, group in enumerate(groups) if body in group)
             alike.setdefault(weights, []).append(body)
-        mass, regular, pull = ca.SX(0), ca.SX(0), ca.SX(0)
+        mass, regular, pull = self._of_bodies((), rotors=True)
         for weights, bodies in alike.items():
             weight = ca.SX(1)
             for number in weights:
@@ -152,14 +152,21 @@ class RobotGraph:
             columns.append(mass @ a + centrifugal_forces(mass, q, v, self.parts.half) + pull)
         return self._function("efforts", [q, self.parts.w, a], ca.horzcat(*columns))
 
-    def _of_bodies(self, bodies: Sequence[int]) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """What some bodies add to M, to M without literal entries, and to g."""
+    def _of_bodies(
+        self, bodies: Sequence[int], *, rotors: bool = False
+    ) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """What some bodies, or the ``rotors``, add to M, to M without literal entries, and to g."""
         p = self.parts
-        if len(bodies) == len(self.model.bodies):
+        plain = not any(dof.inertia for dof in self.model.dofs)
+        if plain and rotors:
+            return ca.SX(0), ca.SX(0), ca.SX(0)
+        if plain and len(bodies) == len(self.model.bodies):
             return p.mass, p.regular_mass, p.gravitational
         constants = SymbolicEvaluator()
         at = kinematics(self.model, p.q, p.theta, constants, self.coordinates)
-        model = replace(self.model, bodies=tuple(self.model.bodies[i] for i in bodies))
+        dofs = self.model.dofs if rotors else (replace(d, inertia=None) for d in self.model.dofs)
+        kept = tuple(self.model.bodies[i] for i in bodies)
+        model = replace(self.model, bodies=kept, dofs=tuple(dofs))
         mass = mass_matrix(model, at, p.q, constants, self.coordinates)
         pull = gravitational_forces(model, at, p.q, self.gravity, constants)
         # The constants of a part are among those of the whole.

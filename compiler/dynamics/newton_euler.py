@@ -25,6 +25,7 @@ from fractions import Fraction
 import casadi as ca
 
 from compiler.dynamics.kinematics import Kinematics
+from compiler.dynamics.rigid_bodies import rotor_inertias
 from compiler.dynamics.spatial_inertia import (
     SpatialInertia,
     joint_axis,
@@ -84,7 +85,8 @@ def inverse_dynamics(
         dof = link.joint.dof
         motions[number] = _moved(motions[link.parent], link, v[dof], a[dof])
         wrenches[number] = _wrench(inertias[number], motions[number])
-    efforts = ca.SX.zeros(len(model.dofs))
+    rotors = rotor_inertias(model, constants)
+    efforts = ca.SX.zeros(len(model.dofs)) if rotors is None else rotors @ a
     for number, link in reversed(links.items()):
         force, moment = wrenches[number]
         efforts[link.joint.dof] += ca.dot(

@@ -94,11 +94,37 @@ def mass_matrix(
     coordinates: Coordinates,
 ) -> ca.SX:
     """M, the Hessian of the kinetic energy in the rates of y, shape (n, n)."""
+    mass = _of_bodies(model, at, y, constants, coordinates)
+    rotors = rotor_inertias(model, constants)
+    return mass if rotors is None else mass + _generalised(rotors, coordinates)
+
+
+def rotor_inertias(model: RobotModel, constants: SymbolicEvaluator) -> ca.SX | None:
+    """The inertias of the rotors as their joints feel them, on a diagonal; None where all are 0."""
+    if not any(dof.inertia for dof in model.dofs):
+        return None
+    found = ca.SX.zeros(len(model.dofs), len(model.dofs))
+    for number, dof in enumerate(model.dofs):
+        if dof.inertia is not None:
+            found[number, number] = evaluate_expression(dof.inertia, constants)
+    return found
+
+
+def _of_bodies(
+    model: RobotModel,
+    at: Kinematics,
+    y: ca.SX,
+    constants: SymbolicEvaluator,
+    coordinates: Coordinates,
+) -> ca.SX:
     if has_turned_columns(model, coordinates):
         return _turned_mass_matrix(model, at, y, constants, coordinates)
     mass = composite_mass_matrix(model, at, own_motion(coordinates, y), constants)
-    if coordinates == own_coordinates(model):
-        return mass
+    return mass if coordinates == own_coordinates(model) else _generalised(mass, coordinates)
+
+
+def _generalised(mass: ca.SX, coordinates: Coordinates) -> ca.SX:
+    """D' M D: a quadratic form of the joints' own rates in those of y."""
     for _ in range(2):
         columns = [generalised_forces(coordinates, column) for column in ca.horzsplit(mass)]
         mass = ca.horzcat(*columns).T

@@ -158,7 +158,9 @@ class Declarations:
             )
         for dof in module.dofs:
             self.dof_index[index, dof.name] = len(self.dofs)
-            self.dofs.append(RobotDof((index,), dof.kind, dof.axis, dof.range, dof.rate))
+            self.dofs.append(
+                RobotDof((index,), dof.kind, dof.axis, dof.range, dof.rate, dof.effort, dof.inertia)
+            )
         own = own_dynamics(index, module, self.parameter_index, self.dof_index)
         if own is not None:
             self.own.append(own)

@@ -278,11 +278,12 @@ def _carriers(model: RobotModel) -> list[int]:
 
 
 def _alone(model: RobotModel, used: Sequence[int]) -> dict[int, Joint]:
-    """The joint frames whose coordinate nothing else reads."""
+    """The joint frames whose coordinate nothing else reads, without a drive of their own."""
     read = {dof for own in model.own for dof in own.bound_dofs.values()}
     steps = {frame: s for frame in used if isinstance(s := model.frames[frame].step, Joint)}
     uses = Counter(step.dof for step in steps.values())
-    return {f: s for f, s in steps.items() if uses[s.dof] == 1 and s.dof not in read}
+    driven = {i for i, dof in enumerate(model.dofs) if dof.effort or dof.inertia}
+    return {f: s for f, s in steps.items() if uses[s.dof] == 1 and s.dof not in read | driven}
 
 
 def _merged(model: RobotModel, members: Sequence[Joint]) -> RobotDof:

@@ -144,13 +144,18 @@ class FrameNode:
 
 @dataclass(frozen=True, slots=True)
 class RobotDof:
-    """A degree of freedom.  ``symbols``: word indices of the joints merged into it."""
+    """A degree of freedom.  ``symbols``: word indices of the joints merged into it.
+
+    ``effort`` bounds its free input, ``inertia`` is its rotor's as the joint feels it; both closed.
+    """
 
     symbols: tuple[int, ...]
     kind: ir.DofKind
     axis: ir.Axis
     range: ir.Interval | None
     rate: ir.Interval | None
+    effort: ir.Expr | None = None
+    inertia: ir.Expr | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -141,6 +141,8 @@ def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:
         case Joint(dof, axis, sign):
             limits = model.dofs[dof]
             kind = f"{limits.kind} {limits.range} {limits.rate}"
+            if limits.effort or limits.inertia:
+                kind += f" {limits.effort} {limits.inertia}"
             return f"{frame.parent} joint {dof} {axis} {sign} {kind}"
 
 
@@ -208,7 +210,10 @@ def _skeleton(model: RobotModel) -> tuple[object, ...]:
         tuple(_bare_body(body) for body in model.bodies),
         tuple(replace(shape, sizes=(0,) * len(shape.sizes)) for shape in model.shapes),
         model.covered,
-        tuple((dof.kind, dof.range is None, dof.rate is None) for dof in model.dofs),
+        tuple(
+            (dof.kind, *(each is None for each in (dof.range, dof.rate, dof.effort, dof.inertia)))
+            for dof in model.dofs
+        ),
         model.effectors,
     )
 
@@ -234,7 +239,7 @@ def _bare_body(body: Body) -> Body:
 
 
 def _limits_differ(first: RobotModel, second: RobotModel) -> bool:
-    """Whether some degree of freedom has another range or another bound of its rate."""
+    """Whether some degree of freedom has another limit or another rotor."""
     pairs = zip(first.dofs, second.dofs, strict=True)
     return any(
         not a.overlaps(b) for x, y in pairs for a, b in zip(_limits(x), _limits(y), strict=True)
@@ -246,6 +251,9 @@ def _limits(dof: RobotDof) -> Iterator[arb]:
         if interval is not None:
             yield closed_ball(interval.lower)
             yield closed_ball(interval.upper)
+    for amount in (dof.effort, dof.inertia):
+        if amount is not None:
+            yield closed_ball(amount)
 
 
 # --- expressions -----------------------------------------------------------------------------

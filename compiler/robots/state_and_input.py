@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -104,25 +105,29 @@ class InputBound:
 
 
 def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
-    """The bounds of all inputs: the task's efforts in its order, then those of declared inputs.
+    """The bounds of all inputs: the task's efforts in its order, the joints', declared inputs'.
 
     An irrational bound is replaced by a rational one just inside it.
     """
     inputs = robot_inputs(model)
-    found = []
-    for effort in task.effort:
-        places = tuple(
-            place
-            for place, item in enumerate(inputs)
-            if item.dof is not None and model.dofs[item.dof].kind == effort.kind
+    found = [
+        InputBound(
+            places, -effort.bound, effort.bound, EFFORT_UNITS[effort.kind], "effort",
+            effort.norm2, effort=True,
         )
-        if places:
-            unit = EFFORT_UNITS[effort.kind]
-            found.append(
-                InputBound(
-                    places, -effort.bound, effort.bound, unit, "effort", effort.norm2, effort=True
-                )
-            )
+        for effort in task.effort
+        if (places := _shared(model, inputs, effort))
+    ]  # fmt: skip
+    bounds = {effort.kind: effort.bound for effort in task.effort if not effort.norm2}
+    for place, item in enumerate(inputs):
+        dof = None if item.dof is None else model.dofs[item.dof]
+        if item.dof is None or dof is None or dof.effort is None:
+            continue
+        own = rational_bounds(dof.effort)[0]
+        bound = min(own, bounds.get(dof.kind, own))
+        name = f"effort of joint {item.dof + 1}"
+        unit = EFFORT_UNITS[dof.kind]
+        found.append(InputBound((place,), -bound, bound, unit, name, effort=True))
     for place, item in enumerate(inputs):
         if item.domain is not None:
             lower = rational_bounds(item.domain.lower)[1]
@@ -132,7 +137,21 @@ def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
     return tuple(found)
 
 
+def _shared(model: RobotModel, inputs: Sequence[RobotInput], effort: ir.Effort) -> tuple[int, ...]:
+    """The free inputs that a bound of the task is about.
+
+    Where it is one for each input, those with a bound of their own have the smaller of both.
+    """
+    found = []
+    for place, item in enumerate(inputs):
+        dof = None if item.dof is None else model.dofs[item.dof]
+        if dof is not None and dof.kind == effort.kind and (effort.norm2 or dof.effort is None):
+            found.append(place)
+    return tuple(found)
+
+
 def unbounded_kinds(model: RobotModel, task: ir.Task) -> list[ir.DofKind]:
-    """The kinds of joint with a free input that no effort of the task bounds."""
-    free = {model.dofs[item.dof].kind for item in robot_inputs(model) if item.dof is not None}
+    """The kinds of joint with a free input that neither the task nor the joint bounds."""
+    dofs = (model.dofs[item.dof] for item in robot_inputs(model) if item.dof is not None)
+    free = {dof.kind for dof in dofs if dof.effort is None}
     return sorted(free - {effort.kind for effort in task.effort})

@@ -10,6 +10,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.closed import Constants
+from grammar_lang.elaboration.drives import DriveReader, check_driven, lower_limit
 from grammar_lang.elaboration.module_dynamics import Statements, lower_dynamics
 from grammar_lang.elaboration.module_scope import ModuleScope
 from grammar_lang.elaboration.sorts import (
@@ -80,6 +81,7 @@ class _Reader:
     roles: list[tuple[ir.Role, Span]] = field(default_factory=list[tuple[ir.Role, Span]])
     parameters: list[ir.Parameter] = field(default_factory=list[ir.Parameter])
     dofs: list[ir.Dof] = field(default_factory=list[ir.Dof])
+    drives: list[s.Drive] = field(default_factory=list[s.Drive])
     dynamics: Statements = field(default_factory=Statements)
 
     def item(self, item: s.ModuleItem) -> None:
@@ -92,6 +94,8 @@ class _Reader:
                 self._constant(item)
             case s.Dof() if self._fresh(item.name):
                 self._dof(item)
+            case s.Drive():
+                self.drives.append(item)
             case s.State() | s.Input() if self._fresh(item.name):
                 self.dynamics.add(item)
             case s.Derivative() | s.Torque():
@@ -175,19 +179,10 @@ class _Reader:
                 item.axis,
                 None if ranged is None else ranged[0],
                 None if rated is None else rated[0],
-                item.span,
+                lower_limit(item, reader, self.sink),
+                span=item.span,
             )
         )
-
-
-def not_supported(what: str, span: Span, sink: Sink) -> None:
-    """Report a construct that this version refuses."""
-    sink.error(
-        Code.NOT_SUPPORTED,
-        f"{what} is not supported by this version",
-        span,
-        "remove it; it is part of the language, but not yet compiled",
-    )
 
 
 def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
@@ -201,15 +196,19 @@ def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
         sink.error(Code.MISSING_CLAUSE, message, module.name.span, hint)
     dofs = {dof.name: dof for dof in reader.dofs}
     dynamics = lower_dynamics(module, reader.dynamics, reader.scope, dofs, sink)
+    drives = DriveReader(Constants(sink, reader.scope), dofs, sink)
+    for drive in reader.drives:
+        drives.read(drive)
     lowered = ir.Module(
         module.name.text,
         reader.roles[0][0] if reader.roles else "link",
         tuple(reader.parameters),
-        tuple(reader.dofs),
+        tuple(dofs.values()),
         module.span,
         dynamics.states,
         dynamics.inputs,
-        dynamics.torques,
+        drives.torques(dynamics.torques),
     )
+    check_driven(lowered, [item for item in module.items if isinstance(item, s.Dof)], sink)
     own = {name: what for name, what in reader.scope.kinds.items() if what in {"state", "input"}}
     return ModuleInfo(lowered, reader.scope.members, dofs, own)

@@ -40,13 +40,19 @@ class Parameter:
 
 @node
 class Dof:
-    """A degree of freedom about or along an axis of the local frame; None means unlimited."""
+    """A degree of freedom about or along an axis of the local frame; None means unlimited.
+
+    ``effort`` bounds its free input, ``inertia`` is that of its rotor times the square of the gear,
+    which moves with the joint alone; both are closed and in SI units.
+    """
 
     name: str
     kind: DofKind
     axis: Axis
     range: Interval | None
     rate: Interval | None
+    effort: Expr | None = None
+    inertia: Expr | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -29,7 +29,7 @@ from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as f
 from grammar_lang.syntax import tasks as t
-from grammar_lang.syntax.expressions import bounds, readings
+from grammar_lang.syntax.expressions import readings
 
 
 def _bare(name: s.Ident) -> Span:
@@ -142,9 +142,9 @@ class _Resolver:
         for item in module.items:
             self.within = known.get(item.name.text)
             if not isinstance(item, s.Role):
-                declares = not isinstance(item, s.Derivative | s.Torque)
+                declares = not isinstance(item, s.Derivative | s.Torque | s.Drive)
                 self.add(self.within, item.name, declares=declares)
-            for name in readings(_expressions(item)):
+            for name in readings(s.module_expressions(item)):
                 if isinstance(name, s.Name):
                     self.add(known.get(name.ident.text), name.ident)
 
@@ -305,21 +305,6 @@ def _alias(production: Entity | None, occurrence: s.Occurrence) -> Entity | None
 
 
 # --- names in parts of the syntax --------------------------------------------------------------
-
-
-def _expressions(item: s.ModuleItem) -> tuple[s.Expr, ...]:
-    """The expressions of a statement of a module."""
-    match item:
-        case s.Param(domain=domain) | s.Input(domain=domain):
-            return bounds(domain)
-        case s.Const(value=value) | s.Derivative(value=value) | s.Torque(value=value):
-            return (value,)
-        case s.Dof(range=ranged, rate=rate):
-            return (*bounds(ranged), *bounds(rate))
-        case s.State(initial=initial):
-            return () if initial is None else (initial,)
-        case s.Role():
-            return ()
 
 
 def _condition_symbols(condition: s.Condition) -> Iterator[s.Ident]:

@@ -35,6 +35,8 @@ from grammar_lang.syntax.family import (
     Count,
     Derivative,
     Dof,
+    Drive,
+    DrivePart,
     Edges,
     Emission,
     Factor,
@@ -61,6 +63,7 @@ from grammar_lang.syntax.family import (
     StartSymbol,
     State,
     Torque,
+    module_expressions,
 )
 
 __all__ = [
@@ -79,6 +82,8 @@ __all__ = [
     "Count",
     "Derivative",
     "Dof",
+    "Drive",
+    "DrivePart",
     "Edges",
     "Emission",
     "Expr",
@@ -116,4 +121,5 @@ __all__ = [
     "Torque",
     "Tuple",
     "WorldName",
+    "module_expressions",
 ]

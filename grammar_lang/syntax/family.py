@@ -17,6 +17,7 @@ from grammar_lang.syntax.expressions import (
     Ident,
     Interval,
     Member,
+    bounds,
 )
 
 # --- modules -----------------------------------------------------------------------------------
@@ -50,13 +51,32 @@ class Const:
 
 @node
 class Dof:
-    """``dof NAME: kind axis in interval rate in interval;``."""
+    """``dof NAME: kind axis in interval rate in interval effort <= expr;``."""
 
     name: Ident
     kind: Literal["revolute", "prismatic"]
     axis: Literal["x", "y", "z", "-x", "-y", "-z"]
     range: Interval | None
     rate: Interval | None
+    effort: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class DrivePart:
+    """``gear expr``, ``rotor expr`` or ``viscous expr``."""
+
+    kind: Literal["gear", "rotor", "viscous"]
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Drive:
+    """``drive NAME: part …;``."""
+
+    name: Ident
+    parts: tuple[DrivePart, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -97,7 +117,24 @@ class Torque:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-ModuleItem: TypeAlias = Role | Param | Const | Dof | State | Input | Derivative | Torque
+ModuleItem: TypeAlias = Role | Param | Const | Dof | Drive | State | Input | Derivative | Torque
+
+
+def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
+    """The expressions of a statement of a module."""
+    match item:
+        case Param(domain=domain) | Input(domain=domain):
+            return bounds(domain)
+        case Const(value=value) | Derivative(value=value) | Torque(value=value):
+            return (value,)
+        case Dof(range=ranged, rate=rate, effort=effort):
+            return (*bounds(ranged), *bounds(rate), *(() if effort is None else (effort,)))
+        case Drive(parts=parts):
+            return tuple(part.value for part in parts)
+        case State(initial=initial):
+            return () if initial is None else (initial,)
+        case Role():
+            return ()
 
 
 @node

@@ -6,12 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from compiler.expressions.exact_numbers import rational_bounds
 from compiler.rigid_links.rigid_tree import LinkJoint, RigidTree, RigidTreeError, rigid_tree
 from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
 from compiler.robots.robot import OwnDynamics, RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
 from srgc.results.found_design import FoundDesign
 from srgc.version import VERSION
 
@@ -287,6 +289,7 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
         design_names(design, tree),
         tuple(motor_bound(model, task, dof) for dof in range(len(model.dofs))),
         dampings(design),
+        tuple(0.0 if dof.inertia is None else to_float(dof.inertia) for dof in model.dofs),
         (gravity[0], gravity[1], gravity[2]),
         task.step,
         tuple(float(value) for value in coordinates),
@@ -295,11 +298,12 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
 
 
 def motor_bound(model: RobotModel, task: ir.Task, dof: int) -> float | None:
-    """The least bound of the task on the free input of a degree of freedom (N m or N)."""
+    """The least bound on the free input of a degree of freedom (N m or N)."""
     if all(item.dof != dof for item in robot_inputs(model)):
         return None
-    kind = model.dofs[dof].kind
+    kind, own = model.dofs[dof].kind, model.dofs[dof].effort
     bounds: list[Fraction] = [item.bound for item in task.effort if item.kind == kind]
+    bounds += [] if own is None else [rational_bounds(own)[0]]
     return float(min(bounds)) if bounds else None
 
 
@@ -341,7 +345,8 @@ class ExportedRobot:
     """A robot with the numbers of its task.
 
     ``efforts`` are the bounds of the motors by degree of freedom (N m, N), None without one, and
-    ``dampings`` the viscous friction of the joints (N m s, N s/m), 0 without;
+    ``dampings`` the viscous friction of the joints (N m s, N s/m), 0 without, ``armatures`` the
+    inertias of their rotors as they feel them (kg m^2, kg);
     ``gravity`` is in m/s^2, ``step`` that of the task in seconds; ``start`` holds coordinates and
     rates, or nothing; ``remarks`` are lines for a reader.
     """
@@ -351,6 +356,7 @@ class ExportedRobot:
     names: PartNames
     efforts: tuple[float | None, ...]
     dampings: tuple[float, ...]
+    armatures: tuple[float, ...]
     gravity: tuple[float, float, float]
     step: Fraction
     start: tuple[float, ...]

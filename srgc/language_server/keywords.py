@@ -21,7 +21,14 @@ _MODULE = {
     "effector": "The role of the part that has to be somewhere.",
     "param": "`param NAME in [lo, hi] unit;` or `in {v1, v2} unit;`: the synthesis chooses it.",
     "const": "`const NAME = expr;`: a value with a name.",
-    "dof": "`dof NAME: revolute AXIS in [lo, hi] unit rate in [lo, hi] unit;`: a coordinate.",
+    "dof": (
+        "`dof NAME: revolute AXIS in [lo, hi] deg rate in [lo, hi] rad/s effort <= v;`: "
+        "a coordinate with its limits."
+    ),
+    "drive": "`drive DOF: gear G rotor J viscous B;`: what moves a joint, from its data sheet.",
+    "gear": "`gear G`: turns of the rotor per turn of the joint, or rad per metre.",
+    "rotor": "`rotor J`: the rotor's own moment of inertia; the joint feels gear^2 times it.",
+    "viscous": "`viscous B`: friction in proportion to the rate, N*m*s or N*s/m.",
     "revolute": "The coordinate is an angle about the axis.",
     "prismatic": "The coordinate is a length along the axis.",
     "rate": "The bounds of the rate; in an expression, `rate(q)` is the rate of a coordinate.",

@@ -119,7 +119,9 @@ def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
     for each in used:
         left = f"robustness {amount(each.margin, each.unit)}"
         if each.effort:
-            yield f"effort:  peak {amount(each.peak, each.unit)}, {left}"
+            of = each.name.removeprefix("effort").removeprefix(" of ")
+            whose = f"{of}, " if of else ""
+            yield f"effort:  {whose}peak {amount(each.peak, each.unit)}, {left}"
         else:
             name = each.name.removeprefix("input ")
             yield f"input:   {name} {each.low:.4g} to {amount(each.high, each.unit)}, {left}"

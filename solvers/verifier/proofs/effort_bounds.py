@@ -20,7 +20,7 @@ PLANNED = "planned "
 
 def bound_name(bound: InputBound) -> str:
     """What a condition on a bound is called."""
-    return f"effort ({bound.unit})" if bound.effort else bound.name
+    return f"{bound.name} ({bound.unit})" if bound.effort else bound.name
 
 
 def effort_conditions(

@@ -147,6 +147,7 @@ STATEMENTS = MappingProxyType(
         "module": {
             "param": "param ${1:length} in [${2:0.5}, ${3:5}] ${4:m};",
             "const": "const ${1:density} = ${2:1} ${3:kg/m};",
+            "drive": "drive ${1:q}: gear ${2:100} rotor ${3:1e-5 kg*m^2} viscous ${4:0.1 N*m*s};",
             "dof": "dof ${1:q}: ${2|revolute,prismatic|} ${3:z} in [${4:-180}, ${5:180}] ${6:deg};",
             "state": "state ${1:current} ${2:A} = ${3:0};",
             "input": "input ${1:voltage} in [${2:-24}, ${3:24}] ${4:V};",

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
+from grammar_lang.ir.constants import to_float
 from grammar_lang.ir.expression_text import number_text
 from grammar_lang.names.declarations import REGIONS, Entity, Kind
 from grammar_lang.source import written
@@ -122,14 +123,19 @@ def _dof(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> str:
         lines.append("- effort: by the module's own `torque`, no free input")
     else:
         lines += [f"- effort: {text}" for text in _efforts(analysis, module, dof)]
+    if dof.inertia is not None:
+        felt = "kg*m^2" if revolute else "kg"
+        lines.append(f"- rotor: {to_float(dof.inertia):.6g} {felt} on the diagonal of M")
     return "\n".join(lines)
 
 
 def _efforts(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> list[str]:
-    """The bounds of the input, task by task."""
+    """The bounds of the input: its own, then task by task."""
     program = analysis.program
     unit = "N*m" if dof.kind == "revolute" else "N"
     found: list[str] = []
+    if dof.effort is not None:
+        found.append(f"at most {to_float(dof.effort):.6g} {unit}")
     for task in () if program is None else program.tasks.values():
         grammar = None if program is None else program.grammars.get(task.grammar)
         names = {x.name for p in (grammar.productions if grammar else ()) for x in p.right}

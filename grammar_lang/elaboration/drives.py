@@ -1,0 +1,116 @@
+"""What drives a joint: ``effort <= v`` of a degree of freedom, and ``drive q: gear … rotor …;``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Literal, TypeAlias
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.closed import Constants
+from grammar_lang.ir import constants
+from grammar_lang.units import FORCE, INERTIA, LENGTH, ONE, TIME, TORQUE, Dimension
+
+EFFORT_DIMENSIONS: Mapping[ir.DofKind, Dimension] = {"revolute": TORQUE, "prismatic": FORCE}
+_COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
+
+Kind: TypeAlias = Literal["gear", "rotor", "viscous"]
+
+
+def lower_limit(item: s.Dof, reader: Constants, sink: Sink) -> ir.Expr | None:
+    """The bound of the effort of a degree of freedom, closed, in SI; None without one."""
+    if item.effort is None:
+        return None
+    found = reader.scalar(item.effort, EFFORT_DIMENSIONS[item.kind])
+    if found is not None and not constants.to_float(found) > 0:
+        message = "the effort bound is not positive"
+        sink.error(Code.BAD_VALUE, message, item.effort.span, "write more than zero")
+        return None
+    return found
+
+
+@dataclass(slots=True)
+class DriveReader:
+    """Reads the drives of a module whose degrees of freedom are ``dofs``, with its constants."""
+
+    reader: Constants
+    dofs: dict[str, ir.Dof]
+    sink: Sink
+    seen: dict[str, s.Drive] = field(default_factory=dict[str, s.Drive])
+    viscous: dict[str, ir.Expr] = field(default_factory=dict[str, ir.Expr])
+
+    def read(self, item: s.Drive) -> None:
+        """One drive; whatever is wrong with it is reported."""
+        name = item.name.text
+        dof = self.dofs.get(name)
+        if dof is None:
+            message = f"no degree of freedom is called `{name}`"
+            hint = did_you_mean(name, self.dofs, "degree of freedom", self.sink)
+            self.sink.error(Code.UNKNOWN_NAME, message, item.name.span, hint)
+            return
+        if name in self.seen:
+            notes = [(self.seen[name].span, "first here")]
+            message = f"a second `drive {name}`"
+            self.sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
+            return
+        self.seen[name] = item
+        parts = dict[Kind, ir.Expr]()
+        for part in item.parts:
+            if part.kind in parts:
+                message, hint = f"a second `{part.kind}` of one drive", "remove one"
+                self.sink.error(Code.REPEATED_CLAUSE, message, part.span, hint)
+                continue
+            value = self._value(part, dof.kind)
+            if value is not None:
+                parts[part.kind] = value
+        gear, rotor = parts.get("gear", ir.Num(Fraction(1))), parts.get("rotor")
+        if rotor is not None:
+            if dof.kind == "prismatic" and "gear" not in parts:
+                message = "the rotor of a prismatic joint needs a `gear`, its turns (rad) per metre"
+                self.sink.error(Code.BAD_VALUE, message, item.span, "add `gear 100 m^-1`")
+                return
+            square = ir.Binary("*", gear, gear)
+            self.dofs[name] = replace(dof, inertia=ir.Binary("*", square, rotor))
+        if "viscous" in parts:
+            self.viscous[name] = parts["viscous"]
+
+    def _value(self, part: s.DrivePart, kind: ir.DofKind) -> ir.Expr | None:
+        """A number that is not negative, closed, in SI."""
+        rate = _COORDINATES[kind] / TIME
+        due = {
+            "gear": ONE / _COORDINATES[kind],
+            "rotor": INERTIA,
+            "viscous": EFFORT_DIMENSIONS[kind] / rate,
+        }[part.kind]
+        found = self.reader.scalar(part.value, due)
+        if found is not None and constants.to_float(found) < 0:
+            message = f"a negative `{part.kind}`"
+            self.sink.error(Code.BAD_VALUE, message, part.value.span, "write zero or more")
+            return None
+        return found
+
+    def torques(self, given: Sequence[ir.Torque]) -> tuple[ir.Torque, ...]:
+        """The torques of the module, less viscous friction, in the order of the dofs."""
+        own = {torque.dof: torque for torque in given}
+        for name, factor in self.viscous.items():
+            before = own.get(name)
+            drag = ir.Binary("*", factor, ir.RateOf(ir.THIS, name))
+            driven = ir.EffortOf(ir.THIS, name) if before is None else before.value
+            span = self.seen[name].span
+            own[name] = ir.Torque(name, ir.Binary("-", driven, drag), span)
+        return tuple(own[name] for name in self.dofs if name in own)
+
+
+def check_driven(module: ir.Module, items: Sequence[s.Dof], sink: Sink) -> None:
+    """Report bounds of the effort of degrees of freedom that have no free input."""
+    driven = {dof.name for dof in module.dofs} - {dof.name for dof in module.free_dofs}
+    for item in items:
+        name = item.name.text
+        if item.effort is not None and name in driven:
+            message = f"`{name}` has no free input `u` that an effort could bound"
+            hint = f"bound the input that `torque({name})` reads"
+            sink.error(Code.BAD_DYNAMICS, message, item.effort.span, hint)

@@ -1,0 +1,106 @@
+"""Drives of joints and bounds of their efforts: what they mean, and every way to get them wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import pytest
+
+from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
+from grammar_lang.load import load_text
+
+Check = Callable[[str], list[tuple[str, str]]]
+
+RATE, EFFORT = ir.RateOf(ir.THIS, "q"), ir.EffortOf(ir.THIS, "q")
+
+
+def module(body: str) -> ir.Module:
+    loaded = load_text(f"module M {{ role joint; {body} }}", "t")
+    assert loaded.program is not None, loaded.diagnostics
+    return loaded.program.modules["M"]
+
+
+def num(value: str) -> ir.Num:
+    return ir.Num(Fraction(value))
+
+
+def test_a_drive_from_a_data_sheet() -> None:
+    """Parts in any order; the joint feels 160^2 times the inertia of the rotor."""
+    found = module(
+        "dof q: revolute y in [-120, 120] deg rate in [-3, 3] rad/s effort <= 75 N*m;"
+        "drive q: gear 160 rotor 5.23e-5 kg*m^2 viscous 0.3 N*m*s;"
+    )
+    again = module(
+        "drive q: viscous 300 N*mm*s rotor 523 g*cm^2 / 1000 gear 160;"
+        "dof q: revolute y in [-120, 120] deg rate in [-3, 3] rad/s effort <= 75 J;"
+    )
+    (dof,) = found.dofs
+    assert dof.effort == num("75")
+    assert dof.inertia is not None
+    assert to_float(dof.inertia) == pytest.approx(160**2 * 5.23e-5, rel=1e-15)
+    drag = ir.Binary("*", num("3/10"), RATE)
+    assert found.torques == (ir.Torque("q", ir.Binary("-", EFFORT, drag)),)
+    assert found.free_dofs == (dof,)
+    (other,) = again.dofs
+    assert other.effort == dof.effort
+    assert again.torques == found.torques
+    assert to_float(other.inertia or num("0")) == pytest.approx(160**2 * 5.23e-8, rel=1e-15)
+
+
+def test_a_spindle() -> None:
+    """5 mm a turn: 2 pi / 5 mm radians a metre, so that the rotor weighs what it does."""
+    found = module(
+        "dof q: prismatic x effort <= 200 N; const lead = 5 mm;"
+        "drive q: gear 2 * pi / lead rotor 1e-5 kg*m^2 viscous 3 N*s/m;"
+    )
+    (dof,) = found.dofs
+    assert dof.inertia is not None
+    assert to_float(dof.inertia) == pytest.approx((2 * 3.141592653589793 / 0.005) ** 2 * 1e-5)
+
+
+def test_friction_is_taken_from_a_torque_of_ones_own() -> None:
+    found = module(
+        "dof q: revolute z; dof p: revolute z; torque(q) = 2 * u; drive q: viscous 1 N*m*s;"
+        "drive p: gear 3;"
+    )
+    own = ir.Binary("-", ir.Binary("*", num("2"), EFFORT), ir.Binary("*", num("1"), RATE))
+    assert found.torques == (ir.Torque("q", own),)
+    assert [dof.inertia for dof in found.dofs] == [None, None]
+
+
+HEAD = (
+    "module M { role joint; dof q: revolute z; dof d: prismatic x; const c = 2 kg; "
+    "param p in [1, 2]; "
+)
+
+
+@pytest.mark.parametrize(
+    ("body", "found"),
+    [
+        ("drive a: gear 2;", [("UNKNOWN_NAME", "a")]),
+        ("drive c: gear 2;", [("UNKNOWN_NAME", "c")]),
+        ("drive q: gear 2; drive q: gear 3;", [("REPEATED_CLAUSE", "drive q: gear 3;")]),
+        ("drive q: gear 2 gear 3;", [("REPEATED_CLAUSE", "gear 3")]),
+        ("drive q: gear -2;", [("BAD_VALUE", "-2")]),
+        ("drive q: gear 2 m^-1;", [("UNIT_MISMATCH", "2 m^-1")]),
+        ("drive d: gear 2 kg;", [("UNIT_MISMATCH", "2 kg")]),
+        ("drive q: rotor 2 kg;", [("UNIT_MISMATCH", "2 kg")]),
+        ("drive d: rotor 2 kg*m^2;", [("BAD_VALUE", "drive d: rotor 2 kg*m^2;")]),
+        ("drive d: rotor 2 kg*m^2 gear 3 m^-1;", []),
+        ("drive q: viscous 2 N*s/m;", [("UNIT_MISMATCH", "2 N*s/m")]),
+        ("drive q: viscous -1 N*m*s;", [("BAD_VALUE", "-1 N*m*s")]),
+        ("drive q: viscous c;", [("UNIT_MISMATCH", "c")]),
+        ("drive q: viscous p;", [("NOT_CONSTANT", "p")]),
+        ("dof r: revolute z effort <= 0 N*m;", [("BAD_VALUE", "0 N*m")]),
+        ("dof r: revolute z effort <= 5 N;", [("UNIT_MISMATCH", "5 N")]),
+        (
+            "dof r: revolute z effort <= 5 N*m; torque(r) = 1 N*m;",
+            [("BAD_DYNAMICS", "5 N*m")],
+        ),
+        ("dof r: revolute z effort <= 5 N*m; torque(r) = 2 * u;", []),
+    ],
+)
+def test_findings(body: str, found: list[tuple[str, str]], check_fragment: Check) -> None:
+    assert check_fragment(HEAD + body + " }") == found
