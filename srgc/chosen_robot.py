@@ -16,6 +16,7 @@ from compiler.robots.robot import (
     PointBody,
     RobotModel,
     RodBody,
+    Shape,
     SolidBody,
     Step,
     Turn,
@@ -103,8 +104,10 @@ def is_planar(model: RobotModel) -> bool:
     By the form of the model: steps along z that cancel are not seen to.
     """
     steps = (node.step for node in model.frames)
-    return all(_planar_step(model, step) for step in steps) and all(
-        _planar_body(model, body) for body in model.bodies
+    return (
+        all(_planar_step(model, step) for step in steps)
+        and all(_planar_body(model, body) for body in model.bodies)
+        and all(_planar_shape(shape) for shape in model.shapes)
     )
 
 
@@ -128,6 +131,12 @@ def _planar_body(model: RobotModel, body: Body) -> bool:
             return True
         case SolidBody():
             return len(body.inertia) == 1 and _is_zero(model, body.com[Z])
+
+
+def _planar_shape(shape: Shape) -> bool:
+    if shape.kind == "box":
+        return len(shape.sizes) == 2
+    return shape.length is None or shape.axis != Z
 
 
 def _is_zero(model: RobotModel, scalar: int) -> bool:

@@ -23,6 +23,7 @@ from compiler.expressions.evaluators.trigonometric import (
     NamingEvaluator,
     TooManyTerms,
 )
+from compiler.expressions.exact_numbers import rational_bounds
 from compiler.expressions.scalars import evaluate_constant
 from compiler.expressions.tape import tape
 from compiler.expressions.trigonometric_polynomial import (
@@ -295,10 +296,12 @@ def _meaning(model: RobotModel, entry: RobotInput, word: Sequence[str]) -> str:
 def _bounds(model: RobotModel, entry: RobotInput, task: ir.Task | None) -> str:
     if entry.dof is None:
         return domain_text(entry.domain, entry.unit)
-    if task is None:
+    dof = model.dofs[entry.dof]
+    bounds = [] if dof.effort is None else [rational_bounds(dof.effort)[0]]
+    if task is None and not bounds:
         return f"in {entry.unit}, bounded by a task"
-    kind = model.dofs[entry.dof].kind
-    bounds = [e.bound for e in task.effort if e.kind == kind and not e.norm2]
+    efforts = () if task is None else task.effort
+    bounds += [e.bound for e in efforts if e.kind == dof.kind and not e.norm2]
     if not bounds:
         return f"in {entry.unit}"
     bound = number_text(min(bounds))

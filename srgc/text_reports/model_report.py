@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -98,11 +99,17 @@ def _facts(robot: ChosenRobot) -> Iterator[Fact]:
     rods = sum(isinstance(body, RodBody) for body in model.bodies)
     solids = sum(isinstance(body, SolidBody) for body in model.bodies)
     points = len(model.bodies) - rods - solids
-    counts = [(rods, "rod"), (points, "point"), (solids, "solid")]
-    bodies = ", ".join(f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n)
-    yield Fact("bodies", bodies or "none")
+    yield Fact("bodies", _listed({"rod": rods, "point": points, "solid": solids}) or "none")
     yield Fact("body points", str(2 * rods + points + solids))
+    if model.shapes:
+        yield Fact("shapes", _listed(Counter(shape.kind for shape in model.shapes)))
     yield Fact("gravity", _gravity(robot))
+
+
+def _listed(counts: Mapping[str, int]) -> str:
+    """``2 rods, 1 sphere``; the plural of a box is boxes."""
+    plurals = {name: f"{name}{'es' if name.endswith('x') else 's'}" for name in counts}
+    return ", ".join(f"{n} {name if n == 1 else plurals[name]}" for name, n in counts.items() if n)
 
 
 def _gravity(robot: ChosenRobot) -> str:
