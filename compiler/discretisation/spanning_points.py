@@ -1,14 +1,17 @@
 """The corners of what collides, from the points and directions of a robot's graph, in doubles.
 
-Bodies and shapes become hulls of points.  Those of boxes are exact; a cylinder is the prism around
-it, so that a search keeps farther away than it has to, and proofs read cylinders as they are.
+Bodies and shapes become hulls of points.  Those of boxes are exact; a cylinder becomes a prism
+whose edges are as far outside as its faces are inside.  Proofs read cylinders as they are, and ask
+for more room where a face was too near.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate, pairwise, product
+from math import cos, pi, prod
 
 import casadi as ca
 import numpy as np
@@ -21,7 +24,9 @@ from compiler.robots.robot import Collider, Shape
 Indices = NDArray[np.int64]
 
 SIDES = 8
-"""Of the prism about a cylinder: its edges are 8 % farther away from the axis than the radius."""
+"""Of the prism for a cylinder."""
+OFF = (1 - cos(pi / SIDES)) / (1 + cos(pi / SIDES))
+"""The part of the radius, 4 %, by which edges are outside of the cylinder, and faces inside."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +42,63 @@ class Points:
 
 
 @dataclass(frozen=True, slots=True)
-class _Sum:
-    """A point: a base and directions, by number, times parts of sizes, (column, size, part)."""
+class _Offsets:
+    """What leads from a base of a collider to its w corners: sums of c directions with weights.
 
-    base: int
-    terms: tuple[tuple[int, int, float], ...]
+    ``columns`` (c,) are directions by number; weights are ``parts`` (w, c) of the ``sizes`` (w, c),
+    by number.
+    """
+
+    columns: Indices
+    sizes: Indices
+    parts: Array
+
+    def seen_along(self, columns: Indices) -> _Offsets:
+        """The same along other directions."""
+        return replace(self, columns=columns)
+
+    def of(self, given: Array, sizes: Array) -> Array:
+        """The offsets (K, w, …) from points (K, t, …) and sizes (1 or K, s)."""
+        return _product(sizes[:, self.sizes] * self.parts, given[:, self.columns])
+
+    def by_theta(self, given: Points, sizes: Array, slopes: Array) -> Array:
+        """Their derivatives (K, w, d, p); those of the sizes are ``slopes`` (1 or K, s, p)."""
+        whole = self.of(given.by_theta, sizes)
+        weights = slopes[:, self.sizes] * self.parts[..., None]
+        for place, column in enumerate(self.columns):
+            whole += given.value[:, None, column, :, None] * weights[:, :, place, None, :]
+        return whole
+
+
+def _product(weights: Array, directions: Array) -> Array:
+    """Sums (K, w, …) of directions (K, c, …) with weights (1 or K, w, c)."""
+    count, columns, *rest = directions.shape
+    flat = directions.reshape(count, columns, prod(rest))
+    found: Array = np.matmul(weights, flat)
+    return found.reshape(count, weights.shape[1], *rest)
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """Bases, by number, with the offsets of a collider, or those of one less those of another."""
+
+    bases: Indices
+    offsets: tuple[_Offsets, ...]
+
+    @property
+    def count(self) -> int:
+        """How many points it has."""
+        return len(self.bases) * prod(len(each.parts) for each in self.offsets)
+
+    def points(self, given: Array, offsets: Sequence[Array]) -> Array:
+        """Its points (K, count, …), the offsets being (K, w, …) each."""
+        base = given[:, self.bases]
+        found = base[:, :, None, None]
+        if offsets:
+            found = found + offsets[0][:, None, :, None]
+        if len(offsets) > 1:
+            found = found - offsets[1][:, None, None]
+        return found.reshape(len(given), self.count, *given.shape[2:])
 
 
 class SpanningPoints:
@@ -54,34 +111,30 @@ class SpanningPoints:
     def __init__(self, graph: RobotGraph) -> None:
         self._graph = graph
         first, colliders = len(graph.model.effectors), graph.model.colliders
-        starts = [0, *accumulate(len(_sizes(each)) for each in colliders)]
+        starts = accumulate((len(_sizes(each)) for each in colliders), initial=0)
         offsets = [
             _offsets(each, start, graph.model.dimension)
-            for each, start in zip(colliders, starts[:-1], strict=True)
+            for each, start in zip(colliders, starts, strict=False)
         ]
+
+        def behind(numbers: Sequence[int]) -> Indices:
+            return np.array([first + number for number in numbers], dtype=np.int64)
+
         groups = [
-            [_Sum(base, _along(extent.columns, offset)) for base in extent.bases for offset in own]
+            _Group(behind(extent.bases), (own.seen_along(behind(extent.columns)),))
             for extent, own in zip(graph.extents, offsets, strict=True)
         ]
-        for (one, two), gap in zip(graph.model.apart, graph.gaps, strict=True):
-            both = product(offsets[one], offsets[two])
-            sums = [_along(gap.columns[0], a) + _along(gap.columns[1], b, -1.0) for a, b in both]
-            groups.append([_Sum(base, terms) for base in gap.bases for terms in sums])
-        ends = [0, *accumulate(len(group) for group in groups)]
+        for pair, gap in zip(graph.model.apart, graph.gaps, strict=True):
+            both = zip(pair, gap.columns, strict=True)
+            seen = tuple(offsets[each].seen_along(behind(columns)) for each, columns in both)
+            groups.append(_Group(behind(gap.bases), seen))
+        ends = accumulate((group.count for group in groups), initial=0)
         numbers = [tuple(range(start, end)) for start, end in pairwise(ends)]
         self.hulls = tuple(numbers[: len(colliders)])
         self.gaps = tuple(numbers[len(colliders) :])
-        self.plain = not any(isinstance(each, Shape) and each.across(3) for each in colliders)
+        self.plain = not any(own.parts.size for own in offsets)
         """Whether they are the points of the graph as they are."""
-        every = [_Sum(e - first, ()) for e in range(first)] + [s for g in groups for s in g]
-        self._bases: Indices = np.array([first + each.base for each in every], dtype=np.int64)
-        shape = len(every), max((len(each.terms) for each in every), default=0)
-        self._columns, self._which = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
-        self._parts = np.zeros(shape)
-        for row, each in enumerate(every):
-            for place, (column, size, part) in enumerate(each.terms):
-                self._columns[row, place] = first + column
-                self._which[row, place], self._parts[row, place] = size, part
+        self._groups = [_Group(np.arange(first), ()), *groups]
 
     @cached_property
     def _sizes(self) -> ca.Function:
@@ -96,69 +149,59 @@ class SpanningPoints:
         """Where the corners are, (K, m, d) in m, from the points of the graph, (K, t, d)."""
         if self.plain:
             return points
-        return self._spanned(points, self._weights(theta, constants)[0])
+        sizes, _ = self._sizes_at(theta, constants)
+        return self._spanned(points, lambda offsets: offsets.of(points, sizes))
 
     def of(self, points: Points, theta: Array, constants: Array) -> Points:
         """The same with derivatives; ``theta`` is (p,) or, for each sample, (K, p)."""
         if self.plain:
             return points
-        weights, slopes = self._weights(theta, constants)
-        by_theta = self._spanned(points.by_theta, weights)
-        for place in range(self._columns.shape[1]):
-            along = points.value[:, self._columns[:, place]]
-            by_theta += along[..., None] * slopes[:, :, place, None, :]
+        sizes, slopes = self._sizes_at(theta, constants)
+        value, by_q, by_theta = points.value, points.by_q, points.by_theta
         return Points(
-            self._spanned(points.value, weights), self._spanned(points.by_q, weights), by_theta
+            self._spanned(value, lambda offsets: offsets.of(value, sizes)),
+            self._spanned(by_q, lambda offsets: offsets.of(by_q, sizes)),
+            self._spanned(by_theta, lambda offsets: offsets.by_theta(points, sizes, slopes)),
         )
 
-    def _weights(self, theta: Array, constants: Array) -> tuple[Array, Array]:
-        """What directions count in the corners, (1 or K, m, c), and by theta (1 or K, m, c, p)."""
+    def _sizes_at(self, theta: Array, constants: Array) -> tuple[Array, Array]:
+        """The sizes (1 or K, s) in m, and their derivatives (1 or K, s, p)."""
         designs = np.atleast_2d(theta)
-        values, slopes = self._sizes.map(len(designs))(
-            designs.T, np.repeat(constants[:, None], len(designs), axis=1)
+        count, p = designs.shape
+        values, slopes = self._sizes.map(count)(
+            designs.T, np.repeat(constants[:, None], count, axis=1)
         )
-        count, p = len(designs), designs.shape[1]
         sizes = np.array(values).T
-        by_theta = np.array(slopes).reshape(sizes.shape[1], count, p).transpose(1, 0, 2)
-        return sizes[:, self._which] * self._parts, by_theta[:, self._which] * self._parts[
-            ..., None
-        ]
+        return sizes, np.array(slopes).reshape(sizes.shape[1], count, p).transpose(1, 0, 2)
 
-    def _spanned(self, given: Array, weights: Array) -> Array:
-        """Sums (K, m, …) of bases and directions (K, t, …) with their weights."""
-        found = given[:, self._bases]
-        rest = (1,) * (given.ndim - 2)
-        for place in range(self._columns.shape[1]):
-            weight = weights[:, :, place].reshape(*weights.shape[:2], *rest)
-            found += weight * given[:, self._columns[:, place]]
-        return found
+    def _spanned(self, given: Array, offsets: Callable[[_Offsets], Array]) -> Array:
+        """All points (K, m, …)."""
+        parts = [
+            group.points(given, [offsets(each) for each in group.offsets]) for group in self._groups
+        ]
+        return np.concatenate(parts, axis=1)
 
 
 def _sizes(collider: Collider) -> tuple[int, ...]:
     return collider.sizes if isinstance(collider, Shape) else ()
 
 
-def _offsets(collider: Collider, first: int, dimension: int) -> list[tuple[tuple[int, float], ...]]:
-    """The corners about a base: per axis across the number of a size, and the part of it."""
-    if not isinstance(collider, Shape) or not collider.across(dimension):
-        return [()]
-    count = len(collider.across(dimension))
-    if collider.kind == "box":
-        sizes = [first + i for i in range(count)]
-        signs = product((-0.5, 0.5), repeat=count)
-        return [tuple(zip(sizes, each, strict=True)) for each in signs]
-    radius = first + 1
-    if count == 1:
-        return [((radius, -1.0),), ((radius, 1.0),)]
+def _offsets(collider: Collider, first: int, dimension: int) -> _Offsets:
+    """The corners about a base; the sizes of a shape are numbered from ``first`` on."""
+    parts, sizes = np.zeros((1, 0)), np.zeros((1, 0), dtype=np.int64)
+    across = collider.across(dimension) if isinstance(collider, Shape) else ()
+    if across and isinstance(collider, Shape):
+        if collider.kind == "box":
+            parts = np.array(list(product((-0.5, 0.5), repeat=len(across))))
+            sizes = np.tile(first + np.arange(len(across)), (len(parts), 1))
+        else:
+            parts = np.array([[-1.0], [1.0]]) if len(across) == 1 else _around()
+            sizes = np.full(parts.shape, first + 1)
+    return _Offsets(np.zeros(0, dtype=np.int64), sizes, parts)
+
+
+def _around() -> Array:
+    """The corners of a polygon along the unit circle, (w, 2)."""
     angles = (np.arange(SIDES) + 0.5) * 2 * np.pi / SIDES
-    wider = 1 / np.cos(np.pi / SIDES)
-    corners = wider * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    return [((radius, x), (radius, y)) for x, y in corners.tolist()]
-
-
-def _along(
-    columns: tuple[int, ...], offset: tuple[tuple[int, float], ...], sign: float = 1.0
-) -> tuple[tuple[int, int, float], ...]:
-    return tuple(
-        (column, size, sign * part) for column, (size, part) in zip(columns, offset, strict=True)
-    )
+    corners: Array = (1 + OFF) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return corners

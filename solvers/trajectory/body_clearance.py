@@ -48,7 +48,7 @@ class BodyClearance:
             values = positions[:, dwell.point] @ dwell.region.normals.T
             found = np.minimum(found, np.min(dwell.region.offsets - values, axis=1))
         for hull in self._moving:
-            moving = positions[:, list(hull.points)]
+            moving = positions[:, hull.places]
             apart = hull.box_gaps(moving)
             for index in np.flatnonzero(np.any(apart < found[:, None], axis=0)).tolist():
                 check_time()
@@ -68,6 +68,13 @@ class MovingHull:
 
     points: tuple[int, ...]
     separations: tuple[Separation, ...]
+
+    @cached_property
+    def places(self) -> slice | list[int]:
+        """The points as an index; without copies where they stand one behind the other."""
+        first, last = self.points[0], self.points[-1]
+        together = self.points == tuple(range(first, last + 1))
+        return slice(first, last + 1) if together else list(self.points)
 
     @cached_property
     def obstacles(self) -> tuple[Obstacles, ...]:
