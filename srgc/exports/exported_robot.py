@@ -289,11 +289,11 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
         design_names(design, tree),
         tuple(motor_bound(model, task, dof) for dof in range(len(model.dofs))),
         dampings(design),
-        tuple(0.0 if dof.inertia is None else to_float(dof.inertia) for dof in model.dofs),
         (gravity[0], gravity[1], gravity[2]),
         task.step,
         tuple(float(value) for value in coordinates),
         (*origin(design), *plane, *remarks(design)),
+        tuple(0.0 if dof.inertia is None else to_float(dof.inertia) for dof in model.dofs),
     )
 
 
@@ -356,11 +356,15 @@ class ExportedRobot:
     names: PartNames
     efforts: tuple[float | None, ...]
     dampings: tuple[float, ...]
-    armatures: tuple[float, ...]
     gravity: tuple[float, float, float]
     step: Fraction
     start: tuple[float, ...]
     remarks: tuple[str, ...]
+    armatures: tuple[float, ...] = ()
+
+    def armature(self, dof: int) -> float:
+        """The inertia of the rotor of a degree of freedom as it feels it (kg m^2, kg)."""
+        return self.armatures[dof] if self.armatures else 0.0
 
     def motors(self) -> Iterator[Motor]:
         """The motors in the order of the degrees of freedom."""

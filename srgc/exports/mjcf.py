@@ -149,8 +149,8 @@ class _Writer:
             limits = {"limited": "true", "range": joint.range}
         if damping:
             limits["damping"] = damping
-        if self.robot.armatures[joint.dof]:
-            limits["armature"] = self.robot.armatures[joint.dof]
+        if armature := self.robot.armature(joint.dof):
+            limits["armature"] = armature
         self.xml.element(
             "joint",
             name=name,

@@ -129,8 +129,7 @@ class _Writer:
             self.xml.element("limit", lower=lower, upper=upper, effort=most, velocity=speed)
         if motor.damping:
             self.xml.element("dynamics", damping=motor.damping)
-        rotor = self.robot.armatures[joint.dof]
-        if rotor:
+        if rotor := self.robot.armature(joint.dof):
             self.xml.comment(f"the rotor adds {rotor!r} in SI units to M, which URDF cannot say")
         self.xml.close()
 

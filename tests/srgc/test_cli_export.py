@@ -131,7 +131,13 @@ def test_the_parts_of_a_urdf(srgc: Export, crane: Path, tmp_path: Path) -> None:
         tensor = link.find("inertial/inertia")
         assert tensor is not None
         assert min(float(tensor.attrib[name]) for name in ("ixx", "iyy", "izz")) >= 1e-9
-    assert len(list(root.iter("cylinder"))) == len(list(root.iter("box"))) == 4
+    # Boxes of an inertia are for the eye alone; rods with a radius collide as capsules.
+    shown = {
+        tag: [item.tag for each in root.iter(tag) for item in each.find("geometry") or ()]
+        for tag in ("visual", "collision")
+    }
+    assert sorted(shown["visual"]) == ["box", "box", "cylinder", "cylinder"]
+    assert sorted(shown["collision"]) == ["cylinder"] * 2 + ["sphere"] * 4
     assert {item.attrib["radius"] for item in root.iter("cylinder")} == {"0.05"}
 
 
