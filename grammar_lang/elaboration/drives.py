@@ -12,6 +12,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.closed import Constants
+from grammar_lang.elaboration.sorts import LARGEST, SMALLEST
 from grammar_lang.ir import constants
 from grammar_lang.units import FORCE, INERTIA, LENGTH, ONE, TIME, TORQUE, Dimension
 
@@ -73,8 +74,13 @@ class DriveReader:
                 message = "the rotor of a prismatic joint needs a `gear`, its turns (rad) per metre"
                 self.sink.error(Code.BAD_VALUE, message, item.span, "add `gear 100 m^-1`")
                 return
-            square = ir.Binary("*", gear, gear)
-            self.dofs[name] = replace(dof, inertia=ir.Binary("*", square, rotor))
+            inertia = ir.Binary("*", ir.Binary("*", gear, gear), rotor)
+            if _computable(inertia):
+                self.dofs[name] = replace(dof, inertia=inertia)
+            else:
+                message = "what the joint feels of its rotor is beyond all computing"
+                hint = f"gear^2 * rotor is zero, or from {SMALLEST:g} to {LARGEST:g} in SI units"
+                self.sink.error(Code.BAD_NUMBER, message, item.span, hint)
         if "viscous" in parts:
             self.viscous[name] = parts["viscous"]
 
@@ -103,6 +109,15 @@ class DriveReader:
             span = self.seen[name].span
             own[name] = ir.Torque(name, ir.Binary("-", driven, drag), span)
         return tuple(own[name] for name in self.dofs if name in own)
+
+
+def _computable(inertia: ir.Expr) -> bool:
+    """Whether floating point can hold an amount and its square, or it is zero."""
+    try:
+        size = constants.to_float(inertia)
+    except (OverflowError, ValueError):
+        return False
+    return size == 0 or SMALLEST <= size <= LARGEST
 
 
 def check_driven(module: ir.Module, items: Sequence[s.Dof], sink: Sink) -> None:

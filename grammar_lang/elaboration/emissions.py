@@ -218,7 +218,7 @@ class Emissions:
             self.sink.error(Code.BAD_EMISSION, message, expr.span, "write `size: (a, b, c) m`")
             return (ZERO, ZERO, ZERO)
         only, other = (2, "in space") if len(expr.items) == 2 else (3, "in the plane")
-        message = f"{other} a box has {len(expr.items) % 2 + 2} edges"
+        message = f"{other} a box has {5 - len(expr.items)} edges"
         self.scope.uses.append(DimensionUse(2 if only == 2 else 3, expr.span, message))
         found = self._scalars(expr, LENGTH)
         return tuple(self._not_negative(e, x) for e, x in zip(found, expr.items, strict=True))

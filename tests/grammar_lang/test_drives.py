@@ -89,6 +89,15 @@ HEAD = (
         ("drive q: rotor 2 kg;", [("UNIT_MISMATCH", "2 kg")]),
         ("drive d: rotor 2 kg*m^2;", [("BAD_VALUE", "drive d: rotor 2 kg*m^2;")]),
         ("drive d: rotor 2 kg*m^2 gear 3 m^-1;", []),
+        (
+            "drive q: gear 1e200 rotor 1 kg*m^2;",
+            [("BAD_NUMBER", "drive q: gear 1e200 rotor 1 kg*m^2;")],
+        ),
+        (
+            "drive q: gear 1e60 rotor 1 kg*m^2;",
+            [("BAD_NUMBER", "drive q: gear 1e60 rotor 1 kg*m^2;")],
+        ),
+        ("drive q: gear 0 rotor 1 kg*m^2;", []),
         ("drive q: viscous 2 N*s/m;", [("UNIT_MISMATCH", "2 N*s/m")]),
         ("drive q: viscous -1 N*m*s;", [("BAD_VALUE", "-1 N*m*s")]),
         ("drive q: viscous c;", [("UNIT_MISMATCH", "c")]),

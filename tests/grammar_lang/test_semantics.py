@@ -113,6 +113,22 @@ def test_shapes() -> None:
     assert flat == ir.Shape("box", world, None, (length, num("1/5")))
 
 
+@pytest.mark.parametrize(("plane", "size"), [("plane xy", "(1, 2, 3)"), ("space xyz", "(1, 2)")])
+def test_edges_of_boxes_fit_the_space(plane: str, size: str) -> None:
+    axes = "[0, 9] x [0, 9]" if plane == "plane xy" else "[0, 9] x [0, 9] x [0, 9]"
+    edges = 2 if plane == "plane xy" else 3
+    text = f"""
+    module L {{ role link; }} grammar G {{ start S; a: S -> L; }}
+    semantics G {{ a {{ box(frame: world, size: {size} m); effector(frame: world); }} }}
+    workspace W {{ {plane}; bounds box {axes} m; region A box {axes} m; target T box {axes} m; }}
+    task J {{ robot G; workspace W; start in A; reach T; horizon 5 steps of 1 s; }}
+    """
+    messages = [each.message for each in load_text(text, "t").diagnostics]
+    assert [each for each in messages if "box has" in each] == [
+        f"in {'the plane' if edges == 2 else 'space'} a box has {edges} edges"
+    ]
+
+
 def test_steps_rules_and_emissions_know_which_modules_they_mention() -> None:
     """By a coordinate, a parameter or a constant that is folded away, in order of mention."""
     modules = """
