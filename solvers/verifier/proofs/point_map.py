@@ -47,8 +47,9 @@ class Slice:
 
         p is a point, or a point and other points, directions, times the weights of ``terms``.
         """
-        parts = [(normal, point)]
-        parts += [([weight * a for a in normal], column) for column, weight in terms]
+        parts: list[tuple[Sequence[arb], int]] = [(normal, point)]
+        if terms:
+            parts += [([weight * a for a in normal], column) for column, weight in terms]
         zero, one, two = arb(0), arb(0), arb(0)
         for scaled, number in parts:
             for a, (p0, p1, p2) in zip(scaled, self.points[number], strict=True):

@@ -183,6 +183,9 @@ class Inside(Constraint):
 
     def _farthest(self, item: Row, over: Slice) -> Iterator[tuple[arb, arb]]:
         """Enclosures of ``normal . p`` of what may be farthest along the normal of a row."""
+        if not self.extensions:
+            yield from (over.form(item.normal, point) for point in self.points)
+            return
         against = [-a for a in item.normal]
         for value, centre in lowest(over, against, self.points, self.extensions):
             yield -value, -centre
