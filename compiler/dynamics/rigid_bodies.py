@@ -94,7 +94,12 @@ def mass_matrix(
     coordinates: Coordinates,
 ) -> ca.SX:
     """M, the Hessian of the kinetic energy in the rates of y, shape (n, n)."""
-    mass = _of_bodies(model, at, y, constants, coordinates)
+    if has_turned_columns(model, coordinates):
+        mass = _turned_mass_matrix(model, at, y, constants, coordinates)
+    else:
+        mass = composite_mass_matrix(model, at, own_motion(coordinates, y), constants)
+        if coordinates != own_coordinates(model):
+            mass = _generalised(mass, coordinates)
     rotors = rotor_inertias(model, constants)
     return mass if rotors is None else mass + _generalised(rotors, coordinates)
 
@@ -108,19 +113,6 @@ def rotor_inertias(model: RobotModel, constants: SymbolicEvaluator) -> ca.SX | N
         if dof.inertia is not None:
             found[number, number] = evaluate_expression(dof.inertia, constants)
     return found
-
-
-def _of_bodies(
-    model: RobotModel,
-    at: Kinematics,
-    y: ca.SX,
-    constants: SymbolicEvaluator,
-    coordinates: Coordinates,
-) -> ca.SX:
-    if has_turned_columns(model, coordinates):
-        return _turned_mass_matrix(model, at, y, constants, coordinates)
-    mass = composite_mass_matrix(model, at, own_motion(coordinates, y), constants)
-    return mass if coordinates == own_coordinates(model) else _generalised(mass, coordinates)
 
 
 def _generalised(mass: ca.SX, coordinates: Coordinates) -> ca.SX:

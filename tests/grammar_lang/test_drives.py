@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 
 import pytest
 
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
-from grammar_lang.load import load_text
+from tests.grammar_lang.test_module_dynamics import module, num
 
 Check = Callable[[str], list[tuple[str, str]]]
 
 RATE, EFFORT = ir.RateOf(ir.THIS, "q"), ir.EffortOf(ir.THIS, "q")
-
-
-def module(body: str) -> ir.Module:
-    loaded = load_text(f"module M {{ role joint; {body} }}", "t")
-    assert loaded.program is not None, loaded.diagnostics
-    return loaded.program.modules["M"]
-
-
-def num(value: str) -> ir.Num:
-    return ir.Num(Fraction(value))
 
 
 def test_a_drive_from_a_data_sheet() -> None:
