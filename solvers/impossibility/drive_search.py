@@ -6,8 +6,12 @@ at a few sizes; parameters are divided where that does not suffice.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.robot import RobotModel
@@ -26,6 +30,8 @@ from compiler.unreachability.motion_conditions import motion_conditions
 from grammar_lang import ir
 from solvers.impossibility.box_growth import Divide
 from solvers.impossibility.box_search import BoxRefutation, Search
+from solvers.impossibility.pose_search import PoseWitness
+from solvers.trajectory.task_limits import input_groups, motion_limits
 from solvers.verifier.refutations.box_check import PRECISION, why_not
 
 
@@ -41,6 +47,49 @@ BEFORE_MOTIONS = DriveEffort((16,), 1)
 """Before a motion is searched: only what is far out of reach."""
 AFTER_MOTIONS = DriveEffort((16, 64, 256), 4)
 """After no motion was found."""
+INSTANTS = 8
+"""Of a straight motion at which its inputs are looked at."""
+MISSED = 1e-6
+"""Accelerations that inputs bring about are wrong by no more, relatively."""
+
+
+def drives_seem_able(
+    numeric: NumericRobot, task: ir.Task, witnesses: Sequence[PoseWitness | None]
+) -> bool:
+    """Whether the drives seem strong enough, so that no covering will show them too weak.
+
+    The poses that answer each question are joined by straight motions in joint space, from rest to
+    rest over all of the horizon; obstacles are left to the search for a motion.
+    """
+    with np.errstate(all="ignore"):
+        return bool(witnesses) and all(
+            witness is not None and _is_driven(numeric, task, witness) for witness in witnesses
+        )
+
+
+def _is_driven(numeric: NumericRobot, task: ir.Task, witness: PoseWitness) -> bool:
+    """Whether the inputs and rates of a straight motion between two poses keep their bounds."""
+    model, limits = numeric.graph.model, motion_limits(numeric.graph.model, task)
+    start = limits.start_values if witness.start is None else witness.start
+    if start is None or numeric.r:
+        return False
+    part = np.linspace(0.0, 1.0, INSTANTS)[:, None]
+    horizon, way = float(task.steps * task.step), witness.target - start
+    q = start + way * part**3 * (10 - 15 * part + 6 * part**2)
+    rates = way / horizon * 30 * part**2 * (1 - part) ** 2
+    wanted = way / horizon**2 * 60 * part * (1 - part) * (1 - 2 * part)
+    x, idle = np.concatenate([q, rates], axis=1), np.zeros((INSTANTS, numeric.m))
+    free, slope = numeric.acceleration(x, idle, witness.theta)
+    by_input = slope[:, :, numeric.size : numeric.size + numeric.m]
+    if not np.isfinite(by_input).all():
+        return False
+    inputs = np.einsum("kmn,kn->km", np.linalg.pinv(by_input), wanted - free)
+    found, _ = numeric.acceleration(x, inputs, witness.theta)
+    return (
+        bool(np.all(np.abs(found - wanted) <= MISSED * (1 + np.max(np.abs(free)))))
+        and bool(np.all((rates >= limits.rate_lower) & (rates <= limits.rate_upper)))
+        and all(group.margin(inputs) >= 0 for group in input_groups(model, task))
+    )
 
 
 def drive_refutation(

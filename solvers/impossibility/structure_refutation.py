@@ -33,7 +33,11 @@ from solvers.impossibility.box_search import (
     start_is_excluded,
     way_is_seen,
 )
-from solvers.impossibility.drive_search import BEFORE_MOTIONS, drive_refutation
+from solvers.impossibility.drive_search import (
+    BEFORE_MOTIONS,
+    drive_refutation,
+    drives_seem_able,
+)
 from solvers.impossibility.pose_search import PoseWitness, clear_poses, designs, find_poses
 from solvers.run_context import RunContext
 from solvers.verdict import Fails
@@ -146,7 +150,9 @@ class _Asked:
         return box_refutation(*robot, WITHOUT_PROOF)
 
     def drives(self) -> BoxRefutation | None:
-        """A covering that shows the drives to be far too weak."""
+        """A covering that shows the drives to be far too weak, where there is hope of one."""
+        if drives_seem_able(self.numeric, self.task, self.witnesses):
+            return None
         robot = self.model, self.numeric.graph, self.workspace, self.task
         return drive_refutation(*robot, BEFORE_MOTIONS)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Protocol
 
 import numpy as np
 
@@ -100,37 +100,44 @@ class Configuration:
     calmed: bool = False
 
 
-AtOnce: TypeAlias = "Callable[[PathProblem, ControlOutcome], None] | None"
+class MotionListener(Protocol):
+    """Is told of outcomes as they are evaluated."""
+
+    def see(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        """Told of an outcome, and of the problem that it is one of."""
+
+    def prove(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        """Told of one that is worth a proof at once."""
 
 
 def search_configuration(
     path_problem: PathProblem,
     label: str,
     context: RunContext,
-    at_once: AtOnce = None,
+    listener: MotionListener | None = None,
     start: Array | None = None,
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal; ``at_once`` is told of outcomes as
+    ``label`` names the structure and path in the journal; ``listener`` is told of outcomes as
     they are evaluated.  Where there are only motions that their inputs alone do not cause, and
     the task does not ask for an open loop, a calm one is preferred, and looked for at once.
     With a ``start`` (p,), parameters in SI units, others are looked for from these alone.
     """
-    search = _Survey(path_problem, label, context, at_once)
+    search = _Survey(path_problem, label, context, listener)
     calm, slower = path_problem.rates > 0, None
     may_calm = not calm and start is None
-    plain = may_calm and at_once is not None and not path_problem.in_joints
+    plain = may_calm and listener is not None and not path_problem.in_joints
     first = first_motion(path_problem, context.seed, context.check_time) if plain else None
-    # Without parameters the search itself takes no longer than such a proof.
-    if first is not None and at_once is not None and not search.space.is_point:
-        at_once(path_problem, first)
+    if first is not None and listener is not None:
+        # Without parameters the search itself takes no longer than such a proof.
+        (listener.see if search.space.is_point else listener.prove)(path_problem, first)
     if start is not None and not search.space.is_point:
         search.evaluate([start], SURVEY)
     else:
         search.run(until=search.prefers_calm if may_calm else None)
     if may_calm and search.prefers_calm():
-        slower = calmed(path_problem, label, context, at_once)
+        slower = calmed(path_problem, label, context, listener)
         if slower.outcome.feasible:
             return replace(slower, samples=(*search.samples, *slower.samples))
         search.run()
@@ -143,12 +150,12 @@ def search_configuration(
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
         # Tracking a line through cells may lead nowhere, where a way in joint space does.
         other = replace(path_problem, in_joints=True)
-        again = search_configuration(other, f"{label}|joints", context, at_once, start)
+        again = search_configuration(other, f"{label}|joints", context, listener, start)
         if again.outcome.robustness > ranked[0].robustness:
             return replace(again, samples=samples + with_price + again.samples)
         samples += again.samples
     if may_calm and slower is None and only_for_feedback(path_problem, polished):
-        slower = calmed(path_problem, label, context, at_once)
+        slower = calmed(path_problem, label, context, listener)
         if slower.outcome.feasible:
             return replace(slower, samples=samples + slower.samples)
         with_price = slower.samples
@@ -171,10 +178,13 @@ def only_for_feedback(path_problem: PathProblem, outcomes: Sequence[ControlOutco
 
 
 def calmed(
-    path_problem: PathProblem, label: str, context: RunContext, at_once: AtOnce = None
+    path_problem: PathProblem,
+    label: str,
+    context: RunContext,
+    listener: MotionListener | None = None,
 ) -> Configuration:
     """A configuration for the same path that suits feedback better; it may be infeasible."""
-    return search_configuration(calmer(path_problem), f"{label}{CALM_LABEL}", context, at_once)
+    return search_configuration(calmer(path_problem), f"{label}{CALM_LABEL}", context, listener)
 
 
 def searched_further(
@@ -217,7 +227,11 @@ class _Survey:
     """The evaluations of a path's parameters, with the motions that were found."""
 
     def __init__(
-        self, path_problem: PathProblem, label: str, context: RunContext, at_once: AtOnce = None
+        self,
+        path_problem: PathProblem,
+        label: str,
+        context: RunContext,
+        listener: MotionListener | None = None,
     ) -> None:
         self.space = parameter_space(path_problem.model)
         self.attempts: list[ControlOutcome] = []
@@ -228,7 +242,7 @@ class _Survey:
         self._path_problem = path_problem
         self._label = label
         self._context = context
-        self._at_once = at_once
+        self._listener = listener
         self._evaluator = Evaluator(path_problem, context.workers, context.journal, label)
         self._search = parameter_search(self.space.cube, context.seed, context.search)
         self._harder: bool | None = None
@@ -294,8 +308,8 @@ class _Survey:
             self.attempts += outcomes
             self.samples.append(Sample(theta, outcome.robustness, outcome.feasible))
             self._context.reporter.robustness(max(o.robustness for o in self.attempts))
-            if self._at_once is not None:
-                self._at_once(self._path_problem, outcome)
+            if self._listener is not None:
+                self._listener.prove(self._path_problem, outcome)
         return found
 
     def worth(self, outcome: ControlOutcome) -> float:

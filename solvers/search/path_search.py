@@ -98,7 +98,7 @@ class PathSearch:
         """
         path_problem, label = self.posed(cells, plan), self.label(cells, plan)
         early, context = _Early(self), self.structure.context
-        found = search_configuration(path_problem, label, context, at_once=early)
+        found = search_configuration(path_problem, label, context, listener=early)
         first = early.design()
         if not found.outcome.feasible:
             attempt = self.not_followed(path_problem, found)
@@ -226,13 +226,16 @@ class _Early:
         self._begun: Begun[Design | None] | None = None
         self._design: Design | None = None
 
-    def __call__(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
-        """Told of an outcome, and of the problem that it is one of."""
-        search = self._search
+    def see(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        """Tell of an outcome that is more robust than all before."""
         if outcome.robustness > self._best:
             self._best = outcome.robustness
             cells, entries = path_problem.cells, path_problem.waypoints()[1]
-            search.see(path_problem, Configuration(outcome, entries, cells))
+            self._search.see(path_problem, Configuration(outcome, entries, cells))
+
+    def prove(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        """Tell of an outcome, and have it proved."""
+        self.see(path_problem, outcome)
         if self._left and outcome.feasible:
             self._waiting.append((path_problem, outcome))
         self._advance(wait=False)

@@ -9,7 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from compiler.arrays import Array
+from solvers.run_context import RunContext
+from solvers.search.configuration_search import search_configuration
 from solvers.search.first_motion import first_motion, followed
+from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.task_size import LEAST_MARGIN
 from solvers.trajectory.trajectory import Trajectory
@@ -99,3 +102,32 @@ def test_whoever_asks_may_end_it() -> None:
 
     with pytest.raises(TimeoutError):
         first_motion(problem_of(60), 0, late)
+
+
+class Told:
+    """Writes down what it is told."""
+
+    def __init__(self) -> None:
+        self.kinds = list[str]()
+        self.feasible = list[bool]()
+
+    def see(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        self._write("seen", outcome)
+
+    def prove(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
+        self._write("to be proved", outcome)
+
+    def _write(self, kind: str, outcome: ControlOutcome) -> None:
+        self.kinds.append(kind)
+        self.feasible.append(outcome.feasible)
+
+
+@pytest.mark.parametrize("length", ["param length in [0.5, 1.1] m", "const length = 0.8 m"])
+def test_the_first_motion_is_told_of_before_any_search(length: str) -> None:
+    text = TURNER.replace("param length in [1, 2] m", length)
+    assert length in text
+    told = Told()
+    search_configuration(planned(text, LEAST_MARGIN), "", RunContext(evaluations=1), told)
+    assert told.feasible[0]
+    assert len(told.kinds) > 1
+    assert told.kinds[0] == ("seen" if "const" in length else "to be proved")
