@@ -102,10 +102,11 @@ class _Group:
 
 
 class SpanningPoints:
-    """The effectors, the corners of all colliders, and the differences of those of pairs.
+    """Effectors, the corners of all colliders, the differences of those of pairs, and axes.
 
     ``hulls`` are the numbers of the corners of each collider, ``gaps`` those of the differences of
-    each pair ``apart``, from the first point behind the effectors.
+    each pair ``apart``, ``axes`` those of the axes of each effector's frame, from the first point
+    behind the effectors.
     """
 
     def __init__(self, graph: RobotGraph) -> None:
@@ -122,16 +123,19 @@ class SpanningPoints:
 
         groups = [
             _Group(behind(extent.bases), (own.seen_along(behind(extent.columns)),))
-            for extent, own in zip(graph.extents, offsets, strict=True)
+            for extent, own in zip(graph.numbering.extents, offsets, strict=True)
         ]
-        for pair, gap in zip(graph.model.apart, graph.gaps, strict=True):
+        for pair, gap in zip(graph.model.apart, graph.numbering.gaps, strict=True):
             both = zip(pair, gap.columns, strict=True)
             seen = tuple(offsets[each].seen_along(behind(columns)) for each, columns in both)
             groups.append(_Group(behind(gap.bases), seen))
+        groups += [_Group(behind(axes), ()) for axes in graph.numbering.axes]
         ends = accumulate((group.count for group in groups), initial=0)
         numbers = [tuple(range(start, end)) for start, end in pairwise(ends)]
         self.hulls = tuple(numbers[: len(colliders)])
-        self.gaps = tuple(numbers[len(colliders) :])
+        last = len(colliders) + len(graph.model.apart)
+        self.gaps = tuple(numbers[len(colliders) : last])
+        self.axes = tuple(numbers[last:])
         self.plain = not any(own.parts.size for own in offsets)
         """Whether they are the points of the graph as they are."""
         self._groups = [_Group(np.arange(first), ()), *groups]

@@ -31,7 +31,7 @@ from compiler.dynamics.rigid_bodies import (
     gravitational_forces,
     mass_matrix,
 )
-from compiler.dynamics.robot_points import MADE, Extent, Gap, RobotPoints, robot_points
+from compiler.dynamics.robot_points import MADE, Numbering, RobotPoints, robot_points
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant, PiConstant
 from compiler.robots.robot import RobotModel
@@ -88,9 +88,8 @@ class RobotGraph:
     - ``conditions(q, w, u, theta, k)``: what must not be zero (the first ``divisors`` entries), and
       what must not be negative, for the values above to exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
-    - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``extents`` says which of
-      them are of what collides; ``points(q, theta, k)``: effectors, body points, then what is no
-      place (:mod:`compiler.dynamics.robot_points`); ``gaps`` are those of the pairs ``apart``.
+    - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``points(q, theta, k)``:
+      effectors, body points, then what is no place (:mod:`compiler.dynamics.robot_points`).
 
     A function is made when it is first asked for: their sizes differ by orders of magnitude.
     """
@@ -307,14 +306,9 @@ class RobotGraph:
         return self._function("sizes", [], self.parts.points.sizes)
 
     @property
-    def extents(self) -> tuple[Extent, ...]:
-        """The points of each collider of the model."""
-        return self.parts.points.extents
-
-    @property
-    def gaps(self) -> tuple[Gap, ...]:
-        """The points of each pair ``apart`` of the model."""
-        return self.parts.points.gaps
+    def numbering(self) -> Numbering:
+        """Which of the points are of what."""
+        return self.parts.points.numbering
 
     @property
     def _points(self) -> ca.SX:

@@ -1,8 +1,9 @@
 """The points of a robot that searches and proofs speak of, as expressions in (q, theta).
 
 Effectors come first, then the points about which bodies and shapes are; then the differences of
-these points for every pair that has to stay apart, and the directions along which shapes extend.
-Differences and directions are no places, and are called points all the same.
+these points for every pair that has to stay apart, and the directions along which shapes extend;
+at last the axes of effectors' frames, where it matters how these are turned.  Differences and
+directions are no places, and are called points all the same.
 """
 
 from __future__ import annotations
@@ -41,6 +42,19 @@ class Gap:
     columns: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
 
 
+@dataclass(frozen=True, slots=True)
+class Numbering:
+    """Which points are of each collider, of each pair ``apart``, and of each effector's frame.
+
+    ``axes`` are the directions of the axes of effectors' frames, none where these do not matter;
+    numbers are counted from the first point behind the effectors.
+    """
+
+    extents: tuple[Extent, ...]
+    gaps: tuple[Gap, ...]
+    axes: tuple[tuple[int, ...], ...]
+
+
 @dataclass(slots=True)
 class _Numbered:
     """Expressions (3,) one behind the other, in ``d`` coordinates each."""
@@ -71,8 +85,7 @@ class RobotPoints:
     bodies: ca.SX
     others: ca.SX
     sizes: ca.SX
-    extents: tuple[Extent, ...]
-    gaps: tuple[Gap, ...]
+    numbering: Numbering
 
 
 def robot_points(at: Kinematics) -> RobotPoints:
@@ -96,10 +109,14 @@ def robot_points(at: Kinematics) -> RobotPoints:
         Gap(own, (found.add(seen.columns(colliders[one])), found.add(seen.columns(colliders[two]))))
         for (one, two), (seen, own) in zip(model.apart, pairs, strict=True)
     )
+    axes = tuple(
+        found.add([at.axis(frame, axis) for axis in range(model.dimension)])
+        for frame in (model.effectors if model.posed else ())
+    )
     effectors = _Numbered(model.dimension)
     effectors.add([at.origins[frame] for frame in model.effectors])
     sizes = [at.scalars[size] for shape in model.shapes for size in shape.sizes]
     return RobotPoints(
         effectors.stacked(), found.stacked(0, count), found.stacked(count),
-        ca.vertcat(*sizes) if sizes else ca.SX(0, 1), extents, gaps,
+        ca.vertcat(*sizes) if sizes else ca.SX(0, 1), Numbering(extents, gaps, axes),
     )  # fmt: skip

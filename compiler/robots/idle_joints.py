@@ -88,19 +88,16 @@ class _Reach:
         self.turned = [[(False, False)] * 3 for _ in range(count)]
         for body in model.bodies:
             self.carries[body.frame] = True
-            for axis in range(3):
-                if isinstance(body, SolidBody):
-                    self._add(body.frame, axis, away=True, aligned=True)
-                elif isinstance(body, RodBody):
-                    self._add(body.frame, axis, away=True, aligned=body.axis != axis)
+            if isinstance(body, SolidBody | RodBody):
+                self._add_all(body.frame, body.axis if isinstance(body, RodBody) else None)
         for shape in model.shapes:
             self.carries[shape.frame] = True
             if shape.kind != "sphere":
-                for axis in range(3):
-                    aligned = shape.kind == "box" or shape.axis != axis
-                    self._add(shape.frame, axis, away=True, aligned=aligned)
+                self._add_all(shape.frame, None if shape.kind == "box" else shape.axis)
         for frame in model.effectors:
             self.carries[frame] = True
+            if model.posed:
+                self._add_all(frame, None)
         for frame in range(count - 1, WORLD, -1):
             self._pass_on(frame)
 
@@ -109,6 +106,11 @@ class _Reach:
         if self.model.dofs[joint.dof].kind == "prismatic":
             return self.carries[frame]
         return self.turned[frame][joint.axis][True]
+
+    def _add_all(self, frame: int, along: int | None) -> None:
+        """Add what a turn about any line moves, but about the axis ``along``."""
+        for axis in range(3):
+            self._add(frame, axis, away=True, aligned=axis != along)
 
     def _add(self, frame: int, axis: int, *, away: bool, aligned: bool) -> None:
         before = self.turned[frame][axis]

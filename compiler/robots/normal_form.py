@@ -333,13 +333,15 @@ def _plus(a: ir.Interval, b: ir.Interval) -> ir.Interval:
 class RobotFamily:
     """A grammar of a program whose derivations are robots in the plane (2) or in space (3).
 
-    ``itself`` says which of their bodies have to stay apart.
+    ``itself`` says which of their bodies have to stay apart, ``posed`` whether it matters how the
+    frames of their effectors are turned.
     """
 
     program: ir.Program
     grammar: ir.Grammar
     dimension: Literal[2, 3]
     itself: ir.AvoidSelf | None = None
+    posed: bool = False
 
     @cached_property
     def language(self) -> Language:
@@ -363,7 +365,8 @@ class RobotFamily:
         """
         semantics = self.grammar.semantics or {}
         order = self.evaluation_order
-        return evaluate(derivation, self.program.modules, semantics, self.dimension, order)
+        found = evaluate(derivation, self.program.modules, semantics, self.dimension, order)
+        return replace(found, posed=self.posed)
 
     def robot(self, derivation: Derivation) -> RobotModel:
         """The normalised robot of a derivation; errors as of ``built``."""
@@ -377,4 +380,4 @@ def family_of(program: ir.Program, task: ir.Task) -> RobotFamily:
     """The robot family of a task."""
     workspace = program.workspaces[task.workspace]
     grammar = program.grammars[task.grammar]
-    return RobotFamily(program, grammar, workspace.dimension, task.avoid_self)
+    return RobotFamily(program, grammar, workspace.dimension, task.avoid_self, bool(task.poses))

@@ -301,7 +301,7 @@ class RobotModel:
     of the word, in word order, once they may be others than ``dofs``.  ``owners`` says per body
     whose it is, where that is known, ``shape_owners`` per shape.  Bodies that are ``covered`` do
     not collide: their links do as shapes.  Pairs that have to stay ``apart`` are of ``colliders``,
-    by their numbers.
+    by their numbers.  Of ``posed`` robots it matters how the frames of effectors are turned.
     """
 
     dimension: Literal[2, 3]
@@ -319,6 +319,7 @@ class RobotModel:
     shapes: tuple[Shape, ...] = ()
     shape_owners: tuple[BodyOwner | None, ...] = ()
     covered: tuple[int, ...] = ()
+    posed: bool = False
 
     @property
     def colliders(self) -> tuple[Collider, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.syntax import formulas as f
 from grammar_lang.syntax import tasks as t
 
 
@@ -32,19 +33,19 @@ def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
                 sink.error(Code.LAST_WITHOUT_END, message, last.span, hint, notes)
 
 
-def _lasts(formula: t.Formula) -> Iterator[t.Last]:
+def _lasts(formula: f.Formula) -> Iterator[f.Last]:
     """The parts ``last[…]`` of a formula, from left to right."""
     match formula:
-        case t.Last(operand=part):
+        case f.Last(operand=part):
             yield formula
             yield from _lasts(part)
-        case t.Unary(operand=part):
+        case f.Unary(operand=part):
             yield from _lasts(part)
-        case t.Joined(operands=parts):
+        case f.Joined(operands=parts):
             for part in parts:
                 yield from _lasts(part)
-        case t.Binary(left=left, right=right):
+        case f.Binary(left=left, right=right):
             yield from _lasts(left)
             yield from _lasts(right)
-        case t.Atom():
+        case f.Atom():
             return

@@ -15,7 +15,7 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import Constants
-from grammar_lang.syntax import tasks as f
+from grammar_lang.syntax import formulas as f
 from grammar_lang.units import TIME
 
 _ALWAYS = ir.Window(Fraction(0), None)

@@ -168,7 +168,14 @@ class _Reader:
             return None
         region, effector = self.place(item.region), self.effector(item.effector)
         rates = None if item.rates is None else final_rates(item.rates, self.kinds, self.sink)
-        return ir.Reach(region, effector, rates, item.span)
+        return ir.Reach(region, effector, rates, self._poses(item), item.span)
+
+    def _poses(self, item: t.Reach) -> tuple[ir.Pose, ...]:
+        if not item.poses or self.workspace is None:
+            return ()
+        from grammar_lang.elaboration.poses import lower_poses
+
+        return lower_poses(item.poses, self.workspace.dimension, self.sink)
 
     def avoid(self) -> tuple[ir.Avoid, ...]:
         found = (self._avoid(i) for i in self.task.items if isinstance(i, t.Avoid))

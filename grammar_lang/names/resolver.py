@@ -27,7 +27,7 @@ from grammar_lang.names.declarations import (
 )
 from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Span
-from grammar_lang.syntax import tasks as f
+from grammar_lang.syntax import formulas as f
 from grammar_lang.syntax import tasks as t
 from grammar_lang.syntax.expressions import readings
 

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from grammar_lang import syntax as s
 from grammar_lang.parsing.lalr import Builder, Token
 from grammar_lang.source import Span
-from grammar_lang.syntax import tasks as f
+from grammar_lang.syntax import formulas as f
 from grammar_lang.syntax import tasks as t
 
 MAX_LITERAL = 300
@@ -166,7 +166,9 @@ _TASKS: dict[str, Builder] = {
     "task_workspace": lambda c, span: t.TaskWorkspace(_ident(c[0]), span),
     "start_in": _start_in,
     "start_at": lambda c, span: t.StartAt(c[0], span),
-    "reach": lambda c, span: t.Reach(_ident(c[0]), c[1], c[2], span),
+    "reach": lambda c, span: t.Reach(_ident(c[0]), c[1], tuple(c[2:-1]), c[-1], span),
+    "aligned": lambda c, span: f.Aligned(c[0], c[1].items, c[1].unit, c[2], span),
+    "oriented": lambda c, span: f.Oriented(c[0], c[1], span),
     "final_rates": _final_rates,
     "by_effector": lambda c, _: c[0],
     "at_rest": lambda _, span: span,

@@ -1,4 +1,4 @@
-"""Syntax nodes of tasks and their formulas."""
+"""Syntax nodes of workspaces and tasks."""
 
 from __future__ import annotations
 
@@ -17,68 +17,7 @@ from grammar_lang.syntax import (
     Module,
     Semantics,
 )
-
-# --- The abstract syntax of ``satisfy``: linear temporal logic, formulas in ``srg.lark`` ----------
-
-
-@node
-class Atom:
-    """``R by effector n``."""
-
-    region: Ident
-    effector: Expr | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Window:
-    """``[lower, upper]`` after an operator."""
-
-    lower: Expr
-    upper: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Unary:
-    """``not F``, ``next F``, and ``always F`` or ``eventually F`` with an optional window."""
-
-    operator: Literal["not", "next", "always", "eventually"]
-    operand: Formula
-    window: Window | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Last:
-    """``last[duration] F``."""
-
-    duration: Expr
-    operand: Formula
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Joined:
-    """Two or more formulas joined by ``and`` or by ``or``."""
-
-    operator: Literal["and", "or"]
-    operands: tuple[Formula, ...]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Binary:
-    """``left until right`` or ``left implies right``."""
-
-    operator: Literal["until", "implies"]
-    left: Formula
-    right: Formula
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-Formula: TypeAlias = Atom | Unary | Last | Joined | Binary
-
+from grammar_lang.syntax.formulas import Formula, Pose
 
 # --- workspaces ---------------------------------------------------------------------------------
 
@@ -213,10 +152,11 @@ class FinalRates:
 
 @node
 class Reach:
-    """``reach R by effector n at rest;``, or ``rates <= v``."""
+    """``reach R by effector n aligned … at rest;``, or ``rates <= v``."""
 
     region: Ident
     effector: Expr | None
+    poses: tuple[Pose, ...]
     rates: FinalRates | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 

@@ -25,7 +25,10 @@ from solvers.trajectory.convex_set import ConvexSet, convex_set, region_set
 from solvers.trajectory.inverse_kinematics import Pool, pool
 from solvers.trajectory.joint_ways import looked_at, positions_of, straight_ways
 from solvers.trajectory.monotone_cubic import monotone_cubic
+from solvers.trajectory.pose_dwells import pose_dwells
 from solvers.trajectory.position_plan import Dwell, Separation
+from solvers.trajectory.task_limits import final_samples
+from solvers.trajectory.task_size import length_unit
 
 Entries: TypeAlias = tuple[int, ...]
 """The sample at which each cell of a path is entered; the first is 0."""
@@ -350,12 +353,17 @@ class MotionConstraints:
         yield from self.avoidances.bodies_within_bounds(k)
 
     def _ends(self) -> Iterator[Dwell]:
-        """Start and target of effectors that follow no path of their own."""
+        """Start and target of effectors that follow no path of their own, and how these end."""
         k, start, reach = self.task.steps, self.task.start, self.task.reach
         if isinstance(start, ir.StartIn) and self.start_effector != self.effector:
             yield _planned_start(self.start_effector, self._set(start.region))
-        if reach is not None and self.recorded != self.effector:
+        if reach is None:
+            return
+        if self.recorded != self.effector:
             yield Dwell(self.recorded, k, k, self._set(reach.region))
+        last, unit = (k + 1 - final_samples(self.task), k), length_unit(self.workspace)
+        for pose in reach.poses:
+            yield from pose_dwells(self.numeric, pose, unit, self.recorded, last)
 
     def separations(self, obligations: Sequence[Obligation]) -> tuple[Separation, ...]:
         """What points and bodies stay away from."""

@@ -24,9 +24,9 @@ from compiler.robots.state_and_input import robot_states
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.apart import Apart
-from solvers.verifier.proofs.checked_condition import CheckedCondition, inside, least
+from solvers.verifier.proofs.checked_condition import CheckedCondition, least
 from solvers.verifier.proofs.effort_bounds import PLANNED, effort_conditions
-from solvers.verifier.proofs.end_conditions import final_rates, target_name
+from solvers.verifier.proofs.end_conditions import at_instant, end_positions, final_rates, held_at
 from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
 from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.scene import Motion, Scene
@@ -206,9 +206,7 @@ class _Review:
 
     def instant(self, number: int) -> Slice:
         """An instant as the conditions of a tube look at it."""
-        none = arb(0)
-        points = tuple(tuple((x, none, none) for x in place) for place in self.places(number))
-        return Slice(arb(number * self.step / INSTANTS), none, points)
+        return at_instant(self.places(number), number * self.step / INSTANTS)
 
     @cached_property
     def about(self) -> Array:
@@ -266,13 +264,12 @@ class _Review:
         task, last = self.scene.task, len(self.states) - 1
         if task.reach is None or task.repeat:
             return
-        target = self.scene.polytope(self.scene.workspace.region(task.reach.region))
-        rates = task.reach.rates
+        positions, rates = end_positions(self.scene, self.motion.effector), task.reach.rates
         slow = None if rates is None else final_rates(self.scene.graph, rates)
         first = max(0, ceil(last - INSTANTS * task.stay / task.step))
         for number in range(first, last + 1):
-            place, time = self.places(number)[self.motion.effector], number * self.step / INSTANTS
-            yield inside(target_name(task.reach), target, place, time)
+            at, time = self.instant(number), number * self.step / INSTANTS
+            yield from (held_at(each, at) for each in positions)
             if slow is not None:
                 yield least(slow.name, slow.gaps(self.states[number]), slow.unit, time)
 

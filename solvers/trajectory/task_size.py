@@ -12,6 +12,7 @@ import numpy as np
 
 from compiler.tasks.formula_parts import atoms
 from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
 from solvers.trajectory.convex_set import ConvexSet, region_set
 
 LEAST_MARGIN = 2e-4
@@ -19,7 +20,7 @@ LEAST_MARGIN = 2e-4
 DISTURBED_MARGIN = 2e-3
 """The same where many motions are proved at once: a wider one costs another proof, a long one."""
 SHARE = 0.1
-"""It is no more than this part of the least radius of a region that is to be reached."""
+"""It is no more than this part of the least radius of a region or pose that is to be reached."""
 SMALLEST = 1e-6
 """Nor less than this, in units of length."""
 ROUNDED = 0.1
@@ -40,7 +41,9 @@ def least_margin(workspace: ir.Workspace, task: ir.Task) -> float:
     names |= {task.start.region} if isinstance(task.start, ir.StartIn) else set()
     names |= set() if task.reach is None else {task.reach.region}
     sets = [region_set(workspace.region(name).shape, workspace.dimension) for name in names]
-    least = SHARE * min((_radius(each) for each in sets), default=np.inf)
+    narrow = [_radius(each) for each in sets]
+    narrow += [unit * to_float(pose.within) for pose in task.poses]
+    least = SHARE * min(narrow, default=np.inf)
     several = task.repeat or task.robust is not None
     most = DISTURBED_MARGIN if several else LEAST_MARGIN
     return float(np.clip(least, SMALLEST * unit, most * unit))

@@ -275,7 +275,7 @@ def test_points_follow_the_frames() -> None:
     np.testing.assert_allclose(evaluate(graph, "effectors", q, theta), end)
     expected = np.concatenate([[0, 0], end, end, end + 2 * across])
     np.testing.assert_allclose(evaluate(graph, "body_points", q, theta), expected, atol=1e-15)
-    assert [extent.bases for extent in graph.extents] == [(0, 1), (2, 3)]
+    assert [extent.bases for extent in graph.numbering.extents] == [(0, 1), (2, 3)]
 
 
 def test_a_robot_without_degrees_of_freedom_has_a_graph() -> None:

@@ -7,7 +7,7 @@ one of d seconds it is about every instant of [T - d, T], also between the steps
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from flint import arb
@@ -15,19 +15,21 @@ from flint import arb
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import ball
 from grammar_lang import ir
-from solvers.verifier.proofs.checked_condition import CheckedCondition, inside, least
+from solvers.verifier.proofs.checked_condition import CheckedCondition, least
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.least_margins import close_margins
-from solvers.verifier.proofs.point_map import PointMap
+from solvers.verifier.proofs.point_map import PointMap, Slice
 from solvers.verifier.proofs.scene import Scene
 from solvers.verifier.proofs.state_limits import StateLimit, check_limits
 from solvers.verifier.proofs.tube_checks import (
+    Constraint,
     Inside,
     Status,
     Stretch,
     check_segment,
     rows_of,
 )
+from solvers.verifier.proofs.turned import pose_name, poses_of
 from solvers.verifier.proofs.zonotope import Zonotope
 
 
@@ -45,8 +47,33 @@ def end_names(task: ir.Task) -> frozenset[str]:
     """The names of all conditions on the end of a motion."""
     if task.reach is None:
         return frozenset()
-    rates = task.reach.rates
-    return frozenset([target_name(task.reach)] + ([] if rates is None else [rates_name(rates)]))
+    reach, rates = task.reach, task.reach.rates
+    poses = [pose_name(reach, number) for number in range(len(reach.poses))]
+    return frozenset([target_name(reach), *poses] + ([] if rates is None else [rates_name(rates)]))
+
+
+def end_positions(scene: Scene, effector: int) -> list[Constraint]:
+    """Where an effector (from 0) is at the end, and how it is turned; nothing without ``reach``."""
+    reach = scene.task.reach
+    if reach is None:
+        return []
+    region = scene.polytope(scene.workspace.region(reach.region))
+    target = Inside(target_name(reach), (effector,), rows=rows_of(region))
+    return [target, *poses_of(scene, reach, effector)]
+
+
+def at_instant(places: Sequence[Sequence[arb]], time: float) -> Slice:
+    """An instant at which all points are known, (points, d)."""
+    none = arb(0)
+    points = tuple(tuple((x, none, none) for x in place) for place in places)
+    return Slice(arb(time), none, points)
+
+
+def held_at(condition: Constraint, at: Slice) -> CheckedCondition:
+    """What is shown of a condition at an instant."""
+    gap, _ = condition.bound(at)
+    time = float(at.time.mid())
+    return least(condition.name, [gap], condition.unit, time, condition.where(at))
 
 
 @dataclass(slots=True)
@@ -90,16 +117,15 @@ class EndConditions:
 
     scene: Scene
     effector: int
-    target: Inside | None = None
+    positions: list[Constraint] = field(init=False)
     rates: FinalRates | None = None
     first: Fraction | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         task, reach = self.scene.task, self.scene.task.reach
+        self.positions = end_positions(self.scene, self.effector)
         if reach is None:
             return
-        region = self.scene.polytope(self.scene.workspace.region(reach.region))
-        self.target = Inside(target_name(reach), (self.effector,), rows=rows_of(region))
         if reach.rates is not None:
             self.rates = final_rates(self.scene.graph, reach.rates)
         if task.stay:
@@ -107,14 +133,14 @@ class EndConditions:
 
     def add(self, point_map: PointMap, segment: TubeSegment, inputs: Sequence[arb]) -> None:
         """Hold the clause against as much of the next segment as it binds."""
-        if self.first is None or self.target is None or segment.steps[1] <= self.first:
+        if self.first is None or segment.steps[1] <= self.first:
             return
         step, before = self.scene.task.step, self.first - segment.steps[0]
         start = ball(before * step) if before > 0 else arb(0)
         middle, half = (segment.length + start) / 2, (segment.length - start) / 2
         limits = [] if self.rates is None else [self.rates]
         part = Stretch(segment, inputs, middle, half, 0)
-        check_segment(point_map, part, [self.target])
+        check_segment(point_map, part, self.positions)
         check_limits(part, limits)
 
     def conditions(
@@ -122,29 +148,24 @@ class EndConditions:
     ) -> Iterator[CheckedCondition]:
         """What a complete tube shows; ``last`` is the state at its end, one of ``states``."""
         task = self.scene.task
-        target, rates, end = self.target, self.rates, float(task.step * task.steps)
-        if target is None or task.reach is None:
-            return
+        rates, end = self.rates, float(task.step * task.steps)
         if self.first is not None:
-            close_margins(point_map, [target])
-            yield CheckedCondition(
-                target.name, target.status, target.margin, "m", target.time, target.place
-            )
+            close_margins(point_map, self.positions)
+            for each in self.positions:
+                yield CheckedCondition(
+                    each.name, each.status, each.margin, each.unit, each.time, each.place
+                )
             if rates is not None:
                 yield CheckedCondition(
                     rates.name, rates.status, rates.margin, rates.unit, rates.time
                 )
             return
-        region = self.scene.polytope(self.scene.workspace.region(task.reach.region))
-        reached = inside(target.name, region, point_map.positions(last)[self.effector], end)
-        if reached.status is Status.UNDECIDED and states is not None:
-            over = point_map.instant(states)
-            gaps = [
-                (row.offset - over.form(row.normal, self.effector)[1]) / row.length
-                for row in target.rows
-            ]
-            reached = least(target.name, gaps, "m", end, over.middle(self.effector))
-        yield reached
+        for each in self.positions:
+            at = at_instant(point_map.positions(last), end)
+            reached = held_at(each, at)
+            if reached.status is Status.UNDECIDED and states is not None:
+                reached = held_at(each, replace(point_map.instant(states), time=arb(end)))
+            yield reached
         if rates is not None:
             slow = least(rates.name, rates.gaps(last), rates.unit, end)
             if slow.status is Status.UNDECIDED and states is not None:

@@ -63,7 +63,7 @@ def _colliders(scene: Scene, tail: Sequence[arb]) -> list[_Moving]:
             _extensions(each, _numbers(first, extent.columns), scalars),
         )
         for number, (each, extent) in enumerate(
-            zip(model.colliders, scene.graph.extents, strict=True)
+            zip(model.colliders, scene.graph.numbering.extents, strict=True)
         )
     ]
 
@@ -98,7 +98,7 @@ def _apart_from_each_other(
         for i in axes
         for sign in (1, -1)
     )
-    for pair, gap in zip(model.apart, scene.graph.gaps, strict=True):
+    for pair, gap in zip(model.apart, scene.graph.numbering.gaps, strict=True):
         one, two = (moving[i] for i in pair)
         yield BodiesApart(
             f"clearance of {one.name} to {two.name}",

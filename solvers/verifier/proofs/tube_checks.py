@@ -103,6 +103,11 @@ class Constraint(ABC):
     held: list[HeldSlice] = field(default_factory=list["HeldSlice"])
     """Slices on which it holds, and which may have the least margin."""
 
+    @property
+    def unit(self) -> str:
+        """Of the margin."""
+        return "m"
+
     @abstractmethod
     def bound(self, over: Slice) -> tuple[arb, arb]:
         """The distance to a violation: a lower bound over the slice, and at its middle."""

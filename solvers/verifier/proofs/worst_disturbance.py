@@ -22,9 +22,13 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.robots.state_and_input import InputBound, input_bounds
-from solvers.verifier.proofs.checked_condition import inside
 from solvers.verifier.proofs.effort_bounds import bound_name
-from solvers.verifier.proofs.end_conditions import final_rates, rates_name, target_name
+from solvers.verifier.proofs.end_conditions import (
+    at_instant,
+    end_positions,
+    final_rates,
+    rates_name,
+)
 from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
 from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.scene import Motion, Scene
@@ -97,13 +101,8 @@ class Distances:
         found, reach = dict[str, Distance](), scene.task.reach
         if reach is None or scene.task.repeat:
             return found
-        target = scene.polytope(scene.workspace.region(reach.region))
-
-        def depth(_: Sequence[arb], at: Slice) -> float:
-            place = [axis[0] for axis in at.points[effector]]
-            return inside("", target, place, 0.0).margin
-
-        found[target_name(reach)] = depth
+        for item in end_positions(scene, effector):
+            found[item.name] = _Placed(item)
         if reach.rates is not None:
             found[rates_name(reach.rates)] = _Stated(final_rates(scene.graph, reach.rates))
         return {name: of for name, of in found.items() if self.wanted(name)}
@@ -118,8 +117,7 @@ class Distances:
     def of(self, state: Array, *, last: bool) -> dict[str, float]:
         """The distances in a state (N,); at the end also those that count there."""
         balls = [arb(x) for x in state.tolist()]
-        none, points = arb(0), self.robot.point_map.positions(balls)
-        at = Slice(none, none, tuple(tuple((x, none, none) for x in point) for point in points))
+        at = at_instant(self.robot.point_map.positions(balls), 0.0)
         asked = self.always | self.at_end if last else self.always
         return {name: of(balls, at) for name, of in asked.items()}
 

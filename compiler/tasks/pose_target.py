@@ -1,0 +1,86 @@
+"""What a pose asks of the axes of an effector's frame, in floats or in balls.
+
+The angle by which an axis e is off a direction t, both of length one, has the cosine t . e.  The
+rotation from axes t1, t2, t3 to e1, e2, e3 is by an angle of cosine (t1 . e1 + t2 . e2 + t3 . e3
+- 1) / 2, the trace of its matrix being 1 + 2 cos; in the plane that of one axis says all.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Generic, TypeVar
+
+from flint import arb
+
+from compiler.expressions.evaluators.balls import ball, closed_ball
+from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
+
+Number = TypeVar("Number", float, arb)
+
+
+@dataclass(frozen=True, slots=True)
+class Arithmetic(Generic[Number]):
+    """How numbers are made."""
+
+    rational: Callable[[Fraction], Number]
+    closed: Callable[[ir.Expr], Number]
+    cosine: Callable[[Number], Number]
+    sine: Callable[[Number], Number]
+    root: Callable[[Number], Number]
+
+
+FLOATS: Arithmetic[float] = Arithmetic(float, to_float, math.cos, math.sin, math.sqrt)
+BALLS: Arithmetic[arb] = Arithmetic(ball, closed_ball, arb.cos, arb.sin, arb.sqrt)
+
+
+@dataclass(frozen=True, slots=True)
+class PoseTarget(Generic[Number]):
+    """The directions, each (d,), to which some ``axes`` (from 0) of a frame are to be turned.
+
+    The angle between is at most ``within``, in rad.
+    """
+
+    axes: tuple[int, ...]
+    directions: tuple[tuple[Number, ...], ...]
+    within: Number
+
+    def cosine(self, along: Number) -> Number:
+        """The cosine of the angle between, from the sum of the products t . e."""
+        return along if len(self.axes) == 1 else (along - 1) / 2
+
+
+def pose_target(
+    pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]
+) -> PoseTarget[Number]:
+    """What a pose asks for, in the plane (2) or in space (3)."""
+    within = numbers.closed(pose.within)
+    if isinstance(pose, ir.Aligned):
+        size = numbers.root(numbers.rational(sum((a * a for a in pose.direction), Fraction(0))))
+        sign = -1 if pose.axis.startswith("-") else 1
+        along = tuple(numbers.rational(sign * a) / size for a in pose.direction)
+        return PoseTarget(("xyz".index(pose.axis[-1]),), (along,), within)
+    columns = _columns(pose.turns, numbers)
+    axes = (0,) if dimension == 2 else (0, 1, 2)
+    return PoseTarget(axes, tuple(tuple(columns[i][:dimension]) for i in axes), within)
+
+
+def _columns(
+    turns: Sequence[tuple[ir.Axis, ir.Expr]], numbers: Arithmetic[Number]
+) -> list[list[Number]]:
+    """The axes of a frame, (3, 3), after turns about its own axes, one after the other."""
+    axes = [[numbers.rational(Fraction(int(i == j))) for j in range(3)] for i in range(3)]
+    for axis, expr in turns:
+        angle = numbers.closed(expr)
+        cos, sin = numbers.cosine(angle), numbers.sine(angle)
+        if axis.startswith("-"):
+            sin = -sin
+        about = "xyz".index(axis[-1])
+        i, j = (about + 1) % 3, (about + 2) % 3
+        one, two = axes[i], axes[j]
+        axes[i] = [cos * a + sin * b for a, b in zip(one, two, strict=True)]
+        axes[j] = [cos * b - sin * a for a, b in zip(one, two, strict=True)]
+    return axes
