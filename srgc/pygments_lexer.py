@@ -1,9 +1,8 @@
 """Syntax highlighting of ``.srg`` for Pygments: Sphinx, ``pygmentize``, rich.
 
-Keywords of the language are contextual, so the lexer follows the grammar (``srg.lark``): each
-statement is a chain of states, each state names the few words that mean something there, and what a
-state does not know ends it.  On a correct program a word is a keyword here exactly where it is one
-for the parser; in a broken statement the colours recover at the next one.
+Keywords are contextual, so the lexer follows the grammar (``srg.lark``): a statement is a chain of
+states, each names the few words that mean something there, and what it does not know ends it.  On a
+correct program a word is a keyword where it is one for the parser; broken statements are left soon.
 
 Source: G. Brandl et al., Pygments, *Write your own lexer*, https://pygments.org/docs/lexerdevelopment/.
 """
@@ -296,7 +295,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (_word("bounds"), Keyword, "subject"),
             (_word("effort"), Keyword, ("norm", "bound")),
             (_word("horizon"), Keyword, ("steps", "operand")),
-            (_word("slack", "gravity"), Keyword, "operand"),
+            (_word("slack", "gravity", "payload"), Keyword, ("placement", "operand")),
             (_word("modules"), Keyword, "bound"),
             (_word("from"), Keyword, ("word", "reference")),
             (_word("satisfy"), Keyword, "formula"),
@@ -312,8 +311,9 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         ],
         "placement": [
             include("gap"),
-            (_word("by", "at", "rest"), Keyword),
-            (_word("effector", "for"), Keyword, "operand"),
+            (_word("by", "at", "rest", "aligned", "x", "y", "z"), Keyword),
+            (_word("effector", "for", "oriented", "to", "within"), Keyword, "operand"),
+            ("-", Operator),
             (_word("rates"), Keyword, "bound"),
             default("#pop"),
         ],
@@ -363,7 +363,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "robust": [
             include("gap"),
             (_word("start", "measure"), Keyword, ("#pop", "quantities")),
-            (_word("effort", "mass"), Keyword, ("#pop", "percent", "operand")),
+            (_word("effort", "mass", "payload"), Keyword, ("#pop", "percent", "operand")),
             default("#pop"),
         ],
         "quantities": [

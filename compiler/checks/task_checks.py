@@ -19,13 +19,21 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 
 
 def task_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report regions without the number of an effector, and robots that the family has not."""
+    """Report clauses without the number of an effector, and robots that the family has not."""
     several: dict[str, bool | None] = {}
     for task in program.tasks.values():
         plain = list(_plain_atoms(task))
-        if plain and task.grammar not in several:
+        carried = [payload for payload in task.payloads if payload.effector is None]
+        if (plain or carried) and task.grammar not in several:
             several[task.grammar] = several_effectors(program, program.grammars[task.grammar])
-        if plain and several[task.grammar]:
+        if several.get(task.grammar):
+            for payload in carried:
+                sink.error(
+                    Code.BAD_VALUE,
+                    f"which effector carries it? a robot of `{task.grammar}` may have several",
+                    payload.span,
+                    "write `by effector 1` behind the mass",
+                )
             for atom in plain:
                 sink.error(
                     Code.BAD_VALUE,

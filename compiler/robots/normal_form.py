@@ -19,6 +19,7 @@ from compiler.robots.attributes import evaluate
 from compiler.robots.bodies_apart import bodies_apart
 from compiler.robots.evaluation_order import EvaluationOrder
 from compiler.robots.idle_joints import renumbered, without_idle_joints
+from compiler.robots.payloads import with_payloads
 from compiler.robots.robot import (
     WORLD,
     FrameNode,
@@ -334,7 +335,7 @@ class RobotFamily:
     """A grammar of a program whose derivations are robots in the plane (2) or in space (3).
 
     ``itself`` says which of their bodies have to stay apart, ``posed`` whether it matters how the
-    frames of their effectors are turned.
+    frames of their effectors are turned, ``payloads`` what they carry.
     """
 
     program: ir.Program
@@ -342,6 +343,7 @@ class RobotFamily:
     dimension: Literal[2, 3]
     itself: ir.AvoidSelf | None = None
     posed: bool = False
+    payloads: tuple[ir.Payload, ...] = ()
 
     @cached_property
     def language(self) -> Language:
@@ -366,7 +368,7 @@ class RobotFamily:
         semantics = self.grammar.semantics or {}
         order = self.evaluation_order
         found = evaluate(derivation, self.program.modules, semantics, self.dimension, order)
-        return replace(found, posed=self.posed)
+        return with_payloads(replace(found, posed=self.posed), self.payloads)
 
     def robot(self, derivation: Derivation) -> RobotModel:
         """The normalised robot of a derivation; errors as of ``built``."""
@@ -380,4 +382,6 @@ def family_of(program: ir.Program, task: ir.Task) -> RobotFamily:
     """The robot family of a task."""
     workspace = program.workspaces[task.workspace]
     grammar = program.grammars[task.grammar]
-    return RobotFamily(program, grammar, workspace.dimension, task.avoid_self, bool(task.poses))
+    return RobotFamily(
+        program, grammar, workspace.dimension, task.avoid_self, bool(task.poses), task.payloads
+    )

@@ -301,7 +301,8 @@ class RobotModel:
     of the word, in word order, once they may be others than ``dofs``.  ``owners`` says per body
     whose it is, where that is known, ``shape_owners`` per shape.  Bodies that are ``covered`` do
     not collide: their links do as shapes.  Pairs that have to stay ``apart`` are of ``colliders``,
-    by their numbers.  Of ``posed`` robots it matters how the frames of effectors are turned.
+    by their numbers.  Of ``posed`` robots it matters how the frames of effectors are turned.  The
+    ``payloads`` of a task are bodies, by number.
     """
 
     dimension: Literal[2, 3]
@@ -320,6 +321,7 @@ class RobotModel:
     shape_owners: tuple[BodyOwner | None, ...] = ()
     covered: tuple[int, ...] = ()
     posed: bool = False
+    payloads: tuple[int, ...] = ()
 
     @property
     def colliders(self) -> tuple[Collider, ...]:

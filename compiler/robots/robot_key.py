@@ -55,6 +55,8 @@ def robot_key(model: RobotModel) -> str:
     parts.append(f"effectors {model.effectors}")
     parts += [_own_text(own, names) for own in model.own]
     parts += [f"{name}: {model.parameters[index].domain}" for index, name in names.items()]
+    if model.payloads:
+        parts.append(f"payloads {model.payloads}")
     if model.posed:
         parts.append("posed")
     if model.apart:

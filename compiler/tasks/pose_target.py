@@ -53,9 +53,7 @@ class PoseTarget(Generic[Number]):
         return along if len(self.axes) == 1 else (along - 1) / 2
 
 
-def pose_target(
-    pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]
-) -> PoseTarget[Number]:
+def pose_target(pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]) -> PoseTarget[Number]:
     """What a pose asks for, in the plane (2) or in space (3)."""
     within = numbers.closed(pose.within)
     if isinstance(pose, ir.Aligned):

@@ -256,7 +256,7 @@ class UncertainMass:
 
 
 def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, ...]:
-    """The constants by which masses may be off: that of all bodies, then one per occurrence.
+    """The constants by which masses may be off: of all bodies, per occurrence, and per payload.
 
     Raises:
         ValueError: the task asks whose the bodies are, and the model does not say it of all.
@@ -273,6 +273,8 @@ def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, .
             if owner is not None and owner.module == clause.module:
                 bodies.setdefault(owner.symbol, []).append(body)
         found += [UncertainMass(clause.part, tuple(own)) for _, own in sorted(bodies.items())]
+    if robust.payload:
+        found += [UncertainMass(robust.payload, (body,)) for body in model.payloads]
     return tuple(found)
 
 

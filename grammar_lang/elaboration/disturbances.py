@@ -41,6 +41,7 @@ _PERCENT = {
     "effort": ("`robust effort`", "the disturbance of the efforts"),
     "effort of bound": ("`robust effort … of bound`", "the disturbance of the efforts"),
     "mass": ("`robust mass`", "the error of the masses"),
+    "payload": ("`robust payload`", "the error of the payload"),
 }
 
 
@@ -117,6 +118,13 @@ def _check_control(items: tuple[t.TaskItem, ...], measured: Span | None, sink: S
         sink.error(Code.OPEN_LOOP_MEASUREMENT, message, measured, hint, notes)
 
 
+def _check_payload(items: tuple[t.TaskItem, ...], robust: Span | None, sink: Sink) -> None:
+    """Report errors of a payload where there is none."""
+    if robust is not None and not any(isinstance(item, t.Payload) for item in items):
+        hint = "add `payload m;` with its mass, or remove `robust payload`"
+        sink.error(Code.MISSING_CLAUSE, "the task has no `payload`", robust, hint)
+
+
 def _module_mass(
     item: t.RobustPercent,
     module: s.Ident,
@@ -167,6 +175,7 @@ def lower_robust(items: tuple[t.TaskItem, ...], names: NameTable, sink: Sink) ->
     for of, reader in radii.items():
         places |= {f"{of} {kind}": at for kind, at in reader.places()}
     _check_control(items, places.get("measure"), sink)
+    _check_payload(items, places.get("payload"), sink)
     none = Fraction(0)
     return ir.Robust(
         start=radii["start"].found(),
@@ -175,6 +184,7 @@ def lower_robust(items: tuple[t.TaskItem, ...], names: NameTable, sink: Sink) ->
         effort_of_bound=fractions.get("effort of bound", none),
         mass=fractions.get("mass", none),
         masses=tuple(masses.values()),
+        payload=fractions.get("payload", none),
         clauses=places,
     )
 

@@ -252,6 +252,14 @@ class _Reader:
 
         return lower_origin(item, self.around.modules, self.around.names, self.sink)
 
+    def payloads(self, reach: ir.Reach | None) -> tuple[ir.Payload, ...]:
+        items = [item for item in self.task.items if isinstance(item, t.Payload)]
+        if not items:
+            return ()
+        from grammar_lang.elaboration.task_clauses import lower_payloads
+
+        return lower_payloads(items, None if reach is None else reach.effector, self.sink)
+
     def robust(self) -> ir.Robust | None:
         if not any(isinstance(i, t.RobustRadii | t.RobustPercent) for i in self.task.items):
             return None
@@ -370,4 +378,5 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         control=None if control is None else control.loop,
         repeat=repeat is not None,
         clauses=clause_places(task),
+        payloads=reader.payloads(reach),
     )

@@ -260,6 +260,15 @@ class Radii:
 
 
 @node
+class Payload:
+    """A point mass (kg) at an effector (from 1), all the time; None: at the only one."""
+
+    mass: Fraction
+    effector: int | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class ModuleMass:
     """All masses, densities and inertias of an occurrence of a module, times 1 +- ``part``.
 
@@ -279,10 +288,10 @@ class Robust:
     measures about the true state.  Each input is off by up to the fraction ``effort`` of itself and
     the fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities and
     inertias are multiplied by one constant within 1 +- ``mass``, those of the modules in ``masses``
-    by one more for each of their occurrences.
+    by one more for each of their occurrences, and payloads by one each within 1 +- ``payload``.
 
     ``clauses`` are the places of the first clause of each kind: ``start``, ``measure``, ``effort``,
-    ``effort of bound``, ``mass`` and ``mass of``; and of each radius, as ``start angle``.
+    ``effort of bound``, ``mass``, ``mass of``, ``payload``; and of each radius, as ``start angle``.
     """
 
     start: Radii = Radii()
@@ -291,6 +300,7 @@ class Robust:
     effort_of_bound: Fraction = Fraction(0)
     mass: Fraction = Fraction(0)
     masses: tuple[ModuleMass, ...] = ()
+    payload: Fraction = Fraction(0)
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
 
 
@@ -327,6 +337,7 @@ class Task:
     control: Literal["open loop", "feedback"] | None = None
     repeat: bool = False
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
+    payloads: tuple[Payload, ...] = ()
 
     @property
     def goal(self) -> Reach:

@@ -274,10 +274,19 @@ class RobustRadii:
 
 
 @node
-class RobustPercent:
-    """``robust effort 0.5 %;``, ``… % of bound;`` or ``robust mass 5 % of M;``; hundredths."""
+class Payload:
+    """``payload m by effector n;``."""
 
-    of: Literal["effort", "effort of bound", "mass"]
+    mass: Expr
+    effector: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class RobustPercent:
+    """``robust effort 0.5 %;``, ``… % of bound;``, ``robust mass 5 % of M;`` and its like."""
+
+    of: Literal["effort", "effort of bound", "mass", "payload"]
     percent: Expr
     module: Ident | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -300,6 +309,7 @@ TaskItem: TypeAlias = (
     | Satisfy
     | Control
     | Repeat
+    | Payload
     | RobustRadii
     | RobustPercent
 )

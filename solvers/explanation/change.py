@@ -93,8 +93,9 @@ def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
             yield Change(line, "without `avoid self`", without(posed, [line]))
         case "satisfy" if task.reach is not None or len(task.satisfy) > 1:
             yield Change(line, "without this formula", without(posed, [line]))
-        case "bounds_body":
-            yield Change(line, "without `bounds with body`", without(posed, [line]))
+        case "bounds_body" | "payload":
+            what = "`bounds with body`" if line.kind == "bounds_body" else "the payload"
+            yield Change(line, f"without {what}", without(posed, [line]))
         case "joint_range" | "joint_rate":
             module, name = line.key
             what = "a limit of" if line.kind == "joint_range" else "a limit of the rate of"
@@ -215,6 +216,9 @@ def _reach(posed: PosedTask, reach: ir.Reach, line: TaskLine) -> Iterator[Change
     if reach.effector is not None:
         anyone = posed.with_task(reach=replace(reach, effector=None))
         yield Change(line, f"with any effector ending in `{reach.region}`", anyone)
+    if reach.poses:
+        turned = posed.with_task(reach=replace(reach, poses=()))
+        yield Change(line, f"turned in any way in `{reach.region}`", turned)
     if reach.rates is not None:
         rest = reach.rates.bound == ir.REST_RATE
         bound = "at rest" if rest else f"rates <= {number_text(reach.rates.bound)}"

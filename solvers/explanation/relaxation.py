@@ -61,10 +61,20 @@ def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
             if not posed.task.satisfy:
                 steps = max(steps, ceil(AMPLE_TIME / posed.task.step))
             return posed.with_task(steps=steps)
-        case "gravity":
-            return posed.with_task(gravity=(Fraction(0),) * len(posed.task.gravity))
+        case "gravity" | "payload":
+            return _weightless(posed, line)
         case _:
             raise ValueError(f"a line of kind {line.kind} is not relaxed by itself")
+
+
+def _weightless(posed: PosedTask, line: TaskLine) -> PosedTask:
+    """Without gravity, or with a payload of no mass."""
+    task = posed.task
+    if line.kind == "gravity":
+        return posed.with_task(gravity=(Fraction(0),) * len(task.gravity))
+    payloads = list(task.payloads)
+    payloads[int(line.key[0])] = replace(payloads[int(line.key[0])], mass=Fraction(0))
+    return posed.with_task(payloads=tuple(payloads))
 
 
 # --- ranges --------------------------------------------------------------------------------------

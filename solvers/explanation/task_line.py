@@ -14,6 +14,7 @@ from solvers.explanation.posed_task import PosedTask
 LineKind: TypeAlias = Literal[
     "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "avoid",
     "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds", "modules", "control",
+    "payload",
 ]  # fmt: skip
 
 
@@ -22,7 +23,8 @@ class TaskLine:
     """One demand that can be relaxed by itself; ``key`` tells it from others of its kind.
 
     The key of a parameter, a range or a rate is the module and the name, that of an avoided region
-    the index of the clause and the name, that of an ``effort`` or ``satisfy`` its index.
+    the index of the clause and the name, that of an ``effort``, ``satisfy`` or ``payload`` its
+    index.
     """
 
     kind: LineKind
@@ -79,7 +81,8 @@ def _ends(task: ir.Task) -> Iterator[TaskLine]:
         yield TaskLine("start", (), "the robot starts in this pose", task.start.span)
     if task.reach is not None:
         verb = "is at some time" if task.repeat else "ends"
-        where = f"{_who(task.reach.effector)} {verb} in `{task.reach.region}`"
+        posed = ", turned like this" if task.reach.poses else ""
+        where = f"{_who(task.reach.effector)} {verb} in `{task.reach.region}`{posed}"
         yield TaskLine("reach", (), where, task.reach.span)
     for index, clause in enumerate(task.satisfy):
         yield TaskLine("satisfy", (index,), "the formula holds", clause.span)
@@ -142,5 +145,7 @@ def _dynamics(task: ir.Task) -> Iterator[TaskLine]:
         yield TaskLine("effort", (index,), f"the effort of {effort.kind} joints", effort.span)
     says = f"the motion ends after {task.steps} steps"
     yield TaskLine("horizon", (), says, task.clauses.get("horizon", task.span))
+    for index, payload in enumerate(task.payloads):
+        yield TaskLine("payload", (index,), "the payload", payload.span)
     if any(task.gravity):
         yield TaskLine("gravity", (), "gravity", task.clauses.get("gravity", task.span))

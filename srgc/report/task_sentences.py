@@ -10,6 +10,7 @@ from compiler.descriptions.model_symbols import closed_text
 from compiler.robots.state_and_input import EFFORT_UNITS
 from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
 from srgc.render.html_text import many, number, with_unit
 
 RATE_UNITS: dict[ir.DofKind, str] = {"revolute": "rad/s", "prismatic": "m/s"}
@@ -86,7 +87,7 @@ def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
     who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
     if task.repeat:
         return f"At some time {who} is in `{reach.region}`"
-    found = f"At {end} s ({steps}) {who} is in `{reach.region}`"
+    found = f"At {end} s ({steps}) {who} is in `{reach.region}`{_turned(reach)}"
     rates = reach.rates
     if rates is None:
         return found
@@ -94,6 +95,20 @@ def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
     slow = f"with rates of at most {_value(rates.bound)} {_rate_unit(program, task)}"
     found += ", at rest" if rest else f", {slow}"
     return found + (f", for the last {_value(rates.duration)} s" if rates.duration else "")
+
+
+def _turned(reach: ir.Reach) -> str:
+    """How its frame is turned there."""
+    said = []
+    for pose in reach.poses:
+        within = f"within {_angle(pose.within)}°"
+        if isinstance(pose, ir.Aligned):
+            direction = ", ".join(_value(part) for part in pose.direction)
+            said.append(f"the axis {pose.axis} of its frame along ({direction}) {within}")
+            continue
+        turns = ", then ".join(f"by {_angle(angle)}° about {axis}" for axis, angle in pose.turns)
+        said.append(f"its frame turned {turns or 'like the world'} {within}")
+    return f", {' and '.join(said)}" if said else ""
 
 
 def _avoided(task: ir.Task) -> Iterator[str]:
@@ -117,6 +132,9 @@ def _limits(task: ir.Task) -> Iterator[str]:
         bound = with_unit(float(effort.bound), EFFORT_UNITS[effort.kind])
         what = "the norm of the efforts" if effort.norm2 else "the effort"
         yield f"At {kinds[effort.kind]} joints {what} is at most {bound}"
+    for payload in task.payloads:
+        who = "The effector" if payload.effector is None else f"Effector {payload.effector}"
+        yield f"{who} carries a point mass of {_value(payload.mass)} kg"
     if any(task.gravity):
         vector = ", ".join(_value(part) for part in task.gravity)
         yield f"Gravity is ({vector}) m/s²"
@@ -145,6 +163,8 @@ def _disturbances(robust: ir.Robust) -> str:
         parts.append(f"every input is off by up to {part} % of its bound")
     if robust.mass:
         parts.append(f"all masses are off by up to {_value(100 * robust.mass)} % alike")
+    if robust.payload:
+        parts.append(f"payloads are off by up to {_value(100 * robust.payload)} %")
     parts += [
         f"the masses of each `{item.module}` are off by up to {_value(100 * item.part)} % alike"
         for item in robust.masses
@@ -169,6 +189,10 @@ def _radii(radii: ir.Radii) -> str:
 def _short(formula: str) -> str:
     """A formula about the pieces of a map may have thousands of them."""
     return formula if len(formula) <= 400 else f"{formula[:400]} …"
+
+
+def _angle(value: ir.Expr) -> str:
+    return number(degrees(to_float(value)), 6)
 
 
 def _value(value: Fraction) -> str:

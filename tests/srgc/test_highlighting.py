@@ -100,7 +100,9 @@ task Turn {
   start in in by effector 1 rates <= 0.1 rad/s;
   start at (0 deg, 2 m, 3);
   reach reach by effector 1 at rest; reach for rates <= 0.1 rad/s for (1 + 1) s;
-  reach rates at rest for 1 s;
+  reach rates at rest for 1 s; reach to aligned -x to (0, 1 + 1) within 5 deg at rest;
+  reach within by effector 1 oriented rot(-z, 2 deg) * world within (1 + 1) deg aligned y to (1,
+    0) m within 1 rates <= 2; payload 2 kg; payload (1 + 1) kg by effector 1;
   avoid with, with with body, margin 2 cm;
   avoid O with effector margin (1 + 2) cm;
   avoid self with body; avoid self with body, except except except, margin Tube;
@@ -115,6 +117,7 @@ task Turn {
   robust start 1 mm 0.1 deg, (1 + 1) m; robust effort 0.5 %;
   robust measure 0.1 deg, 2 mm/s; robust effort (1 + 1) % /* */ of bound; robust mass 3 %;
   robust mass 3 % of of; robust mass (1 + 1) % of Tube;
+  robust payload 3 %;
   control open loop; control feedback; repeat;
 }
 """

@@ -173,6 +173,7 @@ STATEMENTS = MappingProxyType(
             "horizon": "horizon ${1:40} steps of ${2:0.1} s;",
             "satisfy": "satisfy ${0:eventually T};",
             "repeat": "repeat;",
+            "payload": "payload ${1:0.5} kg;",
             "control": "control ${1|open loop,feedback|};",
         },
     }
