@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from compiler.expressions.scalars import Constant
+from compiler.expressions.scalars import Constant, ScalarTable
 from compiler.robots.frame_table import SemanticsError
 from compiler.robots.robot import PointBody, RobotModel
 from grammar_lang import ir
@@ -19,15 +19,18 @@ def with_payloads(model: RobotModel, payloads: Sequence[ir.Payload]) -> RobotMod
     """
     if not payloads:
         return model
-    first, count = len(model.bodies), len(model.scalars)
+    scalars = ScalarTable()
+    for node in model.scalars:
+        scalars.add(node)
     bodies = tuple(
-        PointBody(model.effectors[_effector(model, payload)], count + number)
-        for number, payload in enumerate(payloads)
+        PointBody(model.effectors[_effector(model, payload)], scalars.add(Constant(payload.mass)))
+        for payload in payloads
     )
+    first = len(model.bodies)
     numbers = tuple(range(first, first + len(bodies)))
     return replace(
         model,
-        scalars=(*model.scalars, *(Constant(payload.mass) for payload in payloads)),
+        scalars=tuple(scalars.nodes),
         bodies=(*model.bodies, *bodies),
         owners=(*model.owners, *(None for _ in bodies)) if model.owners else (),
         covered=(*model.covered, *numbers),
