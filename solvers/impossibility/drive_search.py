@@ -71,7 +71,7 @@ def _is_driven(numeric: NumericRobot, task: ir.Task, witness: PoseWitness) -> bo
     """Whether the inputs and rates of a straight motion between two poses keep their bounds."""
     model, limits = numeric.graph.model, motion_limits(numeric.graph.model, task)
     start = limits.start_values if witness.start is None else witness.start
-    if start is None or numeric.r:
+    if start is None or numeric.r or not numeric.n:
         return False
     part = np.linspace(0.0, 1.0, INSTANTS)[:, None]
     horizon, way = float(task.steps * task.step), witness.target - start

@@ -158,7 +158,8 @@ def nearest_text(
     """
     task = path_problem.task
     if sample > task.steps or found.outcome.robustness >= 0:
-        lacks = shortfall(path_problem.problem(found.entries, released=True), found.outcome)
+        problem = path_problem.problem(found.entries, released=True)
+        lacks = shortfall(problem, found.outcome, posed=bool(task.poses))
         what = f"the motion found {lacks}"
     else:
         what = stuck_text(sample, task)

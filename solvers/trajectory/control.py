@@ -316,10 +316,10 @@ def _regulated(problem: ControlProblem, at: MeasuredMotion) -> Trajectory:
     return closed_motion(numeric, first, about, gains, problem.groups, problem.dt, problem.substeps)
 
 
-def shortfall(problem: ControlProblem, outcome: ControlOutcome) -> str:
+def shortfall(problem: ControlProblem, outcome: ControlOutcome, *, posed: bool = False) -> str:
     """What an infeasible outcome lacks where no force is missing that a drive would have to give.
 
-    In words that follow "the motion found".
+    In words that follow "the motion found".  Of a ``posed`` task it may be a pose.
     """
     if outcome.robustness >= 0:
         return "does not keep to these cells"
@@ -327,6 +327,8 @@ def shortfall(problem: ControlProblem, outcome: ControlOutcome) -> str:
     if at is None:
         return "has no finite equations of motion"
     if at.excess > problem.excess:
+        if posed:
+            return f"lacks {at.excess:.2g} (m or rad) of the margins to sets or of its pose"
         return f"lacks {1000 * at.excess:.2g} mm of the margins to the sets around it"
     if at.outside > LIMIT_EXCESS:
         return f"passes a limit of a joint or a rate by {at.outside:.2g} (SI)"

@@ -46,5 +46,21 @@ def test_forces_of_a_straight_motion(share: float, able: bool) -> None:
     assert seems_able(2 * STRONGEST, share * FASTEST) is able
 
 
+def test_a_robot_that_cannot_move_is_driven_nowhere() -> None:
+    still = replaced(
+        SLIDER,
+        "  slide { this.frame = N.frame * move(x, P.q); }",
+        "  slide { this.frame = N.frame; }",
+    )
+    found = program(still)
+    (task,) = found.tasks.values()
+    family = family_of(found, task)
+    model = family.robot(next(iter(structures(family.language, 4))))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    assert not numeric.n
+    none = np.zeros(0)
+    assert not drives_seem_able(numeric, task, [PoseWitness(none, none, none, 0, 0)])
+
+
 def test_without_poses_nothing_seems_able() -> None:
     assert not seems_able(2 * STRONGEST, start=None)
