@@ -10,6 +10,10 @@ TURN = 12.0
 """rad: the largest rate of a minimum-jerk turn from rest to rest by 2 pi, times its duration."""
 CALM = 0.1
 """The price of motions at that rate all the time, in units of the effort bound."""
+MANY = 5
+"""Arms of so many joints have poses in which next to nothing resists one of them."""
+CALMEST = 3.0
+"""The price for these: their motions whirl at a lower one, and proofs take ten times as long."""
 PUSHED = 1e3
 """The price of mobility: errors that push a joint by 0.016 rad in a step cost an effort bound."""
 
@@ -25,7 +29,7 @@ def calmer(path_problem: PathProblem) -> PathProblem:
     disturbed = path_problem.task.robust is not None and path_problem.loop is None
     return replace(
         path_problem,
-        rates=CALM * (duration / TURN) ** 2,
+        rates=(CALM if path_problem.numeric.n < MANY else CALMEST) * (duration / TURN) ** 2,
         mobility=PUSHED if disturbed else 0.0,
     )
 

@@ -21,6 +21,7 @@ from solvers.verifier.proofs.checked_condition import decisive
 from solvers.verifier.proofs.effort_bounds import planned_efforts
 from solvers.verifier.proofs.scene import Scene, Watch
 from solvers.verifier.proofs.trajectory_proof import ENDED, prove_motion, scene_of
+from solvers.verifier.proofs.tube_checks import Status
 
 
 def certified_design(
@@ -32,6 +33,7 @@ def certified_design(
     watch: Watch,
     *,
     last: bool = False,
+    roughly: bool = False,
 ) -> Answer:
     """The design, if the continuous-time nonlinear robot is proved to do the task.
 
@@ -43,6 +45,7 @@ def certified_design(
         found: the motion.
         watch: what the proof calls as it goes on.
         last: no other motion is tried, so that doubts do not end this one.
+        roughly: no more digits are tried where the fewest decide nothing.
     """
     trajectory, model = found.outcome.trajectory, path_problem.model
     parameters = nearest_values(model.parameters, trajectory.theta)
@@ -76,13 +79,14 @@ def certified_design(
     broken = seen_broken(scene, design, path_problem, last=last)
     if broken is not None:
         return broken
-    watch = replace(watch, brief=path_problem.spread is None)
+    watch = replace(watch, brief=path_problem.spread is None, roughly=roughly)
     conditions = prove_motion(scene, motion_of(design), watch)
     obstacle = decisive(conditions)
     if obstacle is not None:
         spread = path_problem.spread
+        undecided = roughly and obstacle.status is Status.UNDECIDED
         return Blocked(
-            Cause.ENDED if obstacle.name == ENDED else Cause.UNPROVED,
+            Cause.ENDED if obstacle.name == ENDED or undecided else Cause.UNPROVED,
             f"; last proof tried: {obstacle.reason}",
             0.0 if spread is None else missing_margin(conditions, spread),
             beyond_loop(conditions),

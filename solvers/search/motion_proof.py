@@ -13,7 +13,7 @@ from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.execution.workers import Begun, Job, Result
 from solvers.run_context import RunContext
-from solvers.search.calm_motion import calmer
+from solvers.search.calm_motion import MANY, calmer
 from solvers.search.certified_design import certified_design
 from solvers.search.closed_loop import feedback_choices, unbearable_noise
 from solvers.search.configuration_search import (
@@ -29,13 +29,15 @@ from solvers.search.evaluation import Recipe, recipe
 from solvers.search.path_task import Design
 from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
-from solvers.trajectory.fine_motion import refined, unstable
+from solvers.trajectory.fine_motion import growth, refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.scene import Watch
 
 EARLY_MARGINS = 2
 """So many margins are tried for a motion that was just found."""
+GROWTH = 1e5
+"""Deviations that grow by more leave no room in proofs with doubles."""
 UNSTABLE_TEXT = "; the motion is unstable: its inputs alone do not cause it"
 
 
@@ -81,6 +83,8 @@ class MotionProof:
         finer = refined(path_problem, outcome.trajectory)
         opened = False in feedback_choices(path_problem, outcome)
         feedback = not opened or unstable(finer, outcome.trajectory)
+        if not feedback and self.prefers_feedback(path_problem):
+            feedback = not growth(finer, outcome.trajectory) < GROWTH
         if feedback and self.task.control == "open loop":
             return None
         if feedback and not path_problem.rates:
@@ -88,6 +92,14 @@ class MotionProof:
                 return None
             path_problem = calmer(path_problem)
         return replace(path_problem, bound=False, feedback=feedback, refines=feedback)
+
+    def prefers_feedback(self, path_problem: PathProblem) -> bool:
+        """Whether feedback is tried before more digits than doubles have: these take minutes."""
+        return not self.task.control and path_problem.numeric.n >= MANY
+
+    def is_rough(self, path_problem: PathProblem) -> bool:
+        """Whether an open loop of a robot is proved roughly, feedback being tried next."""
+        return not path_problem.feedback and self.prefers_feedback(path_problem)
 
     def begin_early(self, prepared: PathProblem, outcome: ControlOutcome) -> Begun[Design | None]:
         """The design of such a motion, if it is proved with little more."""
@@ -113,6 +125,7 @@ class MotionProof:
         """A proved design from a feasible configuration; open loop first, where that may do."""
         attempt = ProofAttempt(Blocked(Cause.UNPROVED), found.outcome.robustness)
         choices, samples = feedback_choices(path_problem, found.outcome), tuple[Sample, ...]()
+        left: tuple[PathProblem, Configuration] | None = None
         for feedback in (False, True):
             if feedback not in choices and not (feedback and self.wants_feedback(attempt.answer)):
                 continue
@@ -126,6 +139,10 @@ class MotionProof:
             attempt = self.with_margins(closed, found)
             if isinstance(attempt.answer, Found):
                 break
+            if not feedback and self.wants_feedback(attempt.answer):
+                left = closed, found
+        if left is not None and self.is_rough(left[0]) and not isinstance(attempt.answer, Found):
+            attempt = self.with_margins(*left, thoroughly=True)
         return replace(attempt, samples=samples)
 
     def wants_feedback(self, answer: Answer) -> bool:
@@ -139,11 +156,15 @@ class MotionProof:
         found: Configuration,
         most: int | None = None,
         budget: IterationBudget = FULL,
+        *,
+        thoroughly: bool = False,
     ) -> ProofAttempt:
         """A proved design with as much tightening as that takes, ``most`` times at most.
 
-        ``budget`` is that of the motion under each tightening.
+        ``budget`` is that of the motion under each tightening.  With many joints an open loop is
+        proved with the digits of doubles alone, unless it is to be proved ``thoroughly``.
         """
+        rough = self.is_rough(path_problem) and not thoroughly
         tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
         blocked, tried = Blocked(Cause.UNPROVED), 0
         while tightening is not None and tried != most:
@@ -163,7 +184,7 @@ class MotionProof:
                 break
             answer = certified_design(
                 self.program, self.task, self.derivation, path_problem, found,
-                self.watch, last=tightening.is_last,
+                self.watch, last=tightening.is_last, roughly=rough,
             )  # fmt: skip
             if isinstance(answer, Found):
                 return ProofAttempt(answer, found.outcome.robustness)
@@ -205,7 +226,11 @@ def _early(asked: EarlyProof) -> Design | None:
     """A job: the design of a motion, if it is proved with few margins."""
     prepared = asked.prepared
     found = Configuration(asked.outcome, prepared.waypoints()[1], prepared.cells, bound=False)
-    answer = asked.proof.with_margins(prepared, found, EARLY_MARGINS, SURVEY).answer
+    proof = asked.proof
+    answer = proof.with_margins(prepared, found, EARLY_MARGINS, SURVEY).answer
+    if proof.is_rough(prepared) and prepared.rates and proof.wants_feedback(answer):
+        closed = replace(prepared, feedback=True, refines=True)
+        answer = proof.with_margins(closed, found, EARLY_MARGINS, SURVEY).answer
     return answer.design if isinstance(answer, Found) else None
 
 

@@ -87,6 +87,21 @@ def unstable(path_problem: PathProblem, trajectory: Trajectory) -> bool:
     return not _gaps(path_problem, trajectory, path_problem.substeps)[0] <= path_problem.margin
 
 
+def growth(path_problem: PathProblem, trajectory: Trajectory) -> float:
+    """By how much small deviations of a sample grow until a later one, at most (SI)."""
+    numeric, dt = path_problem.numeric, float(path_problem.task.step)
+    with np.errstate(all="ignore"):
+        steps = numeric.step(
+            trajectory.x[:-1], trajectory.u, trajectory.theta, dt, path_problem.substeps
+        ).state
+        found, most = np.eye(numeric.size), 1.0
+        for step in steps[::-1]:
+            # The sum of the sizes of a row bounds what deviations of one size become.
+            found = found @ step
+            most = max(most, float(np.max(np.sum(np.abs(found), axis=1))))
+    return most
+
+
 def _gaps(path_problem: PathProblem, trajectory: Trajectory, substeps: int) -> Array:
     """How far points (m) and states (SI) get apart when so many substeps are doubled, (2,)."""
     numeric, n = path_problem.numeric, path_problem.numeric.n

@@ -65,6 +65,7 @@ class Watch:
             found by its name in a module, and jobs that can be pickled.  Results are in order.
         begin: begins such a part beside others.
         brief: whether the first condition that fails ends the proof; others are then not known.
+        roughly: whether what the fewest digits do not decide stays undecided.
     """
 
     tick: Callable[[], None] = lambda: None
@@ -72,6 +73,7 @@ class Watch:
     each: Each = in_turn
     begin: Begin = when_asked
     brief: bool = False
+    roughly: bool = False
 
 
 UNWATCHED = Watch()

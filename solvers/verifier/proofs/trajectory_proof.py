@@ -80,7 +80,8 @@ def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[CheckedConditi
     decided: tuple[CheckedCondition, ...] | None = None
     farthest: tuple[CheckedCondition, ...] = ()
     # A controller keeps a set as small as it was: more digits do not get it any farther.
-    for accuracy in ACCURACIES if motion.law is None else ACCURACIES[:1]:
+    once = motion.law is not None or watch.roughly
+    for accuracy in ACCURACIES[:1] if once else ACCURACIES:
         with working_precision(accuracy.bits):
             conditions = _conditions(scene, motion, accuracy, watch)
         if any(condition.status is Status.UNDECIDED for condition in conditions):
