@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from solvers.trajectory.fine_motion import growth
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.trajectory import Trajectory
 
 TURN = 12.0
 """rad: the largest rate of a minimum-jerk turn from rest to rest by 2 pi, times its duration."""
@@ -16,6 +18,9 @@ CALMEST = 3.0
 """The price for these: their motions whirl at a lower one, and proofs take ten times as long."""
 PUSHED = 1e3
 """The price of mobility: errors that push a joint by 0.016 rad in a step cost an effort bound."""
+
+GROWTH = 1e5
+"""Deviations that grow by more leave no room in proofs with doubles."""
 
 
 def calmer(path_problem: PathProblem) -> PathProblem:
@@ -32,6 +37,17 @@ def calmer(path_problem: PathProblem) -> PathProblem:
         rates=(CALM if path_problem.numeric.n < MANY else CALMEST) * (duration / TURN) ** 2,
         mobility=PUSHED if disturbed else 0.0,
     )
+
+
+def feedback_before_digits(path_problem: PathProblem) -> bool:
+    """Whether feedback is tried before more digits than doubles have: these take minutes."""
+    return not path_problem.task.control and path_problem.numeric.n >= MANY
+
+
+def outgrows(path_problem: PathProblem, trajectory: Trajectory) -> bool:
+    """Whether doubles lose a motion in an open loop, and feedback is tried before more digits."""
+    hasty = feedback_before_digits(path_problem)
+    return hasty and not growth(path_problem, trajectory) < GROWTH
 
 
 def chosen_by_spread(path_problem: PathProblem) -> bool:

@@ -22,7 +22,7 @@ from solvers.parameters.parameter_search import (
     parameter_space,
 )
 from solvers.run_context import RunContext
-from solvers.search.calm_motion import calmer, chosen_by_spread
+from solvers.search.calm_motion import calmer, chosen_by_spread, outgrows
 from solvers.search.cell_timing import Timed, settled
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of, free_parameters
 from solvers.search.first_motion import first_motion
@@ -172,8 +172,9 @@ def search_configuration(
 
 
 def only_for_feedback(path_problem: PathProblem, outcomes: Sequence[ControlOutcome]) -> bool:
-    """Whether there are motions, none that its inputs alone cause, and feedback may be had."""
-    regulated = [each.regulated for each in outcomes if each.feasible]
+    """Whether there are motions, all of which need feedback, and that may be had."""
+    found = [each for each in outcomes if each.feasible]
+    regulated = [each.regulated or outgrows(path_problem, each.trajectory) for each in found]
     return path_problem.task.control != "open loop" and bool(regulated) and all(regulated)
 
 

@@ -13,7 +13,7 @@ from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.execution.workers import Begun, Job, Result
 from solvers.run_context import RunContext
-from solvers.search.calm_motion import MANY, calmer
+from solvers.search.calm_motion import calmer, feedback_before_digits, outgrows
 from solvers.search.certified_design import certified_design
 from solvers.search.closed_loop import feedback_choices, unbearable_noise
 from solvers.search.configuration_search import (
@@ -29,15 +29,13 @@ from solvers.search.evaluation import Recipe, recipe
 from solvers.search.path_task import Design
 from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
-from solvers.trajectory.fine_motion import growth, refined, unstable
+from solvers.trajectory.fine_motion import refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.scene import Watch
 
 EARLY_MARGINS = 2
 """So many margins are tried for a motion that was just found."""
-GROWTH = 1e5
-"""Deviations that grow by more leave no room in proofs with doubles."""
 UNSTABLE_TEXT = "; the motion is unstable: its inputs alone do not cause it"
 
 
@@ -83,8 +81,7 @@ class MotionProof:
         finer = refined(path_problem, outcome.trajectory)
         opened = False in feedback_choices(path_problem, outcome)
         feedback = not opened or unstable(finer, outcome.trajectory)
-        if not feedback and self.prefers_feedback(path_problem):
-            feedback = not growth(finer, outcome.trajectory) < GROWTH
+        feedback = feedback or outgrows(finer, outcome.trajectory)
         if feedback and self.task.control == "open loop":
             return None
         if feedback and not path_problem.rates:
@@ -92,14 +89,6 @@ class MotionProof:
                 return None
             path_problem = calmer(path_problem)
         return replace(path_problem, bound=False, feedback=feedback, refines=feedback)
-
-    def prefers_feedback(self, path_problem: PathProblem) -> bool:
-        """Whether feedback is tried before more digits than doubles have: these take minutes."""
-        return not self.task.control and path_problem.numeric.n >= MANY
-
-    def is_rough(self, path_problem: PathProblem) -> bool:
-        """Whether an open loop of a robot is proved roughly, feedback being tried next."""
-        return not path_problem.feedback and self.prefers_feedback(path_problem)
 
     def begin_early(self, prepared: PathProblem, outcome: ControlOutcome) -> Begun[Design | None]:
         """The design of such a motion, if it is proved with little more."""
@@ -141,7 +130,7 @@ class MotionProof:
                 break
             if not feedback and self.wants_feedback(attempt.answer):
                 left = closed, found
-        if left is not None and self.is_rough(left[0]) and not isinstance(attempt.answer, Found):
+        if left is not None and is_rough(left[0]) and not isinstance(attempt.answer, Found):
             attempt = self.with_margins(*left, thoroughly=True)
         return replace(attempt, samples=samples)
 
@@ -164,7 +153,7 @@ class MotionProof:
         ``budget`` is that of the motion under each tightening.  With many joints an open loop is
         proved with the digits of doubles alone, unless it is to be proved ``thoroughly``.
         """
-        rough = self.is_rough(path_problem) and not thoroughly
+        rough = is_rough(path_problem) and not thoroughly
         tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
         blocked, tried = Blocked(Cause.UNPROVED), 0
         while tightening is not None and tried != most:
@@ -179,7 +168,7 @@ class MotionProof:
             if not found.outcome.feasible:
                 blocked = without_motion(path_problem, found, blocked)
                 break
-            if not path_problem.feedback and unstable(path_problem, found.outcome.trajectory):
+            if lost(path_problem, found.outcome.trajectory, rough=rough):
                 blocked = Blocked(Cause.UNSTABLE, blocked.text + UNSTABLE_TEXT)
                 break
             answer = certified_design(
@@ -194,6 +183,18 @@ class MotionProof:
             self.context.reporter.note(f"{blocked.cause.value}; trying a wider margin")
             tightening = tightening.wider(blocked.lacking, path_problem.spread, blocked.beyond)
         return ProofAttempt(blocked, found.outcome.robustness)
+
+
+def is_rough(path_problem: PathProblem) -> bool:
+    """Whether an open loop of a robot is proved roughly, feedback being tried next."""
+    return not path_problem.feedback and feedback_before_digits(path_problem)
+
+
+def lost(path_problem: PathProblem, trajectory: Trajectory, *, rough: bool) -> bool:
+    """Whether no proof of an open loop has to be tried."""
+    if path_problem.feedback:
+        return False
+    return unstable(path_problem, trajectory) or (rough and outgrows(path_problem, trajectory))
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +229,7 @@ def _early(asked: EarlyProof) -> Design | None:
     found = Configuration(asked.outcome, prepared.waypoints()[1], prepared.cells, bound=False)
     proof = asked.proof
     answer = proof.with_margins(prepared, found, EARLY_MARGINS, SURVEY).answer
-    if proof.is_rough(prepared) and prepared.rates and proof.wants_feedback(answer):
+    if is_rough(prepared) and prepared.rates and proof.wants_feedback(answer):
         closed = replace(prepared, feedback=True, refines=True)
         answer = proof.with_margins(closed, found, EARLY_MARGINS, SURVEY).answer
     return answer.design if isinstance(answer, Found) else None
