@@ -1,7 +1,9 @@
-"""Which tests `make quick` leaves out: those that take 0.1 s and more, or start a process.
+"""Which tests `make quick` and `make test` leave out, because of how long they take.
 
-`make timings` records them in ``long_tests.json``, file by file; a test that is not listed is
-quick. One that starts a process and is not listed fails in `make quick`.
+`make timings` records in ``long_tests.json``, file by file, which tests take 0.1 s and more, or
+start a process; `make quick` leaves them out. A test that is not listed is quick; if it starts a
+process it fails in `make quick`. Those that took seconds are in ``slow_tests.json``, and run in
+`make test-slow` alone, as those marked `slow` do.
 """
 
 from __future__ import annotations
@@ -10,13 +12,23 @@ import json
 import os
 import sys
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
 
 LISTED = Path(__file__).with_name("long_tests.json")
 LONG_SECONDS = 0.1
+SLOW = Path(__file__).with_name("slow_tests.json")
+SLOW_SECONDS = 3.0
+USUAL = {
+    "tests/solvers/test_case_study.py",
+    "tests/srgc/test_determinism.py",
+    "tests/srgc/test_shipped_specs.py",
+    "tests/test_documentation.py",
+    "tests/test_twenty_mistakes.py",
+}
+"""What pages, specs and the paper say is in the usual suite, however long it takes."""
 STARTS = {"os.fork", "os.forkpty", "os.posix_spawn", "os.system", "pty.spawn", "subprocess.Popen"}
 
 MADE = {"made", "result"}
@@ -54,14 +66,25 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    listed = {
-        f"{file}::{name}"
-        for file, names in json.loads(LISTED.read_text(encoding="utf-8")).items()
-        for name in names
-    }
-    for item in items:
-        if item.nodeid in listed:
-            item.add_marker(pytest.mark.long)
+    marks = pytest.mark.long, pytest.mark.slow
+    for mark, tests in zip(marks, map(_listed, (LISTED, SLOW)), strict=True):
+        for item in items:
+            if item.nodeid in tests:
+                item.add_marker(mark)
+
+
+def _listed(file: Path) -> set[str]:
+    """The tests that a list names."""
+    found = json.loads(file.read_text(encoding="utf-8")).items()
+    return {f"{path}::{name}" for path, names in found for name in names}
+
+
+def _write(file: Path, tests: Iterable[str]) -> None:
+    listed: dict[str, list[str]] = defaultdict(list)
+    for test in sorted(tests):
+        path, _, name = test.partition("::")
+        listed[path].append(name)
+    file.write_text(json.dumps(listed, indent=0, ensure_ascii=True) + "\n", encoding="utf-8")
 
 
 class QuickTestsAlone:
@@ -88,6 +111,8 @@ class Recorder:
         self.processes.watch()
         self.fixtures: dict[Fixture, bool] = {}
         self.seconds: dict[str, float] = defaultdict(float)
+        self.calls: dict[str, float] = defaultdict(float)
+        """Without what shared fixtures take."""
         self.starting: set[str] = set()
         self.long_fixtures: set[Fixture] = set()
         self.used: dict[str, set[Fixture]] = {}
@@ -129,6 +154,7 @@ class Recorder:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         self.seconds[report.nodeid] += report.duration
+        self.calls[report.nodeid] += report.duration * (report.when == "call")
         if report.when == "teardown":
             told = dict(report.user_properties)
             self.used[report.nodeid] = {tuple(key) for key in told["used"]}
@@ -140,13 +166,14 @@ class Recorder:
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if "PYTEST_XDIST_WORKER" in os.environ:
             return
-        listed: dict[str, list[str]] = defaultdict(list)
-        for test in sorted(self.used):
-            if (
-                self.seconds[test] >= LONG_SECONDS
-                or test in self.starting
-                or self.used[test] & self.long_fixtures
-            ):
-                file, _, name = test.partition("::")
-                listed[file].append(name)
-        LISTED.write_text(json.dumps(listed, indent=0, ensure_ascii=True) + "\n", encoding="utf-8")
+        _write(SLOW, _listed(SLOW).union(filter(self.is_slow, self.used)))
+        _write(LISTED, filter(self.is_long, self.used))
+
+    def is_slow(self, test: str) -> bool:
+        """Whether `make test` leaves a test out."""
+        return self.calls[test] >= SLOW_SECONDS and test.partition("::")[0] not in USUAL
+
+    def is_long(self, test: str) -> bool:
+        """Whether `make quick` leaves a test out."""
+        starts = test in self.starting or bool(self.used[test] & self.long_fixtures)
+        return starts or self.seconds[test] >= LONG_SECONDS

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.long_tests import LISTED
+from tests.long_tests import LISTED, SLOW
 from tests.resumable import shard_of
 
 ROOT = Path(__file__).parents[1]
@@ -100,9 +100,27 @@ def test_a_quick_test_starts_no_process(tmp_path: Path) -> None:
     assert "run `make timings`" in said
 
 
-def test_what_is_listed_is_there() -> None:
-    """A test that was renamed and forgotten in the list would be run as a quick one."""
-    for file, names in json.loads(LISTED.read_text(encoding="utf-8")).items():
+def test_a_slow_test_is_left_out_of_the_usual_suite(tmp_path: Path) -> None:
+    """The list names a file of this suite, and a test there."""
+    file, names = next(iter(json.loads(SLOW.read_text(encoding="utf-8")).items()))
+    place = tmp_path / file
+    place.parent.mkdir(parents=True)
+    name = names[0].partition("[")[0]
+    text = f"def test_else(): pass\ndef {name}(): pass\n"
+    if "[" in names[0]:
+        text = "import pytest\n@pytest.mark.parametrize('x', [0], ids=[IDS])\n".replace(
+            "IDS", repr(names[0].partition("[")[2][:-1])
+        ) + text.replace(f"{name}()", f"{name}(x)")
+        text = text.replace("def test_else(): pass\n", "") + "def test_else(): pass\n"
+    place.write_text(text, encoding="utf-8")
+    _, passed = run(tmp_path, "-p", "tests.long_tests", "-m", "not slow")
+    assert passed == {"test_else"}
+
+
+@pytest.mark.parametrize("listed", [LISTED, SLOW], ids=["long", "slow"])
+def test_what_is_listed_is_there(listed: Path) -> None:
+    """A test that was renamed and forgotten in a list would be run as one that takes no time."""
+    for file, names in json.loads(listed.read_text(encoding="utf-8")).items():
         text = (ROOT / file).read_text(encoding="utf-8")
         for name in {name.partition("[")[0] for name in names}:
             assert f"def {name}(" in text, (file, name)

@@ -45,14 +45,15 @@ def _bare_solids(
     derivation: Derivation, model: RobotModel, semantics: Mapping[str, ir.SemanticBlock]
 ) -> Iterator[ir.Solid]:
     links = links_of(model.frames)
-    rods = {links.of[body.frame] for body in model.bodies if isinstance(body, RodBody)}
+    own = model.bodies[: len(model.bodies) - len(model.payloads)]
+    rods = {links.of[body.frame] for body in own if isinstance(body, RodBody)}
     emitted = (
         emission
         for node in emission_order(derivation)
         for emission in semantics[derivation.nodes[node].production.label].emissions
         if not isinstance(emission, ir.Effector | ir.Shape)
     )
-    for number, (body, emission) in enumerate(zip(model.bodies, emitted, strict=True)):
+    for number, (body, emission) in enumerate(zip(own, emitted, strict=True)):
         bare = number not in model.covered and links.of[body.frame] not in rods
         if isinstance(body, SolidBody) and isinstance(emission, ir.Solid) and bare:
             yield emission

@@ -168,7 +168,7 @@ class _Reader:
             return None
         region, effector = self.place(item.region), self.effector(item.effector)
         rates = None if item.rates is None else final_rates(item.rates, self.kinds, self.sink)
-        return ir.Reach(region, effector, rates, self._poses(item), item.span)
+        return ir.Reach(region, effector, rates, item.span, self._poses(item))
 
     def _poses(self, item: t.Reach) -> tuple[ir.Pose, ...]:
         if not item.poses or self.workspace is None:

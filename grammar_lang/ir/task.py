@@ -179,8 +179,8 @@ class Reach:
     region: str
     effector: int | None
     rates: FinalRates | None = None
-    poses: tuple[Pose, ...] = ()
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    poses: tuple[Pose, ...] = ()
 
 
 @node

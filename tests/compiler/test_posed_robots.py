@@ -14,6 +14,10 @@ from compiler.robots.frame_table import SemanticsError
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot_key import robot_key
 from compiler.words.structures import structures
+from compiler.workspaces.abstraction import abstract
+from grammar_lang.load import load_text
+from solvers.verifier.proofs.scene import scene_of
+from srgc.session import check_loaded
 from tests.oracles.formulas import program
 from tests.oracles.small_specs import TURNER, replaced
 
@@ -112,3 +116,27 @@ def test_a_payload_without_its_effector() -> None:
     several = next(d for d in structures(robots.language, 7) if d.word.count("EN") == 2)
     with pytest.raises(SemanticsError, match="not said which effector"):
         robots.robot(several)
+
+
+def test_bodies_keep_their_names_beside_a_payload() -> None:
+    text = replaced(TURNER, "accept contains EN and", "accept count(EN) == 1 and")
+    text = replaced(text, "reach T;", "reach T; payload 1 kg;")
+    text = replaced(text, "avoid O with effector", "avoid O with body")
+    text = replaced(
+        text,
+        "rod(frame",
+        "solid(frame: N.frame, mass: 1 kg, com: (0, 0, 0) m, inertia: 1 kg*m^2); rod(frame",
+    )
+    found = load_text(text, "spec.srg")
+    assert check_loaded(found).program is not None
+    assert found.program is not None
+    task = found.program.tasks["Turn"]
+    robots = family_of(found.program, task)
+    derivation = next(d for d in structures(robots.language, 7) if "L" in d.word)
+    model = robots.robot(derivation)
+    cells = abstract(found.program.workspaces[task.workspace])
+    scene = scene_of(found.program, task, model, cells, derivation)
+    assert [scene.body(number) for number in range(len(model.colliders))] == [
+        "body 1 (L at symbol 4)",
+        "body 2 (L at symbol 4)",
+    ]

@@ -137,7 +137,7 @@ def scene_of(
     if derivation is not None:
         semantics = program.grammars[task.grammar].semantics or {}
         own, shapes = body_symbols(derivation, semantics)
-        if len(own) == len(model.bodies) and len(shapes) == len(model.shapes):
+        if len(own) + len(model.payloads) == len(model.bodies) and len(shapes) == len(model.shapes):
             symbols = [s for number, s in enumerate(own) if number not in model.covered]
             bodies = _named(model, [*symbols, *shapes], derivation.word)
     return _scene(model, program.workspaces[task.workspace], task, cells, bodies)
