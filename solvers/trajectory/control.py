@@ -328,7 +328,7 @@ def shortfall(problem: ControlProblem, outcome: ControlOutcome, *, posed: bool =
         return "has no finite equations of motion"
     if at.excess > problem.excess:
         if posed:
-            return f"lacks {at.excess:.2g} (m or rad) of the margins to sets or of its pose"
+            return "lacks some of the margins to the sets around it, or its pose"
         return f"lacks {1000 * at.excess:.2g} mm of the margins to the sets around it"
     if at.outside > LIMIT_EXCESS:
         return f"passes a limit of a joint or a rate by {at.outside:.2g} (SI)"

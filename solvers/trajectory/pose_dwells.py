@@ -24,8 +24,8 @@ def pose_dwells(
 ) -> Iterator[Dwell]:
     """What keeps an effector (from 0) in a pose, from a first sample to a last one.
 
-    A row counts angles as lengths, a ``unit`` in metres for a rad, so that margins suit it.  The
-    directions themselves are the places that inverse kinematics brings the axes to.
+    Near its bound a row counts angles as lengths, a ``unit`` in metres for a rad, so that margins
+    suit it.  The directions themselves are the places that inverse kinematics brings the axes to.
     """
     target = pose_target(pose, numeric.d, FLOATS)
     level = cos(target.within)

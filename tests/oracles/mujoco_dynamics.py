@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -38,3 +39,10 @@ class MujocoRobot:
 
     def acceleration(self) -> Array:
         return np.array(self.data.qacc[self.rates])
+
+
+def of_file(file: Path) -> MujocoRobot:
+    """An exported robot, its joints in their order in the file."""
+    model = mujoco.MjModel.from_xml_path(str(file))
+    names = [model.joint(number).name for number in range(model.njnt)]
+    return MujocoRobot(file.read_text(encoding="utf-8"), names)

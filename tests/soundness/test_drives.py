@@ -6,13 +6,13 @@ import contextlib
 import io
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
 
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.mujoco_dynamics import of_file
 
 SPEC = """\
 module B { role base; }
@@ -94,18 +94,13 @@ def test_the_motion_obeys_the_equations_with_rotors_and_friction(folder: Path) -
 def test_the_export_has_armatures_friction_and_bounds(folder: Path) -> None:
     exported = folder / "robot.xml"
     assert quiet("export", folder, "--to", "mjcf", "-o", exported) == 0
-    model = mujoco.MjModel.from_xml_path(str(exported))
-    data = mujoco.MjData(model)
-    rng = np.random.default_rng(1)
+    robot = of_file(exported)
+    rng, still = np.random.default_rng(1), np.zeros(2)
     for q in rng.uniform(-3, 3, (20, 2)):
-        data.qpos[:] = q
-        mujoco.mj_forward(model, data)
-        found = np.zeros((2, 2))
-        for row, unit in zip(found, np.eye(2), strict=True):
-            mujoco.mj_mulM(model, data, row, unit)
-        assert np.allclose(found, mass(q), rtol=1e-9, atol=1e-12)
-    assert model.dof_damping.tolist() == [0.3, 0.1]
-    assert np.allclose(model.actuator_ctrlrange, [[-12, 12], [-5, 5]], rtol=1e-15)
+        robot.put(q, still, still)
+        assert np.allclose(robot.mass_matrix(), mass(q), rtol=1e-9, atol=1e-12)
+    assert robot.model.dof_damping.tolist() == [0.3, 0.1]
+    assert np.allclose(robot.model.actuator_ctrlrange, [[-12, 12], [-5, 5]], rtol=1e-15)
     text = folder / "robot.urdf"
     assert quiet("export", folder, "--to", "urdf", "-o", text) == 0
     written = text.read_text(encoding="utf-8")

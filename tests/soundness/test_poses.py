@@ -6,7 +6,6 @@ import contextlib
 import io
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -15,6 +14,7 @@ from compiler.arrays import Array
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.mujoco_dynamics import of_file
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.small_specs import replaced
 
@@ -130,16 +130,13 @@ def test_a_motion_of_another_task_is_refuted(folder: Path, old: str, new: str, s
 def test_an_exported_robot_carries_its_payload(folder: Path) -> None:
     exported = folder / "robot.xml"
     assert quiet("export", folder, "--to", "mjcf", "-o", exported) == 0
-    model = mujoco.MjModel.from_xml_path(str(exported))
-    data = mujoco.MjData(model)
-    rng = np.random.default_rng(1)
+    robot = of_file(exported)
+    rng, still = np.random.default_rng(1), np.zeros(3)
     for q in rng.uniform(-2.5, 2.5, (20, 3)):
-        data.qpos[:] = q
-        mujoco.mj_forward(model, data)
-        found = np.zeros((3, 3))
-        for row, unit in zip(found, np.eye(3), strict=True):
-            mujoco.mj_mulM(model, data, row, unit)
-        assert np.allclose(found, dynamics(q, np.zeros(3), 0.3)[0], rtol=1e-9, atol=1e-12)
+        robot.put(q, still, still)
+        assert np.allclose(
+            robot.mass_matrix(), dynamics(q, np.zeros(3), 0.3)[0], rtol=1e-9, atol=1e-12
+        )
 
 
 def test_what_one_joint_cannot_point_at_is_not_found(tmp_path: Path) -> None:
