@@ -181,7 +181,7 @@ class TubeEstimate:
 
     def cost(self, gains: Array) -> float:
         """How wide it is and how much it commands, as the alternation weighs it."""
-        return spread_cost(self.spread(gains), self.scales)
+        return spread_cost(self.spread(gains), self.scales, np.zeros(0))
 
 
 def tube_estimate(problem: PathProblem, trajectory: Trajectory) -> TubeEstimate:

@@ -233,6 +233,7 @@ def _tip_names(dimension: int, effectors: int) -> list[tuple[str, str]]:
 
 RANGE_UNITS = {"revolute": "rad", "prismatic": "m"}
 RATE_UNITS = {"revolute": "rad/s", "prismatic": "m/s"}
+ACCELERATION_UNITS = {"revolute": "rad/s^2", "prismatic": "m/s^2"}
 
 
 def robot_sections(
@@ -267,7 +268,11 @@ def _joints(dof: RobotDof, word: Sequence[str]) -> str:
 
 def _limits(dof: RobotDof) -> str:
     found = domain_text(dof.range, RANGE_UNITS[dof.kind])
-    return f"{found}, rate {domain_text(dof.rate, RATE_UNITS[dof.kind])}"
+    found = f"{found}, rate {domain_text(dof.rate, RATE_UNITS[dof.kind])}"
+    if dof.accel is None:
+        return found
+    most = number_text(rational_bounds(dof.accel)[0])
+    return f"{found}, acceleration up to {most} {ACCELERATION_UNITS[dof.kind]}"
 
 
 def _parameters(model: RobotModel) -> Iterator[Item]:

@@ -159,7 +159,16 @@ class Declarations:
         for dof in module.dofs:
             self.dof_index[index, dof.name] = len(self.dofs)
             self.dofs.append(
-                RobotDof((index,), dof.kind, dof.axis, dof.range, dof.rate, dof.effort, dof.inertia)
+                RobotDof(
+                    (index,),
+                    dof.kind,
+                    dof.axis,
+                    dof.range,
+                    dof.rate,
+                    dof.effort,
+                    dof.inertia,
+                    dof.accel,
+                )
             )
         own = own_dynamics(index, module, self.parameter_index, self.dof_index)
         if own is not None:

@@ -283,7 +283,7 @@ def _alone(model: RobotModel, used: Sequence[int]) -> dict[int, Joint]:
     read = {dof for own in model.own for dof in own.bound_dofs.values()}
     steps = {frame: s for frame in used if isinstance(s := model.frames[frame].step, Joint)}
     uses = Counter(step.dof for step in steps.values())
-    driven = {i for i, dof in enumerate(model.dofs) if dof.effort or dof.inertia}
+    driven = {i for i, dof in enumerate(model.dofs) if dof.is_driven}
     return {f: s for f, s in steps.items() if uses[s.dof] == 1 and s.dof not in read | driven}
 
 

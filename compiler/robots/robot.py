@@ -146,7 +146,8 @@ class FrameNode:
 class RobotDof:
     """A degree of freedom.  ``symbols``: word indices of the joints merged into it.
 
-    ``effort`` bounds its free input, ``inertia`` is its rotor's as the joint feels it; both closed.
+    ``effort`` bounds its free input, ``inertia`` is its rotor's as the joint feels it, ``accel``
+    bounds the size of its acceleration; all closed.
     """
 
     symbols: tuple[int, ...]
@@ -156,6 +157,12 @@ class RobotDof:
     rate: ir.Interval | None
     effort: ir.Expr | None = None
     inertia: ir.Expr | None = None
+    accel: ir.Expr | None = None
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether it has a drive of its own, or limits of one; such joints are not merged."""
+        return any(each is not None for each in (self.effort, self.inertia, self.accel))
 
 
 @dataclass(frozen=True, slots=True)
@@ -339,6 +346,11 @@ class RobotModel:
         bodies = [f"body {number}" for number in range(1, len(self.bodies) + 1)]
         shapes = [f"shape {number}" for number in range(1, len(self.shapes) + 1)]
         return (*self._uncovered(bodies), *shapes)
+
+    @property
+    def limits_accelerations(self) -> bool:
+        """Whether the acceleration of some joint is bound."""
+        return any(dof.accel is not None for dof in self.dofs)
 
     def _uncovered(self, items: Sequence[Item]) -> Iterator[Item]:
         return (item for number, item in enumerate(items) if number not in self.covered)

@@ -145,8 +145,8 @@ def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:
         case Joint(dof, axis, sign):
             limits = model.dofs[dof]
             kind = f"{limits.kind} {limits.range} {limits.rate}"
-            if limits.effort or limits.inertia:
-                kind += f" {limits.effort} {limits.inertia}"
+            if limits.is_driven:
+                kind += f" {limits.effort} {limits.inertia} {limits.accel}"
             return f"{frame.parent} joint {dof} {axis} {sign} {kind}"
 
 
@@ -215,7 +215,7 @@ def _skeleton(model: RobotModel) -> tuple[object, ...]:
         tuple(replace(shape, sizes=(0,) * len(shape.sizes)) for shape in model.shapes),
         model.covered,
         tuple(
-            (dof.kind, *(each is None for each in (dof.range, dof.rate, dof.effort, dof.inertia)))
+            (dof.kind, *(each is None for each in (dof.range, dof.rate, *_amounts(dof))))
             for dof in model.dofs
         ),
         model.effectors,
@@ -255,9 +255,13 @@ def _limits(dof: RobotDof) -> Iterator[arb]:
         if interval is not None:
             yield closed_ball(interval.lower)
             yield closed_ball(interval.upper)
-    for amount in (dof.effort, dof.inertia):
+    for amount in _amounts(dof):
         if amount is not None:
             yield closed_ball(amount)
+
+
+def _amounts(dof: RobotDof) -> tuple[ir.Expr | None, ...]:
+    return dof.effort, dof.inertia, dof.accel
 
 
 # --- expressions -----------------------------------------------------------------------------

@@ -1,7 +1,8 @@
 """The proof that a goal is out of reach of the drives of a robot, for a box of its parameters.
 
-What holds for every motion that keeps the effort bounds, the rate limits of the joints and the
-horizon: docs/decisions/0040-out-of-reach-of-the-drives.md has the bounds and their proofs.  All in
+What holds for every motion that keeps the effort bounds, the limits of rates and accelerations
+of the joints and the horizon:
+docs/decisions/0040-out-of-reach-of-the-drives.md has the bounds and their proofs.  All in
 balls and intervals; floats choose directions and preconditioners only.
 
 Nothing is said of forces on a robot whose modules have states or inputs of their own, or a torque
@@ -13,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 
 from flint import arb
 
@@ -82,7 +84,7 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
         task,
         graph,
         _groups(model, task) if known else None,
-        tuple(_rate(dof) for dof in model.dofs),
+        tuple(_rate(dof, task) for dof in model.dofs),
     )
 
 
@@ -148,7 +150,7 @@ def _region(
     backwards = all(item.low.is_zero() and item.high.is_zero() for item in damping)
     limits = Limits(
         ball(task.steps * task.step),
-        ball(task.start.rates if isinstance(task.start, ir.StartIn) else Fraction(0)),
+        _first_rate(task),
         ball(slow.most) if slow is not None and backwards else None,
         None if drive.groups is None else most_power(drive.groups, drive.rates),
         _pushes(drive, damping, turned),
@@ -202,11 +204,26 @@ def _groups(model: RobotModel, task: ir.Task) -> tuple[EffortGroup, ...]:
     return tuple(found)
 
 
-def _rate(dof: RobotDof) -> arb | None:
-    """The largest size of a joint's rate, where it has limits."""
-    if dof.rate is None:
-        return None
-    return abs(closed_ball(dof.rate.lower)).max(abs(closed_ball(dof.rate.upper))).upper()
+def _first_rate(task: ir.Task) -> arb:
+    """The largest size of any joint's rate at the start."""
+    return ball(task.start.rates if isinstance(task.start, ir.StartIn) else Fraction(0))
+
+
+def _rate(dof: RobotDof, task: ir.Task) -> arb | None:
+    """The largest size of a joint's rate within the horizon; None where nothing bounds it.
+
+    An acceleration up to a lets a rate grow by a t from the start, and come from no more than
+    a (T - t) above a final one, so that it is half the sum of all of these at most.
+    """
+    bounds = list[arb]()
+    if dof.rate is not None:
+        bounds.append(abs(closed_ball(dof.rate.lower)).max(abs(closed_ball(dof.rate.upper))))
+    if dof.accel is not None:
+        most, first = closed_ball(dof.accel) * ball(task.steps * task.step), _first_rate(task)
+        bounds.append(first + most)
+        if task.final_rates is not None:
+            bounds.append((first + most + ball(task.final_rates.most)) / 2)
+    return reduce(arb.min, bounds).upper() if bounds else None
 
 
 def _energy(region: Region, budget: Budget | None) -> DriveBound | None:

@@ -1,4 +1,4 @@
-"""What drives a joint: ``effort <= v`` of a degree of freedom, and ``drive q: gear … rotor …;``."""
+"""What drives a joint: bounds of effort and acceleration, and ``drive q: gear … rotor …;``."""
 
 from __future__ import annotations
 
@@ -22,14 +22,26 @@ _COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LE
 Kind: TypeAlias = Literal["gear", "rotor", "viscous"]
 
 
-def lower_limit(item: s.Dof, reader: Constants, sink: Sink) -> ir.Expr | None:
+def lower_effort(item: s.Dof, reader: Constants, sink: Sink) -> ir.Expr | None:
     """The bound of the effort of a degree of freedom, closed, in SI; None without one."""
-    if item.effort is None:
+    return _lower_bound(item.effort, "effort", EFFORT_DIMENSIONS[item.kind], reader, sink)
+
+
+def lower_acceleration(item: s.Dof, reader: Constants, sink: Sink) -> ir.Expr | None:
+    """The bound of the acceleration of a degree of freedom, likewise."""
+    due = _COORDINATES[item.kind] / TIME / TIME
+    return _lower_bound(item.accel, "acceleration", due, reader, sink)
+
+
+def _lower_bound(
+    bound: s.Expr | None, what: str, due: Dimension, reader: Constants, sink: Sink
+) -> ir.Expr | None:
+    if bound is None:
         return None
-    found = reader.scalar(item.effort, EFFORT_DIMENSIONS[item.kind])
+    found = reader.scalar(bound, due)
     if found is not None and not constants.to_float(found) > 0:
-        message = "the effort bound is not positive"
-        sink.error(Code.BAD_VALUE, message, item.effort.span, "write more than zero")
+        message = f"the {what} bound is not positive"
+        sink.error(Code.BAD_VALUE, message, bound.span, "write more than zero")
         return None
     return found
 

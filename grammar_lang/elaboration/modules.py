@@ -10,7 +10,12 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.closed import Constants
-from grammar_lang.elaboration.drives import DriveReader, check_driven, lower_limit
+from grammar_lang.elaboration.drives import (
+    DriveReader,
+    check_driven,
+    lower_acceleration,
+    lower_effort,
+)
 from grammar_lang.elaboration.module_dynamics import Statements, lower_dynamics
 from grammar_lang.elaboration.module_scope import ModuleScope
 from grammar_lang.elaboration.sorts import (
@@ -179,7 +184,8 @@ class _Reader:
                 item.axis,
                 None if ranged is None else ranged[0],
                 None if rated is None else rated[0],
-                lower_limit(item, reader, self.sink),
+                lower_effort(item, reader, self.sink),
+                accel=lower_acceleration(item, reader, self.sink),
                 span=item.span,
             )
         )

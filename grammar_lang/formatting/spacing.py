@@ -31,7 +31,7 @@ _BEFORE = {
     "rate": 6, "margin": 6, "rates": 6, "by": 6, **dict.fromkeys(_COMPARISONS, 7),
     "+": 8, "-": 8, "*": 9, "/": 9,
 }  # fmt: skip
-_COMPARED = frozenset({"effort", "modules", "rates", "length"})
+_COMPARED = frozenset({"accel", "effort", "modules", "rates", "length"})
 
 
 @dataclass(frozen=True, slots=True)

@@ -101,7 +101,7 @@ _MODULES: dict[str, Builder] = {
     "role": lambda c, span: s.Role(_ident(c[0]), span),
     "param": lambda c, span: s.Param(_ident(c[0]), c[1], span),
     "const": lambda c, span: s.Const(_ident(c[0]), c[1], span),
-    "dof": lambda c, span: s.Dof(_ident(c[0]), c[1], c[2], c[3], c[4], c[5], span),
+    "dof": lambda c, span: s.Dof(_ident(c[0]), c[1], c[2], c[3], c[4], c[5], c[6], span),
     "drive": lambda c, span: s.Drive(_ident(c[0]), tuple(c[1:]), span),
     "drive_part": lambda c, span: s.DrivePart(c[0], c[1], span),
     "drive_kind": lambda c, _: c[0].text,

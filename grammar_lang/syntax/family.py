@@ -51,13 +51,14 @@ class Const:
 
 @node
 class Dof:
-    """``dof NAME: kind axis in interval rate in interval effort <= expr;``."""
+    """``dof NAME: kind axis in interval rate in interval accel <= expr effort <= expr;``."""
 
     name: Ident
     kind: Literal["revolute", "prismatic"]
     axis: Literal["x", "y", "z", "-x", "-y", "-z"]
     range: Interval | None
     rate: Interval | None
+    accel: Expr | None
     effort: Expr | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
@@ -127,8 +128,9 @@ def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
             return bounds(domain)
         case Const(value=value) | Derivative(value=value) | Torque(value=value):
             return (value,)
-        case Dof(range=ranged, rate=rate, effort=effort):
-            return (*bounds(ranged), *bounds(rate), *(() if effort is None else (effort,)))
+        case Dof(range=ranged, rate=rate, accel=accel, effort=effort):
+            largest = tuple(bound for bound in (accel, effort) if bound is not None)
+            return (*bounds(ranged), *bounds(rate), *largest)
         case Drive(parts=parts):
             return tuple(part.value for part in parts)
         case State(initial=initial):

@@ -96,10 +96,11 @@ def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
         case "bounds_body" | "payload":
             what = "`bounds with body`" if line.kind == "bounds_body" else "the payload"
             yield Change(line, f"without {what}", without(posed, [line]))
-        case "joint_range" | "joint_rate":
+        case "joint_range" | "joint_rate" | "joint_accel":
             module, name = line.key
-            what = "a limit of" if line.kind == "joint_range" else "a limit of the rate of"
-            yield Change(line, f"without {what} `{module}.{name}`", without(posed, [line]))
+            of = {"joint_rate": "the rate of ", "joint_accel": "the acceleration of "}
+            says = f"without a limit of {of.get(line.kind, '')}`{module}.{name}`"
+            yield Change(line, says, without(posed, [line]))
         case "fixed":
             yield Change(line, f"with `{line.key[1]}` free", without(posed, [line]))
         case _:

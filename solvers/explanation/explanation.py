@@ -23,7 +23,9 @@ from solvers.explanation.task_line import TaskLine, modules_line, task_lines
 from solvers.run_context import RunContext
 from solvers.verdict import NotFound
 
-TELLING = ("parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "fixed")
+TELLING = (
+    "parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "joint_accel", "fixed",
+)  # fmt: skip
 """Kinds of lines that a person would change; conflicts with such lines are told first."""
 
 

@@ -42,7 +42,7 @@ def without(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
 
 def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
     match line.kind:
-        case "parameter" | "fixed" | "joint_range" | "joint_rate":
+        case "parameter" | "fixed" | "joint_range" | "joint_rate" | "joint_accel":
             return _ranged(posed, line)
         case "avoid":
             return posed.without_avoided(int(line.key[0]), str(line.key[1]))
@@ -81,12 +81,14 @@ def _weightless(posed: PosedTask, line: TaskLine) -> PosedTask:
 
 
 def _ranged(posed: PosedTask, line: TaskLine) -> PosedTask:
-    """Without a range, a rate, or a fixed value."""
+    """Without a range, a limit of a rate or an acceleration, or a fixed value."""
     if line.kind == "fixed":
         return _freed(posed, line.key)
     module, name = (str(part) for part in line.key)
     if line.kind == "joint_rate":
         return posed.with_dof(module, name, rate=None)
+    if line.kind == "joint_accel":
+        return posed.with_dof(module, name, accel=None)
     if line.kind == "joint_range":
         dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
         slides = dof.kind == "prismatic" and dof.range is not None

@@ -46,7 +46,7 @@ CLOSE = Fraction(11, 10)
 DRIVES = ("effort", "horizon")
 """Changed first: where these are to blame, there are poses whatever the ranges, and changes of
 ranges would use up the runs."""
-LIMITS = ("joint_range", "joint_rate")
+LIMITS = ("joint_range", "joint_rate", "joint_accel")
 """Limits of joints are dropped last: real ones cannot be."""
 FURTHER = (1, Fraction(6, 5), Fraction(2))
 """The least value with poses, and so many times that, until a run succeeds."""

@@ -12,9 +12,9 @@ from grammar_lang.source import Source, Span
 from solvers.explanation.posed_task import PosedTask
 
 LineKind: TypeAlias = Literal[
-    "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "avoid",
-    "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds", "modules", "control",
-    "payload",
+    "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "joint_accel",
+    "avoid", "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds", "modules",
+    "control", "payload",
 ]  # fmt: skip
 
 
@@ -111,6 +111,9 @@ def _ranges(posed: PosedTask) -> Iterator[TaskLine]:
             if dof.rate is not None:
                 says = f"the rates of {name}"
                 yield TaskLine("joint_rate", (module.name, dof.name), says, dof.span)
+            if dof.accel is not None:
+                says = f"the acceleration of {name}"
+                yield TaskLine("joint_accel", (module.name, dof.name), says, dof.span)
 
 
 def _avoided(posed: PosedTask) -> Iterator[TaskLine]:

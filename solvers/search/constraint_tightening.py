@@ -87,7 +87,9 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
     """
     states = float(np.max(spread.states, initial=0.0))
     inputs = float(np.max(spread.inputs, initial=0.0))
+    pulled = float(np.max(spread.accelerations, initial=0.0))
     most = {"m": spread.widest, "N*m": inputs, "N": inputs, "SI": spread.final}
+    most |= {"rad/s^2": pulled, "m/s^2": pulled}
     lacking = [0.0]
     for condition in conditions:
         if condition.name in (ENTERED, CLOSED):

@@ -12,7 +12,13 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.discretisation.spanning_points import Points
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
-from solvers.trajectory.linear_model import Model, PositionRows, bends, fictitious_inputs
+from solvers.trajectory.linear_model import (
+    Model,
+    PositionRows,
+    acceleration_ranges,
+    bends,
+    fictitious_inputs,
+)
 from solvers.trajectory.mobility import mobility
 from solvers.trajectory.task_limits import ROUNDING, InputGroup, MotionLimits, effort_scale
 from solvers.trajectory.trajectory import Trajectory
@@ -210,15 +216,41 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
     if np.max(np.abs(dynamics.state)) > STEEPEST:
         return None
     rows = problem.rows(trajectory, points)
+    rises, beyond = _accelerated(problem, trajectory)
+    if not np.isfinite(beyond):
+        return None
     return MeasuredMotion(
-        Model(trajectory, dynamics, points, fictitious, pushed),
+        Model(trajectory, dynamics, points, fictitious, pushed, rises),
         rows,
         np.max(np.abs(needed), axis=1, initial=0.0),
         float(np.max(np.abs(gap), initial=0.0)),
         float(np.max(rows.excess(points), initial=0.0)),
-        limit_excess(problem.limits, x),
+        max(beyond, limit_excess(problem.limits, x)),
         input_margin(problem.groups, u),
     )
+
+
+LEAST_MEAN = 0.2
+"""Of what bounds an acceleration, at least this part is left to the mean of a step."""
+JUDGED = 1e-3
+"""It may be exceeded by so much of itself: ten times as much is kept free of what proofs ask."""
+
+
+def _accelerated(problem: ControlProblem, trajectory: Trajectory) -> tuple[Array | None, float]:
+    """By how much rates may rise and fall in each step, (2, k, n), and the excess (SI).
+
+    Accelerations at the ends of a step are taken to be off its mean as they are in the trajectory.
+    Without bounds of accelerations nothing is said.
+    """
+    largest, n, dt = problem.limits.accelerations, problem.numeric.n, problem.dt
+    if not largest.size:
+        return None, 0.0
+    with np.errstate(all="ignore"):
+        least, most = acceleration_ranges(problem.numeric, trajectory)
+        mean = np.diff(trajectory.x[:, n : 2 * n], axis=0) / dt
+        off = np.maximum(np.array([most - mean, mean - least]), 0.0)
+        excess = np.max(np.maximum(most, -least) - (1 + JUDGED) * largest, initial=0.0)
+        return dt * np.maximum(largest - off, LEAST_MEAN * largest), float(excess)
 
 
 def limit_excess(limits: MotionLimits, x: Array) -> float:

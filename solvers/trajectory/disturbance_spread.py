@@ -39,12 +39,14 @@ class DisturbanceSpread:
         states: (k + 1, n, 2) of coordinates and rates at the samples, in SI units.
         inputs: (k, m) of what feedback commands in the steps, in SI units.
         final: of any rate at the samples where the task binds final rates, in SI units.
+        accelerations: (k, n) of accelerations in the steps; zero where none is bound.
     """
 
     points: Array
     states: Array
     inputs: Array = field(default_factory=lambda: np.zeros((0, 0)))
     final: float = 0.0
+    accelerations: Array | float = 0.0
 
     @property
     def widest(self) -> float:
@@ -65,8 +67,9 @@ class DisturbanceSpread:
     def scaled(self, factor: float) -> DisturbanceSpread:
         """So many times as wide."""
         return DisturbanceSpread(
-            factor * self.points, factor * self.states, factor * self.inputs, factor * self.final
-        )
+            factor * self.points, factor * self.states, factor * self.inputs,
+            factor * self.final, factor * self.accelerations,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -187,6 +190,8 @@ def disturbance_spread(
     by_q = numeric.points(trajectory.x[:, :n], theta).by_q
     points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
     inputs = np.zeros((k, numeric.m))
+    pulled = np.zeros((k, n)) if model.limits_accelerations else None
+    slopes = pulled if pulled is None else _slopes(numeric, trajectory)
     for sample in range(k + 1):
         if loop is not None and sample == loop[0]:
             masses = np.zeros((numeric.size, count))
@@ -203,6 +208,11 @@ def disturbance_spread(
                 inputs[sample] += np.abs(misread).sum(axis=1)
                 by_x = by_x - by_u @ gains[sample]
             off = share * (np.abs(u) + inputs[sample]) + added
+            if pulled is not None and slopes is not None:
+                of_x, of_u = slopes[sample, :, : numeric.size], slopes[sample, :, numeric.size :]
+                of_x = of_x if gains is None else of_x - of_u @ gains[sample]
+                pulled[sample] = np.abs(of_x @ columns).sum(axis=1) + np.abs(of_u) @ off
+                pulled[sample] += np.abs(of_u @ misread).sum(axis=1)
             before = columns
             columns = by_x @ columns
             # The same constant all the time: its effects add up, sign by sign.
@@ -219,7 +229,18 @@ def disturbance_spread(
             points[sample:], states[sample:], inputs[sample:] = np.inf, np.inf, np.inf
             break
     final = float(np.max(states[-final_samples(task) :, n:], initial=0.0))
-    return DisturbanceSpread(points, states.reshape(k + 1, 2, n).transpose(0, 2, 1), inputs, final)
+    within = states.reshape(k + 1, 2, n).transpose(0, 2, 1)
+    if pulled is None:
+        return DisturbanceSpread(points, within, inputs, final)
+    # Until the end of a step they spread about as much as at the beginning of the next.
+    later = np.maximum(pulled, np.concatenate([pulled[1:], pulled[-1:]]))
+    return DisturbanceSpread(points, within, inputs, final, later)
+
+
+def _slopes(numeric: NumericRobot, trajectory: Trajectory) -> Array:
+    """The derivatives (k, n, N + m) of accelerations in states and inputs at the samples."""
+    found = numeric.acceleration(trajectory.x[:-1], trajectory.u, trajectory.theta)[1]
+    return np.asarray(found[:, : numeric.n, : numeric.size + numeric.m])
 
 
 def heavier_masses(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory) -> Array:

@@ -27,7 +27,7 @@ from solvers.trajectory.disturbance_spread import (
 )
 from solvers.trajectory.gain_refinement import refined_gains
 from solvers.trajectory.round_set import LEAST_SLACK, round_sets
-from solvers.trajectory.task_limits import InputGroup
+from solvers.trajectory.task_limits import InputGroup, acceleration_limits
 from solvers.trajectory.trajectory import Trajectory
 
 
@@ -52,6 +52,8 @@ class Sizes:
         return weights
 
 
+LEAST_PULL = 1e-12
+"""Accelerations per unit of an input that count, in SI."""
 FADING = 0.1
 BEYOND_BOUNDS = 1e3
 MOST_GROWTH = 10.0
@@ -181,7 +183,9 @@ def closed_spread(
     dt = float(task.step)
     with np.errstate(all="ignore"):
         steps = numeric.step(trajectory.x[:-1], trajectory.u, trajectory.theta, dt, substeps)
-        scales = input_scales(groups, numeric.m)
+        scales, largest = input_scales(groups, numeric.m), acceleration_limits(numeric.graph.model)
+        if largest.size:
+            scales = np.minimum(scales, _forces(numeric, steps, largest, dt))
         if task.robust is None and loop is None:
             return _rounded(regulator(steps, 2 * numeric.n, scales)), None
         second = second_order(numeric, trajectory, dt)
@@ -197,7 +201,7 @@ def closed_spread(
                 closer = disturbance_spread(numeric, task, trajectory, steps, gains, second, start)
                 bounded = closer.widest < MOST_GROWTH * linear.widest
                 spread = closer if bounded else linear
-                found.append((not bounded, spread_cost(spread, scales), gains, spread))
+                found.append((not bounded, spread_cost(spread, scales, largest), gains, spread))
         if not found:
             return _rounded(regulator(steps, 2 * numeric.n, scales, loop=loop)), None
         best = min(found, key=lambda item: item[:2])
@@ -208,18 +212,28 @@ def closed_spread(
             return disturbance_spread(numeric, task, trajectory, steps, gains, second)
 
         def cost(gains: Array) -> float:
-            return spread_cost(spread_with(gains), scales)
+            return spread_cost(spread_with(gains), scales, largest)
 
         gains = _rounded(refined_gains(best[2], 2 * numeric.n, cost)[0])
         return (gains, spread_with(gains)) if cost(gains) < best[1] else best[2:]
 
 
-def spread_cost(spread: DisturbanceSpread, scales: Array) -> float:
+def _forces(numeric: NumericRobot, steps: Linearisation, largest: Array, dt: float) -> Array:
+    """Per input (m,) the least that brings some joint to its largest acceleration, by itself."""
+    pulls = np.max(np.abs(steps.input[:, numeric.n : 2 * numeric.n]), axis=0, initial=0.0) / dt
+    found: Array = np.min(largest[:, None] / np.maximum(pulls, LEAST_PULL), axis=0)
+    return found
+
+
+def spread_cost(spread: DisturbanceSpread, scales: Array, largest: Array) -> float:
     """How far disturbed motions spread on average, more so if much is commanded against it.
 
-    ``scales`` (m,) are the sizes of inputs, in their units.
+    ``scales`` (m,) are the sizes of inputs, in their units, ``largest`` (n,) accelerations that
+    are not to be exceeded, or (0,).
     """
     share = float(np.max(spread.inputs / scales, initial=0.0))
+    if largest.size:
+        share = max(share, float(np.max(spread.accelerations / largest, initial=0.0)))
     mean = float(np.max(spread.points, axis=1, initial=0.0).mean())
     return mean * (1 + share) / (1 - share) if share < 1 else mean * share * BEYOND_BOUNDS
 

@@ -36,7 +36,9 @@ class PositionRows:
 class Model:
     """Everything linearised about one trajectory.
 
-    ``fictitious`` is B' of C.2, shape (k, N, N); ``mobility`` is given where it has a price.
+    ``fictitious`` is B' of C.2, shape (k, N, N); ``mobility`` is given where it has a price,
+    ``rises`` where accelerations are bound: by how much rates may rise and fall in each step,
+    (2, k, n).
     """
 
     about: Trajectory
@@ -44,6 +46,7 @@ class Model:
     points: Points
     fictitious: Array
     mobility: Mobility | None = None
+    rises: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +95,15 @@ def fictitious_inputs(numeric: NumericRobot, trajectory: Trajectory, dt: float) 
     own = np.arange(2 * n, numeric.size)
     matrix[:, own, own] = dt
     return matrix
+
+
+def acceleration_ranges(numeric: NumericRobot, trajectory: Trajectory) -> Array:
+    """The least and the greatest acceleration at the ends of each step, (2, k, n)."""
+    x, u, n = trajectory.x, trajectory.u, numeric.n
+    first, last = (
+        numeric.acceleration(states, u, trajectory.theta)[0][:, :n] for states in (x[:-1], x[1:])
+    )
+    return np.array([np.minimum(first, last), np.maximum(first, last)])
 
 
 def bends(points: Points, rates: Array, dt: float) -> Array:

@@ -47,6 +47,7 @@ from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
     InputGroup,
     MotionLimits,
+    acceleration_limits,
     input_groups,
     motion_limits,
     resting_inputs,
@@ -153,6 +154,8 @@ class PathProblem:
         final = 0.0 if self.spread is None else self.spread.final
         slack = self.limit_margin + insets + tightening
         found = motion_limits(self.model, self.task, slack, final)
+        more = 0.0 if self.spread is None else self.spread.accelerations
+        found = found.narrowed(self.limit_margin, more)
         return found if self.loop is None else replace(found, loop=self.loop)
 
     # --- timing and formulas --------------------------------------------------------------------
@@ -379,7 +382,7 @@ class PathProblem:
         """How far disturbed motions spread, more so if much is commanded against it."""
         spread = self._spread(trajectory, gains, start)
         scales = input_scales(input_groups(self.model, self.task), self.numeric.m)
-        return spread_cost(spread, scales)
+        return spread_cost(spread, scales, acceleration_limits(self.model))
 
     def gains(self, trajectory: Trajectory) -> Array:
         """The gains (k, m, N) of feedback about a trajectory."""

@@ -208,6 +208,10 @@ class _Step:
         q, rates, own = self.x[:, :n], self.x[:, n : 2 * n], self.x[0, 2 * n :]
         found = _between(q, limits.lower, limits.upper, first)
         found += _between(rates, limits.rate_lower, limits.rate_upper)
+        if self.model.rises is not None:
+            moved = rates[1:] - rates[:-1]
+            up, down = self.model.rises
+            found += _between(moved, -down, up)
         final = rates[-limits.final_samples :]
         for end, bound in (rates[0], limits.start_rates), (final, limits.final_rates):
             if np.isfinite(bound):

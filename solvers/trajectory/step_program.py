@@ -38,6 +38,8 @@ class StepProgram:
     _less: EntryPattern = field(init=False)
     _less_tail: Array = field(init=False)
     _less_right: Array = field(init=False)
+    _changes: int = field(init=False)
+    """The inequality from which on they are about changes of rates."""
     _cones: Cones | None = field(init=False)
     _columns: Array = field(init=False)
     """The sizes of the unknowns, by which a program divides them."""
@@ -90,7 +92,7 @@ class StepProgram:
         self._given_values = np.concatenate([values for _, values in given])
 
     def _lay_inequalities(self) -> None:
-        """C.1, then C.4 and C.5 with C.6, then C.3."""
+        """C.1, then C.4 and C.5 with C.6, then C.3, then bounds of accelerations."""
         layout, question = self.layout, self.question
         entries, tail, right = EntryList(), list[Array](), list[Array]()
         rows = len(self.samples)
@@ -120,6 +122,11 @@ class StepProgram:
                 entries.add(columns, np.full_like(columns, layout.rho))
                 tail += [np.full(len(columns), sign), np.ones(len(columns))]
                 right.append(np.full(len(columns), end))
+        self._changes = entries.rows
+        rates = layout.x[:, layout.n + question.limits.accelerated]
+        for sign in (1.0, -1.0):
+            entries.add(rates[1:].reshape(-1, 1), rates[:-1].reshape(-1, 1))
+            tail += [np.full(rates[1:].size, sign), np.full(rates[1:].size, -sign)]
         self._less = entries.compressed(layout.size)
         self._less_tail = np.concatenate([*tail, np.zeros(0)])
         self._less_right = np.concatenate([*right, np.zeros(0)])
@@ -160,7 +167,8 @@ class StepProgram:
         if layout.fictitious:
             self._columns[layout.largest] = effort
         self._columns[layout.sigma] = length
-        self._rows[: len(self.samples)], self._rows[len(self.samples) :] = length, effort
+        self._rows[: len(self.samples)] = length
+        self._rows[len(self.samples) : self._changes] = effort
 
     def point(self, scaled: Array) -> Array:
         """The unknowns (N,), in SI, of the optimum (N,) of a program."""
@@ -181,7 +189,8 @@ class StepProgram:
             quadratic * columns**2, linear * columns,
             _divided(self._equal.matrix(values), ones, columns), right,
             _divided(less, self._rows, columns),
-            np.concatenate([rows.slack, self._less_right]) / self._rows,
+            np.concatenate([rows.slack, self._less_right, *rate_steps(self.question.limits, model)])
+            / self._rows,
             lower / columns, upper / columns, self._scaled_cones(), self,
         )  # fmt: skip
 
@@ -295,6 +304,19 @@ def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:
             low[samples] = np.maximum(low[samples], -bound)
             high[samples] = np.minimum(high[samples], bound)
     return low, high
+
+
+def rate_steps(limits: MotionLimits, model: Model) -> list[Array]:
+    """How much more rates may rise in a step than about a trajectory, and how much less, (s,).
+
+    Of the joints whose accelerations are bound alone; without any, nothing.
+    """
+    if model.rises is None:
+        return []
+    bound = limits.accelerated
+    moved = np.diff(model.about.x[:, limits.joints + bound], axis=0)
+    up, down = model.rises[:, :, bound]
+    return [(up - moved).ravel(), (down + moved).ravel()]
 
 
 def _end_rates(limits: MotionLimits, steps: int) -> tuple[tuple[slice, float], ...]:

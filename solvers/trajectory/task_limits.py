@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from math import ceil
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compiler.arrays import Array
 from compiler.robots.given_start import given_start
@@ -23,6 +24,10 @@ RATE_MARGIN = 0.5
 """Final rates are bound by at most this fraction of what the task says."""
 ROUNDING = 1e-7
 """Inputs that leave their bounds by no more, relatively, have left them by rounding."""
+ACCELERATION_PART = 10.0
+"""Limits of accelerations are narrowed by so much of themselves per unit of what limits are kept at
+a distance by, which is 1 % at first."""
+MOST_NARROWED = 0.3
 LEAST_RATE = 0.05
 """They are so by at least this fraction, however far disturbed motions spread."""
 
@@ -43,6 +48,16 @@ def state_limits(model: RobotModel) -> Array:
     return np.array(limits).reshape(-1, 2, 2)
 
 
+def acceleration_limits(model: RobotModel) -> Array:
+    """Bounds (n,) of the sizes of the joints' accelerations, in rad/s^2 or m/s^2; infinite: none.
+
+    Nothing where no joint has one, (0,).
+    """
+    if not model.limits_accelerations:
+        return np.zeros(0)
+    return np.array([np.inf if d.accel is None else to_float(d.accel) for d in model.dofs])
+
+
 def final_samples(task: ir.Task) -> int:
     """At how many of the last samples final rates are bound."""
     return 1 + min(ceil(task.stay / task.step), task.steps)
@@ -52,6 +67,8 @@ def motion_limits(
     model: RobotModel, task: ir.Task, slack: Array | float = 0.0, spread: float = 0.0
 ) -> MotionLimits:
     """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
+
+    Accelerations are limited as the model says, with nothing kept free.
 
     Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width; an
     array gives the slacks of ranges and rates at their lower and upper ends, shape (n, 2, 2), or
@@ -76,7 +93,7 @@ def motion_limits(
     own = [0.0 if s.initial is None else to_float(s.initial) for s in robot_states(model)]
     return MotionLimits(
         ranges[..., 0], ranges[..., 1], rates[..., 0], rates[..., 1], start_rates, final, values,
-        np.array(own), final_samples(task),
+        np.array(own), final_samples(task), accelerations=acceleration_limits(model),
     )  # fmt: skip
 
 
@@ -175,8 +192,9 @@ class MotionLimits:
     coordinates in rad or m, rates in the same per second.  ``start_rates`` bounds the initial rates
     (0: at rest), ``final_rates`` the final ones (inf: free) at the last ``final_samples`` samples,
     ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial states of the
-    modules' own.  The last state is that of the sample ``loop``, if there is one, and farther by
-    ``turned`` (N,).
+    modules' own.  ``accelerations`` bounds the sizes of those of the joints, (n,) or (k, n) step by
+    step, (0,) where none is bound.  The last state is that of the sample ``loop``, if there is one,
+    and farther by ``turned`` (N,).
     """
 
     lower: Array
@@ -190,11 +208,29 @@ class MotionLimits:
     final_samples: int = 1
     loop: int | None = None
     turned: Array | float = 0.0
+    accelerations: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def joints(self) -> int:
         """The number of degrees of freedom."""
         return int(self.lower.shape[-1])
+
+    @property
+    def accelerated(self) -> NDArray[np.int64]:
+        """The numbers (a,) of the joints whose accelerations are bound."""
+        bounds = np.atleast_2d(self.accelerations)
+        return np.flatnonzero(np.isfinite(bounds).any(axis=0))
+
+    def narrowed(self, margin: float, more: Array | float) -> MotionLimits:
+        """With accelerations bound more tightly, by the part that goes with a margin of limits.
+
+        ``more`` is what is left besides, (n,) or (k, n), in rad/s^2 or m/s^2, of half of each.
+        """
+        if not self.accelerations.size:
+            return self
+        part = min(MOST_NARROWED, ACCELERATION_PART * margin)
+        bounds = (1 - part) * self.accelerations
+        return replace(self, accelerations=np.maximum(bounds - more, bounds / 2))
 
     @property
     def box(self) -> tuple[Array, Array]:

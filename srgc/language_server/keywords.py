@@ -22,7 +22,7 @@ _MODULE = {
     "param": "`param NAME in [lo, hi] unit;` or `in {v1, v2} unit;`: the synthesis chooses it.",
     "const": "`const NAME = expr;`: a value with a name.",
     "dof": (
-        "`dof NAME: revolute AXIS in [lo, hi] deg rate in [lo, hi] rad/s effort <= v;`: "
+        "`dof NAME: revolute AXIS in [lo, hi] deg rate in [lo, hi] rad/s accel <= a effort <= v;`: "
         "a coordinate with its limits."
     ),
     "drive": "`drive DOF: gear G rotor J viscous B;`: what moves a joint, from its data sheet.",
@@ -32,6 +32,7 @@ _MODULE = {
     "revolute": "The coordinate is an angle about the axis.",
     "prismatic": "The coordinate is a length along the axis.",
     "rate": "The bounds of the rate; in an expression, `rate(q)` is the rate of a coordinate.",
+    "accel": "`accel <= v`: the bound of the size of the acceleration, rad/s^2 or m/s^2.",
     "state": "`state NAME unit = init;`: a state of the module's own, zero at first by default.",
     "input": "`input NAME in [lo, hi] unit;`: an input of the module's own with its bounds.",
     "der": "`der(STATE) = expr;`: the derivative of a state.",

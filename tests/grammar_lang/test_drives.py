@@ -38,6 +38,15 @@ def test_a_drive_from_a_data_sheet() -> None:
     assert to_float(other.inertia or num("0")) == pytest.approx(160**2 * 5.23e-8, rel=1e-15)
 
 
+def test_accelerations_behind_rates_and_before_efforts() -> None:
+    found = module(
+        "dof q: revolute y accel <= 90 deg/s^2; dof p: prismatic x rate in [-1, 1] m/s "
+        "accel <= 250 cm/s^2 effort <= 3 N;"
+    )
+    assert [to_float(dof.accel or num("0")) for dof in found.dofs] == [1.5707963267948966, 2.5]
+    assert [dof.effort for dof in found.dofs] == [None, num("3")]
+
+
 def test_a_spindle() -> None:
     """5 mm a turn: 2 pi / 5 mm radians a metre, so that the rotor weighs what it does."""
     found = module(
@@ -93,6 +102,11 @@ HEAD = (
         ("drive q: viscous p;", [("NOT_CONSTANT", "p")]),
         ("dof r: revolute z effort <= 0 N*m;", [("BAD_VALUE", "0 N*m")]),
         ("dof r: revolute z effort <= 5 N;", [("UNIT_MISMATCH", "5 N")]),
+        ("dof r: revolute z accel <= 0 rad/s^2;", [("BAD_VALUE", "0 rad/s^2")]),
+        ("dof r: revolute z accel <= 5 rad/s;", [("UNIT_MISMATCH", "5 rad/s")]),
+        ("dof r: prismatic z accel <= 5 rad/s^2;", [("UNIT_MISMATCH", "5 rad/s^2")]),
+        ("dof r: prismatic z accel <= p * 1 m/s^2;", [("NOT_CONSTANT", "p * 1 m/s^2")]),
+        ("dof r: revolute z accel <= 5 rad/s^2; torque(r) = 1 N*m;", []),
         (
             "dof r: revolute z effort <= 5 N*m; torque(r) = 1 N*m;",
             [("BAD_DYNAMICS", "5 N*m")],

@@ -63,6 +63,14 @@ def linearised(seed: int, numeric: NumericRobot = NUMERIC) -> Model:
     )
 
 
+def accelerated(model: Model, limits: MotionLimits, seed: int) -> Model:
+    """With rates that rise and fall by random parts of what limits of accelerations allow."""
+    if not limits.accelerations.size:
+        return model
+    parts = np.random.default_rng(seed).uniform(0.3, 1.0, (2, STEPS, 2))
+    return replace(model, rises=DT * parts * limits.accelerations)
+
+
 def end_in(model: Model, offset: float) -> PositionRows:
     """The effector's last position beyond a line, and body points below others on the way."""
     tip = model.points.value[-1, 0]
@@ -151,6 +159,10 @@ CASES = {
         groups=(InputGroup((0,), -3.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
         offset=0.2,
     ),
+    "accelerations": Case(replace(FREE, accelerations=np.array([0.6, np.inf]))),
+    "accelerations, rest to rest": Case(
+        replace(RATED, accelerations=np.array([3.0, 2.0]), final_rates=0.0), box=BOX
+    ),
     "limits by sample": Case(BY_SAMPLE, offset=0.1, radius=0.6),
     "limits by sample, given start": Case(
         replace(BY_SAMPLE, start_values=np.array([0.1, 0.2])), offset=0.1
@@ -221,7 +233,7 @@ def agree(case: Case, model: Model, rows: PositionRows, *, fictitious: bool) -> 
 def test_the_optimum_is_that_of_the_readable_formulation(case: str) -> None:
     chosen = CASES[case]
     for seed in range(1, 1 + examples(1, 2)):
-        model = linearised(seed)
+        model = accelerated(linearised(seed), chosen.limits, seed)
         rows = end_in(model, chosen.offset)
         found = agree(chosen, model, rows, fictitious=True)
         assert found is not None
@@ -260,7 +272,7 @@ def test_the_point_satisfies_every_constraint(case: str) -> None:
     """Each row of the problem, evaluated on the answer."""
     chosen = CASES[case]
     limits, groups, radius, box = chosen.limits, chosen.groups, chosen.radius, chosen.box
-    model = linearised(3)
+    model = accelerated(linearised(3), limits, 3)
     rows, about = end_in(model, chosen.offset), model.about
     found = ConvexStep(chosen.question).solve(model, rows, chosen.region, ACCURACY)
     assert isinstance(found, StepResult)
@@ -292,6 +304,10 @@ def test_the_point_satisfies_every_constraint(case: str) -> None:
     assert np.all(x[:, 2:] <= limits.rate_upper + tolerance)
     assert np.abs(x[0, 2:]).max() <= limits.start_rates + tolerance
     assert np.abs(x[-1, 2:]).max() <= limits.final_rates + tolerance
+    if model.rises is not None:
+        moved = x[1:, 2:] - x[:-1, 2:]
+        assert np.all(moved <= model.rises[0] + tolerance)
+        assert np.all(moved >= -model.rises[1] - tolerance)
     if limits.start_values is not None:
         np.testing.assert_allclose(x[0, :2], limits.start_values, atol=tolerance)
     centre = np.clip(about.x[:, :2], limits.lower, limits.upper)[first:]

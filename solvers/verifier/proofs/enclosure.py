@@ -28,10 +28,10 @@ from compiler.expressions.evaluators.balls import (
     ball,
     working_precision,
 )
-from solvers.verifier.proofs.a_priori import Drive, NearPath, deviation
+from solvers.verifier.proofs.a_priori import Deviation, Drive, NearPath, deviation
 from solvers.verifier.proofs.control_law import HoldingLaw, InputError
 from solvers.verifier.proofs.linearisation import Coefficients
-from solvers.verifier.proofs.moved_set import MovedSet, Spread, moved_set
+from solvers.verifier.proofs.moved_set import MovedSet, Spread, moved_set, pulled
 from solvers.verifier.proofs.path import Path, defect, path_on, taylor_polynomials
 from solvers.verifier.proofs.step_control import (
     LEAST_PARTS,
@@ -70,7 +70,8 @@ class TubeSegment:
     """The solutions on [start, start + length] as polynomials with ball coefficients.
 
     ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
-    states) in the time since ``start``.  ``steps`` holds the exact ends of the segment in units of
+    states) in the time since ``start``, ``accelerations[i]`` those of coordinate i's second
+    derivative.  ``steps`` holds the exact ends of the segment in units of
     the step.  ``last`` is the set of states at the end, of which ``end`` is the hull; None without
     states but at the end of a tube.  ``spread`` is the set all along, of a wide tube.
     """
@@ -84,6 +85,7 @@ class TubeSegment:
     commanded: tuple[arb, ...] = ()
     last: Zonotope | None = None
     spread: Spread | None = None
+    accelerations: tuple[Coefficients, ...] = ()
 
     @property
     def number(self) -> int:
@@ -128,9 +130,10 @@ class _Trial:
 
 @dataclass(frozen=True, slots=True)
 class _Passage:
-    """A validated segment: its path, how the set moves, and the set at the end."""
+    """A validated segment: its path, how solutions deviate, how the set moves, and its end."""
 
     path: Path
+    deviation: Deviation
     moved: MovedSet
     end: Zonotope
 
@@ -167,7 +170,7 @@ def _attempt(
         return UNKNOWN, None
     if not all(item.is_finite() for item in (*moved.radii, *end.radii)):
         return UNKNOWN, None
-    return excess, _Passage(path, moved, end)
+    return excess, _Passage(path, found, moved, end)
 
 
 def tube(
@@ -179,6 +182,8 @@ def tube(
     error: InputError | None = None,
     law: HoldingLaw | None = None,
     steps: range | None = None,
+    *,
+    accelerations: bool = False,
 ) -> Iterator[TubeSegment]:
     """The validated solutions under inputs held for ``dt`` each, segment by segment.
 
@@ -195,6 +200,7 @@ def tube(
         law: what sets the inputs that the states hold at each sample, those of the field being
             what is added to them; default the field's inputs are those stated.
         steps: the numbers of the steps in turn; default all.
+        accelerations: whether segments enclose these, too.
 
     Raises:
         EnclosureFailure: a segment has no validated enclosure however short.
@@ -234,6 +240,7 @@ def tube(
             yield TubeSegment(
                 start, seconds, ends, _states(passage), tuple(passage.end.hull()),
                 tuple(drive.all), tuple(commanded), passage.end, passage.moved.spread,
+                _accelerations(passage, field.dofs) if accelerations else (),
             )  # fmt: skip
             states, first, start = passage.end, ends[1], dt * ball(ends[1])
 
@@ -244,6 +251,16 @@ def _states(passage: _Passage) -> tuple[Coefficients, ...]:
     for item, radius in zip(passage.path.polynomials, passage.moved.radii, strict=True):
         coefficients = item.coeffs() or [arb(0)]
         found.append([coefficients[0] + SIGNS * radius, *coefficients[1:]])
+    return tuple(found)
+
+
+def _accelerations(passage: _Passage, dofs: int) -> tuple[Coefficients, ...]:
+    """Those of a segment: the path's derivatives, with what deviations add to them at most."""
+    found, own = [], slice(dofs, 2 * dofs)
+    pulls = pulled(passage.deviation, passage.moved, passage.path.length)[:dofs]
+    for item, pull in zip(passage.path.polynomials[own], pulls, strict=True):
+        coefficients = item.derivative().coeffs() or [arb(0)]
+        found.append([coefficients[0] + SIGNS * pull, *coefficients[1:]])
     return tuple(found)
 
 

@@ -14,7 +14,7 @@ from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart, BodiesApart
 from solvers.verifier.proofs.extension import BoxExtension, DiscExtension, Extension
 from solvers.verifier.proofs.scene import Scene
-from solvers.verifier.proofs.state_limits import StateLimit
+from solvers.verifier.proofs.state_limits import AccelerationLimit, StateLimit
 from solvers.verifier.proofs.tube_checks import Constraint, Inside, row, rows_of
 
 
@@ -152,4 +152,16 @@ def state_limits(scene: Scene, size: int) -> list[StateLimit]:
             if interval is not None:
                 ends = closed_ball(interval.lower), closed_ball(interval.upper)
                 found.append(StateLimit(f"{what} of joint {number + 1}", measure, weights, *ends))
+    return found
+
+
+def acceleration_limits(scene: Scene) -> list[AccelerationLimit]:
+    """The limits of the joints' accelerations as balls, on the rows of q'' = D y''."""
+    found = list[AccelerationLimit]()
+    for number, dof in enumerate(scene.model.dofs):
+        if dof.accel is not None:
+            row, most = tuple(scene.graph.coordinates.rows[number]), closed_ball(dof.accel)
+            name = f"acceleration of joint {number + 1}"
+            unit = "rad/s^2" if dof.kind == "revolute" else "m/s^2"
+            found.append(AccelerationLimit(name, unit, row, -most, most))
     return found

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat
 
-from compiler.expressions.evaluators.balls import SIGNS
+from compiler.expressions.evaluators.balls import SIGNS, diagonal
 from solvers.verifier.proofs.a_priori import Deviation, NearPath, narrowed
 from solvers.verifier.proofs.deviation_flow import Flow, flow
 from solvers.verifier.proofs.path import Path
@@ -107,6 +107,23 @@ def _by_box(field: VectorField, near: NearPath, found: Deviation) -> MovedSet:
     reach = [(b + r).upper() for b, r in zip(box, steady.reach, strict=True)]
     added = Added(box, steady.columns, still, reach)
     return MovedSet(transition, added, found.radii)
+
+
+def pulled(found: Deviation, moved: MovedSet, length: arb) -> list[arb]:
+    """By how much rates and own states at any instant of [0, length] change otherwise at most.
+
+    That is, than those of the path: e' = A e + c, of which ``found`` bounds A and c and ``moved``
+    tells e; entries of a wide set go together.
+    """
+    lower, dofs = found.linear.lower, len(found.push) - found.linear.lower.nrows()
+    columns = diagonal(moved.radii)
+    if moved.spread is not None:
+        columns = moved.spread.at(arb(0).union(length))[1]
+    rows = (lower * columns).tolist()
+    return [
+        (sum((abs(item) for item in row), arb(0)) + push).upper()
+        for row, push in zip(rows, found.push[dofs:], strict=True)
+    ]
 
 
 def _closer(

@@ -1,4 +1,4 @@
-"""Limits of coordinates and rates, which hold all along a validated tube."""
+"""Limits of coordinates, rates and accelerations, which hold all along a validated tube."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from flint import arb
 
 from compiler.expressions.evaluators.balls import SIGNS, below
 from solvers.verifier.proofs.enclosure import TubeSegment, polynomial
+from solvers.verifier.proofs.linearisation import Coefficients
 from solvers.verifier.proofs.moved_set import Spread
 from solvers.verifier.proofs.tube_checks import (
     MOST_SPLITS,
@@ -39,6 +40,10 @@ class StateLimit:
         """The sums of entries of a state of such a size that are limited."""
         del size
         return [self.weights]
+
+    def polynomials(self, segment: TubeSegment) -> Sequence[Coefficients]:
+        """What is limited as polynomials of time during a segment, with ball coefficients."""
+        return [_sum(row, segment.states) for row in self.sums(len(segment.states))]
 
     def gap(self, state: Sequence[arb]) -> arb:
         """The distance to the nearer end, for a state given as balls."""
@@ -78,6 +83,27 @@ class StateLimit:
         self.status, self.margin, self.time = status, margin, float(time.mid())
 
 
+@dataclass(slots=True)
+class AccelerationLimit(StateLimit):
+    """The acceleration of a joint stays in an interval; ``weights`` are those of coordinates."""
+
+    def polynomials(self, segment: TubeSegment) -> Sequence[Coefficients]:
+        """The acceleration."""
+        return [_sum(self.weights, segment.accelerations)]
+
+    def gap_in(self, spread: Spread, time: arb) -> arb:
+        """Nothing more than what the segment says."""
+        del spread, time
+        return arb("-inf")
+
+
+def _sum(weights: Sequence[int], parts: Sequence[Coefficients]) -> Coefficients:
+    """A weighted sum of polynomials."""
+    pairs = [(w, x) for w, x in zip(weights, parts, strict=True) if w]
+    length = max((len(x) for _, x in pairs), default=0)
+    return [sum((w * x[k] for w, x in pairs if k < len(x)), arb(0)) for k in range(length)]
+
+
 def check_limits(whole: Stretch, limits: Sequence[StateLimit]) -> None:
     """Hold every limit against a stretch, updating its margin and status."""
     for limit in limits:
@@ -106,13 +132,9 @@ class _Course:
     @staticmethod
     def of(segment: TubeSegment, limit: StateLimit) -> _Course:
         """Of weighted sums of states."""
-        found = []
-        for row in limit.sums(len(segment.states)):
-            parts = [(w, x) for w, x in zip(row, segment.states, strict=True) if w]
-            length = max((len(x) for _, x in parts), default=0)
-            whole = [sum((w * x[k] for w, x in parts if k < len(x)), arb(0)) for k in range(length)]
-            found.append((whole, [k * item for k, item in enumerate(whole)][1:]))
-        return _Course(limit, found)
+        found = limit.polynomials(segment)
+        slopes = ([k * item for k, item in enumerate(whole)][1:] for whole in found)
+        return _Course(limit, list(zip(found, slopes, strict=True)))
 
     def gaps(self, stretch: Stretch) -> tuple[arb, arb] | None:
         """The distance to the limit over a stretch, and at its middle; None where not finite.

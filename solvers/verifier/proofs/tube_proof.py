@@ -28,7 +28,11 @@ from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSe
 from solvers.verifier.proofs.end_conditions import EndConditions
 from solvers.verifier.proofs.endless_conditions import endless_conditions, reached_some_time
 from solvers.verifier.proofs.formula_proof import FormulaProof
-from solvers.verifier.proofs.instant_conditions import position_conditions, state_limits
+from solvers.verifier.proofs.instant_conditions import (
+    acceleration_limits,
+    position_conditions,
+    state_limits,
+)
 from solvers.verifier.proofs.least_margins import close_margins
 from solvers.verifier.proofs.loop_set import LoopSet, loop_set
 from solvers.verifier.proofs.point_map import PointMap
@@ -226,11 +230,11 @@ def follow(
     raises ends the proof.
     """
     scene, step = robot.scene, robot.scene.task.step
-    graph = robot.graph
+    graph, accelerations = robot.graph, acceleration_limits(scene)
     found = Followed(
         robot,
         position_conditions(scene, robot.tail),
-        state_limits(scene, robot.field.size),
+        [*state_limits(scene, robot.field.size), *accelerations],
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
         _formulas(robot, watch.tick),
         EndConditions(scene, robot.motion.effector),
@@ -241,7 +245,15 @@ def follow(
         for start, steps in legs(robot, initial):
             last = zonotope(start)
             for segment in tube(
-                robot.field, start, robot.inputs, ball(step), accuracy, error, robot.law, steps
+                robot.field,
+                start,
+                robot.inputs,
+                ball(step),
+                accuracy,
+                error,
+                robot.law,
+                steps,
+                accelerations=bool(accelerations),
             ):
                 watch.tick()
                 last = last if segment.last is None else segment.last

@@ -119,6 +119,8 @@ def _dof(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> str:
     ranged = "unlimited" if dof.range is None else domain_text(dof.range, unit)
     rated = "unlimited" if dof.rate is None else domain_text(dof.rate, f"{unit}/s")
     lines += ["", f"- range: {ranged}", f"- rate: {rated}"]
+    if dof.accel is not None:
+        lines.append(f"- acceleration: at most {to_float(dof.accel):.6g} {unit}/s^2")
     if dof not in module.free_dofs:
         lines.append("- effort: by the module's own `torque`, no free input")
     else:
