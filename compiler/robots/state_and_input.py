@@ -99,7 +99,12 @@ class InputBound:
     norm2: bool = False
     effort: bool = False
 
-    def margin(self, row: tuple[Fraction, ...]) -> Fraction:
+    @property
+    def widest_margin(self) -> Fraction:
+        """The margin of inputs in the middle of their bounds."""
+        return self.upper if self.norm2 else (self.upper - self.lower) / 2
+
+    def margin(self, row: Sequence[Fraction]) -> Fraction:
         """The distance of one step's inputs (m,) from the bound; not for a norm."""
         return min(min(row[i] - self.lower, self.upper - row[i]) for i in self.inputs)
 

@@ -18,7 +18,7 @@ from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
 from solvers.trajectory.visited_cells import cell_names
 from solvers.verifier.proofs.checked_condition import decisive
-from solvers.verifier.proofs.effort_bounds import planned_efforts
+from solvers.verifier.proofs.effort_bounds import least_share, planned_efforts, planned_margins
 from solvers.verifier.proofs.scene import Scene, Watch
 from solvers.verifier.proofs.trajectory_proof import ENDED, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
@@ -96,7 +96,8 @@ def certified_design(
         outcome = replace(found.outcome, trajectory=fine)
     else:
         # The search's bounds were tightened by what feedback may add.
-        peak, rho = planned_efforts(model, task, conditions)
+        peak = planned_efforts(model, task, conditions)[0]
+        rho = least_share(planned_margins(model, task, conditions))
         outcome = replace(found.outcome, trajectory=trajectory, effort_peak=peak, robustness=rho)
     configuration = replace(found, outcome=outcome)
     return Found(replace(design, configuration=configuration, conditions=conditions))

@@ -11,6 +11,8 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.discretisation.spanning_points import Points
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import robot_inputs
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
 from solvers.trajectory.linear_model import (
     Model,
@@ -127,8 +129,35 @@ class ControlOutcome:
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:
-    """The least margin of inputs (k, m) over all steps and groups, in the units of the inputs."""
-    return min((group.margin(u) for group in groups), default=0.0)
+    """The least margin of inputs (k, m) over all steps and groups, each as a share of the widest.
+
+    It is given in units of the widest margin of all: with one bound, in those of the inputs.
+    Inputs that have one value only are left out unless they have another one.
+    """
+    scale, found = effort_scale(groups), list[float]()
+    for group in groups:
+        weight, margin = group.weight(scale), group.margin(u)
+        if weight > 0:
+            found.append(margin / weight)
+        elif margin < 0:
+            found.append(margin)
+    return min(found, default=0.0)
+
+
+def effort_weights(model: RobotModel, groups: tuple[InputGroup, ...]) -> Array | None:
+    """What a unit of effort is at each coordinate (n,), as a part of one at the widest bound.
+
+    None where all bounds are the same.
+    """
+    scale = effort_scale(groups)
+    bounds = [group for group in groups if group.effort and group.widest_margin > 0]
+    if all(group.weight(scale) == 1.0 for group in bounds):
+        return None
+    inputs, weights = robot_inputs(model), np.ones(len(model.dofs))
+    for group in bounds:
+        joints = [dof for i in group.inputs if (dof := inputs[i].dof) is not None]
+        weights[joints] = group.weight(scale)
+    return weights
 
 
 def effort_peak(groups: tuple[InputGroup, ...], u: Array) -> float:
@@ -204,7 +233,8 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
         dynamics = numeric.step(x[:-1], u, theta, problem.dt, problem.substeps)
         points = numeric.points(x[:, : numeric.n], theta)
         try:
-            fictitious = fictitious_inputs(numeric, trajectory, problem.dt)
+            weights = effort_weights(numeric.graph.model, problem.groups)
+            fictitious = fictitious_inputs(numeric, trajectory, problem.dt, weights)
             gap = x[1:] - dynamics.value
             needed = np.linalg.solve(fictitious, gap[:, :, None])[:, :, 0]
             pushed = mobility(numeric, trajectory, problem.errors, problem.dt) if priced else None

@@ -5,13 +5,14 @@ r"""One convex step: the dynamics and positions linearised about a trajectory.
     - w_u \lVert u / S \rVert^2 - w_q \lVert q - \hat q \rVert^2
     \quad\text{s.t.}\quad
     x_{i+1} = A_i x_i + B_i u_i + C_i \theta + r_i + B'_i v_i,\quad
-    \lVert u_i \rVert \le \bar u - \rho,\quad \lVert v_i \rVert_\infty \le V,\quad \rho \ge 0
+    \lVert u_i \rVert \le \bar u - w \rho,\quad \lVert v_i \rVert_\infty \le V,\quad \rho \ge 0
 
 with the path's half-planes (C.1) softened by ``sigma``.  Definition 7 of the paper with the
 fictitious input kept apart from the effort, so that it can never hide in a sum.  S is the largest
-margin of an input.  The first quadratic term makes the optimum unique; the second one, about the
-reference, vanishes where the iteration ends, so that it changes the way and not the end.  Rates and
-mobility may have prices besides (``reference_step.py`` has all terms).
+margin of an input, w that of the input at hand over S, so that margins count as shares of what they
+can be at most; v is in units of w.  The first quadratic term makes the optimum unique; the second
+one, about the reference, vanishes where the iteration ends, so that it changes the way and not the
+end.  Rates and mobility may have prices besides (``reference_step.py`` has all terms).
 """
 
 from __future__ import annotations

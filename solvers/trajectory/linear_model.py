@@ -81,14 +81,18 @@ class LinearRows:
         return np.asarray(self.slack - used - self.by_theta @ parameters)
 
 
-def fictitious_inputs(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Array:
+def fictitious_inputs(
+    numeric: NumericRobot, trajectory: Trajectory, dt: float, weights: Array | None = None
+) -> Array:
     """B' of C.2 in Definition 7, (k, N, N): a unit slack is the effort that causes it in a step.
 
     An effort f held for ``dt`` seconds moves a coordinate by dt^2/2 M^-1 f and its rate by
-    dt M^-1 f.  A state of a module's own is moved by dt in its own unit.
+    dt M^-1 f.  A state of a module's own is moved by dt in its own unit.  Of coordinates with
+    ``weights`` (n,) a slack of 1 is that much of an effort.
     """
     n, k = numeric.n, len(trajectory.u)
     inverse = np.linalg.inv(numeric.mass_matrix(trajectory.x[:-1, :n], trajectory.theta))
+    inverse = inverse if weights is None else inverse * weights
     matrix = np.zeros((k, numeric.size, numeric.size))
     matrix[:, :n, :n] = dt**2 / 2 * inverse
     matrix[:, n : 2 * n, n : 2 * n] = dt * inverse

@@ -10,8 +10,8 @@ About a trajectory :math:`\hat x, \hat u, \hat\theta`, with the step linearised 
     \text{(C.1)}\quad & n_r \cdot p(i_r, j_r) \le b_r + \sigma, \qquad \sigma \ge 0 \\
     \text{(C.2)}\quad & x_{i+1} = f_i + A_i (x_i - \hat x_i) + B_i (u_i - \hat u_i)
         + C_i (\theta - \hat\theta) + B'_i v_i \\
-    \text{(C.3)}\quad & \underline u + \rho \le u_{ij} \le \bar u - \rho
-        \quad\text{or}\quad \lVert u_{ig} \rVert_2 \le \bar u - \rho, \qquad \rho \ge 0 \\
+    \text{(C.3)}\quad & \underline u + w_j \rho \le u_{ij} \le \bar u - w_j \rho
+        \quad\text{or}\quad \lVert u_{ig} \rVert_2 \le \bar u - w_g \rho, \qquad \rho \ge 0 \\
     \text{(C.4), (C.5)}\quad & \lVert v_i \rVert_\infty \le V
 
 within the limits of the motion and the trust region.  With :math:`\epsilon` (Problem 4) every step
@@ -20,8 +20,8 @@ has a slack of its own, the sum of which is paid for, and rho is worth nothing:
 .. math::
     \text{(C.6)}\quad \lVert v_i \rVert_\infty \le g_i, \qquad \epsilon \sum_{l<i} g_l \le g_i.
 
-S is the largest margin of an input.  Where rates have a price :math:`w_v`, that times the sum of
-their squares is taken off; where mobility has a price :math:`w_\varphi`, that times the sum of
+S is the largest margin of an input, w that of one over S.  Where rates have a price :math:`w_v`,
+that times the sum of their squares is taken off; where mobility has a price :math:`w_\varphi`, that times the sum of
 :math:`\varphi_i`, linearised, without its value at the trajectory.  Further terms, the same tiny
 share of the square of every other unknown, make the optimum unique.
 """
@@ -175,15 +175,18 @@ class _Step:
         return found
 
     def inputs(self) -> list[cp.Constraint]:
-        """C.3: inputs keep a distance rho from their bounds."""
-        found = [] if self.question.groups else [self.rho <= 0]
+        """C.3: inputs keep equal shares of their widest margins; that of the largest is rho."""
+        free = any(group.widest_margin > 0 for group in self.question.groups)
+        found = [] if free else [self.rho <= 0]
         for group in self.question.groups:
             u = self.u[:, list(group.inputs)]
-            found.append(self.rho <= group.widest_margin)
+            weight = group.weight(self.question.scale)
+            found += [self.rho <= group.widest_margin / weight] if weight else []
             if group.norm2:
-                found.append(cp.norm(u, 2, axis=1) <= group.upper - self.rho)
+                found.append(cp.norm(u, 2, axis=1) <= group.upper - weight * self.rho)
             else:
-                found += [u <= group.upper - self.rho, u >= group.lower + self.rho]
+                room = weight * self.rho
+                found += [u <= group.upper - room, u >= group.lower + room]
             if group.kept.size:
                 lower, upper = (np.broadcast_to(end, u.shape) for end in group.bounds())
                 found += [cp.norm(u, 2, axis=1) <= upper[:, 0]] if group.norm2 else []

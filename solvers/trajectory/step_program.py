@@ -120,7 +120,8 @@ class StepProgram:
             columns = layout.u[:, list(group.inputs)].reshape(-1, 1)
             for sign, end in ((1.0, group.upper), (-1.0, -group.lower)):
                 entries.add(columns, np.full_like(columns, layout.rho))
-                tail += [np.full(len(columns), sign), np.ones(len(columns))]
+                weight = group.weight(question.scale)
+                tail += [np.full(len(columns), sign), np.full(len(columns), weight)]
                 right.append(np.full(len(columns), end))
         self._changes = entries.rows
         rates = layout.x[:, layout.n + question.limits.accelerated]
@@ -132,7 +133,7 @@ class StepProgram:
         self._less_right = np.concatenate([*right, np.zeros(0)])
 
     def _second_order(self) -> Cones | None:
-        """C.3 for groups of inputs that are bounded together: |u|_2 <= bound - rho.
+        """C.3 for groups of inputs that are bounded together: |u|_2 <= bound - w rho.
 
         Where inputs keep a distance from the bound, |u|_2 <= bound - kept besides.
         """
@@ -144,7 +145,8 @@ class StepProgram:
             for columns in layout.u[:, list(group.inputs)]:
                 entries.add(np.array([[layout.rho]]))
                 entries.add(columns[:, None])
-                values += [np.ones(1), np.full(len(columns), -1.0)]
+                weight = group.weight(self.question.scale)
+                values += [np.full(1, weight), np.full(len(columns), -1.0)]
                 right.append(np.array([group.upper, *np.zeros(len(columns))]))
                 sizes.append(1 + len(columns))
             for columns, kept in zip(layout.u[:, list(group.inputs)], group.kept, strict=False):
@@ -249,7 +251,7 @@ class StepProgram:
             lower[layout.theta] = np.maximum(box[0] - about.theta, -reach)
             upper[layout.theta] = np.minimum(box[1] - about.theta, reach)
         lower[layout.sigma] = lower[layout.rho] = 0.0
-        upper[layout.rho] = min((group.widest_margin for group in question.groups), default=0.0)
+        upper[layout.rho] = max((group.widest_margin for group in question.groups), default=0.0)
         if layout.fictitious:
             lower[layout.largest] = 0.0
         return lower, upper

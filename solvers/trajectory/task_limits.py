@@ -150,6 +150,13 @@ class InputGroup:
         size = float(np.linalg.norm(u))
         return u * min(1.0, (self.upper - kept) / size) if size > 0 else u
 
+    def weight(self, scale: float) -> float:
+        """The margin here that is the same share as one of 1 where the widest is ``scale``.
+
+        It is 0 where inputs have one value only.
+        """
+        return self.widest_margin / scale
+
     @property
     def widest_margin(self) -> float:
         """The margin of inputs in the middle of their bounds."""

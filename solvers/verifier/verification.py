@@ -19,12 +19,7 @@ from compiler.words.derivation import BadDerivation, Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.verdict import Claimed
-from solvers.verifier.claims.agreement import (
-    check_efforts,
-    check_planned_efforts,
-    disagreement,
-    misstated_formula,
-)
+from solvers.verifier.claims.agreement import disagreement, misstated_formula
 from solvers.verifier.claims.certificate import (
     CertificateError,
     Claim,
@@ -34,6 +29,12 @@ from solvers.verifier.claims.certificate import (
     control_of,
     exact,
     verdict_of,
+)
+from solvers.verifier.claims.claimed_inputs import (
+    check_efforts,
+    check_planned_efforts,
+    claimed_margins,
+    misstated_robustness,
 )
 from solvers.verifier.claims.further_claims import exact_law, exact_loop, unknown_claims
 from solvers.verifier.claims.spec_copy import ClaimedTask, claimed_task, read_claim
@@ -345,6 +346,9 @@ def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch)
         reason = disagreement(folder, claim, program, task, cells, model)
         if reason is None and model is not None and report.outcome is Outcome.VALID:
             reason = misstated_formula(folder, task, report.conditions)
+            if reason is None and isinstance(claim, FoundClaim):
+                margins = claimed_margins(claim, model, task, report.conditions)
+                reason = misstated_robustness(folder, margins)
         if reason is not None:
             raise Refused(reason)
     return report

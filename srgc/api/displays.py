@@ -98,12 +98,13 @@ def _facts(design: Mapping[str, Any], used: Sequence[UsedInputs]) -> Iterator[tu
     for one in design["parameters"]:
         name = f"{one['symbol']}.{one['name']}"
         yield name, with_unit(float(one["value"]), str(one["unit"]), 6)
-    from srgc.text_reports.synthesis_report import amount
+    from srgc.text_reports.synthesis_report import amount, robustness_text
 
     for each in used:
         name = "effort" if each.effort else each.name.removeprefix("input ")
-        peak, left = amount(each.peak, each.unit), amount(each.margin, each.unit)
-        yield name, f"peak {peak}, robustness {left}"
+        yield name, f"peak {each.peak:.4g} of {amount(each.widest, each.unit)}"
+    if used:
+        yield "robustness", robustness_text(used)
     if used and design.get("control") is not None:
         yield "control", str(design["control"])
 

@@ -13,7 +13,7 @@ from srgc.report.controller import commanded_peak
 from srgc.report.evidence import Evidence, tried_robots
 from srgc.report.task_sentences import task_sentences
 from srgc.results.found_design import FoundDesign
-from srgc.text_reports.synthesis_report import UNASKED_SELF, used_inputs
+from srgc.text_reports.synthesis_report import UNASKED_SELF, robustness_text, used_inputs
 from srgc.text_reports.verification_report import by_map
 
 MODEL = (
@@ -219,9 +219,8 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
     yield from commanded_peak(evidence, found)
     if used:
         yield "control", control_of(found.claim)
-    least = min(used, key=lambda each: each.margin, default=None)
-    if least is not None:
-        yield "robustness", with_unit(design["robustness"], least.unit)
+    if used:
+        yield "robustness", robustness_text(used, with_unit)
     for place, each in enumerate(design["satisfy"], start=1):
         value = each["robustness"]
         yield f"satisfy {place}, robustness", "always" if value is None else f"{number(value)} m"

@@ -18,7 +18,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.exact_numbers import decimal, exact_decimal
 from compiler.robots.reconfiguration import Reconfiguration
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import input_bounds, robot_inputs, robot_states
+from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
 from solvers.search.configuration_search import PathSamples, Sample
@@ -26,7 +26,7 @@ from solvers.search.path_task import Design
 from solvers.search.search_state import BlockedPrefix
 from solvers.search.synthesis import Synthesis
 from solvers.trajectory.trajectory import Trajectory
-from solvers.verifier.claims.agreement import satisfied_formulas, square_root
+from solvers.verifier.claims.agreement import satisfied_formulas
 from solvers.verifier.claims.certificate import (
     FoundClaim,
     ImpossibleClaim,
@@ -36,8 +36,9 @@ from solvers.verifier.claims.certificate import (
     parameter_claims,
     to_text,
 )
+from solvers.verifier.claims.claimed_inputs import held_bounds, input_margins, robustness_entry
 from solvers.verifier.claims.spec_copy import bounded_text
-from solvers.verifier.proofs.effort_bounds import planned_efforts
+from solvers.verifier.proofs.effort_bounds import Margin, planned_efforts
 from srgc.results.result_folder import Identity
 from srgc.text_reports.nearest_motion import nearest_entry
 
@@ -54,27 +55,33 @@ def boxes_name(index: int) -> str:
 
 def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
     """Peak effort and robustness as exact decimals; the norm of inputs that is none is rounded."""
-    peak, margins = Fraction(0), list[Fraction]()
     if design.controller is not None:
         proved = planned_efforts(design.model, task, design.conditions)
         return decimal(proved[0]), decimal(proved[1])
-    inputs = [tuple(Fraction(text) for text in row) for row in design.inputs]
-    for bound in input_bounds(design.model, task):
-        if bound.norm2:
-            squares = [sum((row[i] ** 2 for i in bound.inputs), Fraction(0)) for row in inputs]
-            largest = square_root(max(squares))
-            if largest**2 != max(squares):
-                largest = Fraction(decimal(float(largest)))
-            margins.append(bound.upper - largest)
-        else:
-            largest = max(abs(row[i]) for row in inputs for i in bound.inputs)
-            margins.append(min(bound.margin(row) for row in inputs))
+    peak, margins = Fraction(0), list[Fraction]()
+    for bound, held in held_bounds(design.model, task, _rows(design)):
+        largest, margin = held.largest, held.margin
+        if not held.exact:
+            largest = Fraction(decimal(float(largest)))
+            margin = bound.upper - largest
+        margins.append(margin)
         peak = max(peak, largest) if bound.effort else peak
     rho = min(margins, default=Fraction(0))
     try:
         return exact_decimal(peak), exact_decimal(rho)
     except ValueError:
         return exact_decimal(peak), decimal(float(rho))
+
+
+def _rows(design: Design) -> list[tuple[Fraction, ...]]:
+    """The stated inputs, exact."""
+    return [tuple(Fraction(text) for text in row) for row in design.inputs]
+
+
+def design_margins(design: Design, task: ir.Task) -> list[Margin]:
+    """What a design's planned inputs keep from each of their bounds."""
+    inputs = None if design.controller is not None else _rows(design)
+    return input_margins(design.model, task, inputs, design.conditions)
 
 
 def certificate_text(
@@ -214,6 +221,7 @@ def design_text(
             "parameters": [value.describe() for value in design.parameters],
             "robustness": float(Fraction(rho)),
             "effort_peak": float(Fraction(peak)),
+            **robustness_entry(design_margins(design, task)),
             "control": "open loop" if design.controller is None else "feedback",
             "path": [list(names) for names in design.path],
             "leader": design.leader,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +27,8 @@ class UsedInputs:
     """Inputs that share a bound, all figures in ``unit``.
 
     They are from ``low`` to ``high``; ``peak`` is the largest size of one of them, or of their norm
-    where that is bounded; ``margin`` what they keep from the bound; ``effort``: whether they are
-    efforts of joints.
+    where that is bounded; ``margin`` what they keep from the bound, ``widest`` what they can at
+    most; ``effort``: whether they are efforts of joints.
     """
 
     name: str
@@ -38,6 +38,7 @@ class UsedInputs:
     margin: float
     unit: str
     effort: bool
+    widest: float
 
 
 def used_inputs(
@@ -66,9 +67,29 @@ def used_inputs(
                 float(above if bound.norm2 else min(below, above)),
                 bound.unit,
                 bound.effort,
+                float(bound.widest_margin),
             )
         )
     return tuple(used)
+
+
+def robustness_text(
+    used: Sequence[UsedInputs], write: Callable[[float, str], str] | None = None
+) -> str:
+    """The least margin as a share of the widest there can be, and the least one of each unit.
+
+    ``write`` writes a number with its unit; default plain text.
+    """
+    write = write or amount
+    counted = [each for each in used if each.widest > 0]
+    if not counted:
+        return "none, no input has a choice"
+    share = min(each.margin / each.widest for each in counted)
+    least = dict[str, float]()
+    for each in counted:
+        least[each.unit] = min(each.margin, least.get(each.unit, each.margin))
+    amounts = ", ".join(write(value, unit) for unit, value in least.items())
+    return f"{100 * share:.4g} % ({amounts})"
 
 
 def amount(value: float, unit: str, digits: int = 4) -> str:
@@ -117,15 +138,16 @@ def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
     """What the motion uses of each bound on its inputs, and what it leaves."""
     used = used_inputs(design.model, task, design.inputs)
     for each in used:
-        left = f"robustness {amount(each.margin, each.unit)}"
         if each.effort:
             of = each.name.removeprefix("effort").removeprefix(" of ")
             whose = f"{of}, " if of else ""
-            yield f"effort:  {whose}peak {amount(each.peak, each.unit)}, {left}"
+            yield f"effort:  {whose}peak {each.peak:.4g} of {amount(each.widest, each.unit)}"
         else:
             name = each.name.removeprefix("input ")
-            yield f"input:   {name} {each.low:.4g} to {amount(each.high, each.unit)}, {left}"
-    if not used:
+            yield f"input:   {name} {each.low:.4g} to {amount(each.high, each.unit)}"
+    if used:
+        yield f"robustness: {robustness_text(used)}"
+    else:
         yield "effort:  none, no joint is driven"
 
 

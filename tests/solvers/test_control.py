@@ -211,7 +211,13 @@ def test_a_seed_outside_the_joint_limits_is_not_taken_for_a_solution() -> None:
 def test_margins_and_peaks_by_group() -> None:
     u = np.array([[3.0, -4.0, 1.0], [1.0, 2.0, -2.5]])
     groups = (InputGroup((0, 1), -6.0, 6.0, norm2=True), InputGroup((2,), -3.0, 3.0, norm2=False))
-    assert input_margin(groups, u) == pytest.approx(0.5)
+    # A sixth is left of either bound, and the widest margin is 6.
+    assert input_margin(groups, u) == pytest.approx(1.0)
+    wider = (groups[0], InputGroup((2,), -2.0, 4.0, norm2=False))
+    assert input_margin(wider, u) == pytest.approx(6 * -0.5 / 3)
+    fixed = (groups[0], InputGroup((2,), 1.0, 1.0, norm2=False))
+    assert input_margin(fixed, u * [1, 1, 0] + [0, 0, 1]) == pytest.approx(1.0)
+    assert input_margin(fixed, u) == pytest.approx(-3.5)
     assert effort_peak(groups, u) == pytest.approx(5.0)
     assert input_margin((InputGroup((0, 1), -6.0, 6.0, norm2=False),), u) == pytest.approx(2.0)
     assert input_margin((), u) == 0.0

@@ -54,24 +54,26 @@ def printed(text: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> list
     (folder / "spec.srg").write_text(text, encoding="utf-8")
     assert run(["synth", str(folder / "spec.srg"), "-q", "-o", str(folder / "out")]) == 0
     lines = capsys.readouterr().out.splitlines()
-    return [line for line in lines if line.startswith(("effort", "input"))]
+    return [line for line in lines if line.startswith(("effort", "input", "robustness"))]
 
 
 def test_what_is_printed_of_a_small_robot(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (line,) = printed(SMALL, tmp_path, capsys)
+    line, rest = printed(SMALL, tmp_path, capsys)
     claim = result_files.read(tmp_path / "out")
     peak = max(abs(Fraction(row[0])) for row in claim["inputs"])
     left = Fraction(1, 10_000) - peak
     assert 0 < peak < Fraction(1, 20_000)
-    assert line == f"effort:  peak {float(peak):.4g} N*m, robustness {float(left):.4g} N*m"
+    assert line == f"effort:  peak {float(peak):.4g} of 0.0001 N*m"
+    share = 100 * left / Fraction(1, 10_000)
+    assert rest == f"robustness: {float(share):.4g} % ({float(left):.4g} N*m)"
 
 
 def test_what_is_printed_of_a_motor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """No effort of a joint is free: none is said to be 0."""
-    (line,) = printed(MOTOR, tmp_path, capsys)
+    line, rest = printed(MOTOR, tmp_path, capsys)
     volts = [float(Fraction(row[0])) for row in result_files.read(tmp_path / "out")["inputs"]]
     left = min(24 - max(volts), 24 + min(volts))
-    used = f"{min(volts):.4g} to {max(volts):.4g} V, robustness {left:.4g} V"
-    assert line == f"input:   M.voltage (symbol 2) {used}"
+    assert line == f"input:   M.voltage (symbol 2) {min(volts):.4g} to {max(volts):.4g} V"
+    assert rest == f"robustness: {100 * left / 24:.4g} % ({left:.4g} V)"

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from fractions import Fraction
-from math import inf, isqrt
+from math import inf
 from pathlib import Path
 from typing import Any
 
-from compiler.expressions.exact_numbers import exact_decimal
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import reconfiguration
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import InputBound, input_bounds, unbounded_kinds
 from compiler.tasks.formula_parts import formula_text
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
@@ -28,10 +24,6 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.spec_copy import bounded_bytes
 from solvers.verifier.proofs.checked_condition import CheckedCondition
-from solvers.verifier.proofs.effort_bounds import bound_name, planned_efforts, planned_ranges
-from solvers.verifier.proofs.trajectory_proof import Motion
-from solvers.verifier.proofs.tube_checks import Status
-from solvers.verifier.report import Outcome, Refused
 
 # --------------------------------------------------------------------------------------------------
 # Whether ``design.json``, which people read, says what the certificate, which is proved, says.
@@ -219,125 +211,3 @@ def _near(stated: object, proved: float | None) -> bool:
         return stated is proved
     number = isinstance(stated, float | int) and not isinstance(stated, bool)
     return number and abs(float(str(stated)) - proved) <= CLOSELY
-
-
-# --- Whether the inputs of a claim keep their bounds, and whether what it says of them is true ----
-#
-# Exact arithmetic on the decimals of the claim; nothing is integrated.
-
-
-NOT_A_DECIMAL = Fraction(1, 10**9)
-"""How closely a claim must state a value that no finite decimal states."""
-
-
-def check_efforts(
-    claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
-) -> list[CheckedCondition]:
-    """Every input is within its bound, exactly; the claimed peak and robustness are true.
-
-    Raises:
-        Refused: the task leaves an effort unbounded, or the claim misstates its peak or robustness.
-    """
-    peak, margins, conditions = Fraction(0), list[Fraction](), list[CheckedCondition]()
-    all_exact = True
-    free = unbounded_kinds(model, task)
-    if free:
-        raise Refused(f"the task bounds no effort of {' and '.join(free)} joints")
-    for bound in input_bounds(model, task):
-        held = _held(bound, motion)
-        time = float(held.step * task.step)
-        all_exact = all_exact and held.exact
-        status = Status.HOLDS if held.holds else Status.FAILS
-        name = bound_name(bound)
-        conditions.append(
-            CheckedCondition(name, status, float(held.margin), bound.unit, time, exact=True)
-        )
-        peak = max(peak, held.largest) if bound.effort else peak
-        margins.append(held.margin)
-    true_values = {"effort_peak": peak, "robustness": min(margins, default=Fraction(0))}
-    if all(condition.status is Status.HOLDS for condition in conditions):
-        for name, true in true_values.items():
-            stated = exact(getattr(claim, name))
-            if not _states(stated, true, exactly=all_exact):
-                raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
-    return conditions
-
-
-def check_planned_efforts(
-    claim: FoundClaim, model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
-) -> None:
-    """The claimed peak and robustness are those proved of the planned motion of a closed loop.
-
-    Raises:
-        Refused: one of them is not, undecided where the proof's bounds leave open whether it is; or
-            the task leaves a free input without a bound.
-    """
-    free = unbounded_kinds(model, task)
-    if free:
-        raise Refused(f"the task bounds no effort of {' and '.join(free)} joints")
-    names = "effort_peak", "robustness"
-    proved, ranges = (
-        planned_efforts(model, task, conditions),
-        planned_ranges(model, task, conditions),
-    )
-    for name, bound, (least, most) in zip(names, proved, ranges, strict=True):
-        stated = float(exact(getattr(claim, name)))
-        close = CLOSELY * max(1.0, abs(bound))
-        if abs(stated - bound) <= close:
-            continue
-        if not least - close <= stated <= most + close:
-            raise Refused(f"`{name}` is {bound:.17g}, not {stated:.17g}")
-        raise Refused(
-            f"`{name}` is between {least:.17g} and {most:.17g}, which does not show {stated:.17g}",
-            Outcome.UNDECIDED,
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class _Held:
-    """How inputs keep a bound: the least margin, at which step, and the largest size.
-
-    ``exact`` says that both are exact, not roots rounded up.
-    """
-
-    holds: bool
-    margin: Fraction
-    step: int
-    largest: Fraction
-    exact: bool = True
-
-
-def _held(bound: InputBound, motion: Motion) -> _Held:
-    """The inputs of a motion against one bound."""
-    if bound.norm2:
-        squares = [sum((row[i] ** 2 for i in bound.inputs), Fraction(0)) for row in motion.inputs]
-        square = max(squares)
-        root = square_root(square)
-        holds, margin = square <= bound.upper**2, bound.upper - root
-        return _Held(holds, margin, squares.index(square), root, root**2 == square)
-    margins = [bound.margin(row) for row in motion.inputs]
-    least = min(margins)
-    largest = max(abs(row[i]) for row in motion.inputs for i in bound.inputs)
-    return _Held(least >= 0, least, margins.index(least), largest)
-
-
-def _states(stated: Fraction, true: Fraction, *, exactly: bool) -> bool:
-    """Whether a decimal states a value: exactly if the value is a decimal, else closely."""
-    try:
-        exact_decimal(true)
-    except ValueError:
-        exactly = False
-    return stated == true if exactly else abs(stated - true) <= NOT_A_DECIMAL
-
-
-def square_root(value: Fraction) -> Fraction:
-    """The square root, exact where rational, else rounded up far below any margin."""
-    scale = 10**60
-    return Fraction(
-        _isqrt_up(value.numerator * value.denominator * scale**2), value.denominator * scale
-    )
-
-
-def _isqrt_up(value: int) -> int:
-    root = isqrt(value)
-    return root if root * root == value else root + 1

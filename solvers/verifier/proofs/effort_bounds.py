@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf
 
 from flint import arb
@@ -57,10 +58,47 @@ def planned_efforts(
 ) -> tuple[float, float]:
     """Bounds of the largest effort and of the robustness of the planned motion, as was proved.
 
-    Both in the inputs' units; the robustness is the least margin of all bounds (Definition 7).
+    Each margin in its own unit; the robustness is the least one of all bounds (Definition 7).
     """
     (_, peak), (robustness, _) = planned_ranges(model, task, conditions)
     return peak, robustness
+
+
+@dataclass(frozen=True, slots=True)
+class Margin:
+    """What inputs keep from a bound at least: between ``least`` and ``most``, in its unit."""
+
+    bound: InputBound
+    least: float
+    most: float
+
+    @property
+    def widest(self) -> float:
+        """What they can keep at most."""
+        return float(self.bound.widest_margin)
+
+
+def planned_margins(
+    model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
+) -> list[Margin]:
+    """What the planned motion's inputs keep from each bound, as was proved."""
+    known, margins = {each.name: each for each in conditions}, []
+    for bound in input_bounds(model, task):
+        name = bound_name(bound)
+        found = known.get(f"{PLANNED}{name}", known.get(name))
+        margin, most = (inf, inf) if found is None else (found.margin, found.most)
+        margins.append(Margin(bound, margin, most))
+    return margins
+
+
+def least_share(margins: Sequence[Margin]) -> float:
+    """The least margin as a share of the widest there can be, in units of the widest of all.
+
+    With one bound it is the margin.  Inputs that have one value only are left out.
+    """
+    counted = [each for each in margins if each.widest > 0]
+    scale = max((each.widest for each in counted), default=0.0)
+    return min((each.least / (each.widest / scale) for each in counted), default=0.0)
 
 
 Range = tuple[float, float]
@@ -73,16 +111,12 @@ def planned_ranges(
 
     In the inputs' units.
     """
-    known = {each.name: each for each in conditions}
     peak, robustness = (0.0, 0.0), (inf, inf)
-    for bound in input_bounds(model, task):
-        name = bound_name(bound)
-        found = known.get(f"{PLANNED}{name}", known.get(name))
-        margin, most = (inf, inf) if found is None else (found.margin, found.most)
-        robustness = min(robustness[0], margin), min(robustness[1], most)
-        if bound.effort:
-            upper = float(bound.upper)
-            peak = max(peak[0], upper - most), max(peak[1], upper - margin)
+    for each in planned_margins(model, task, conditions):
+        robustness = min(robustness[0], each.least), min(robustness[1], each.most)
+        if each.bound.effort:
+            upper = float(each.bound.upper)
+            peak = max(peak[0], upper - each.most), max(peak[1], upper - each.least)
     return peak, robustness if robustness[0] < inf else (0.0, 0.0)
 
 

@@ -268,12 +268,12 @@ def test_the_same_folder_gives_the_same_bytes(pages: Pages, tmp_path: Path) -> N
 
 @pytest.mark.slow
 def test_every_kind_of_joint_has_its_peak(pages: Pages) -> None:
-    """A turning joint and two sliding ones: a peak each, and the robustness in the unit it has."""
+    """A turning joint and two sliding ones: a peak each, the robustness as a share and by units."""
     folder, page = pages("prismatic")
     claim = result_files.read(folder)
     rows = np.array([[float(Fraction(x)) for x in row] for row in claim["inputs"]])
     torque, force = np.abs(rows[:, 0]).max(), np.abs(rows[:, 1:]).max()
     head = page.section("verdict")
     assert f"{torque:.4g} N·m and {force:.4g} N" in head
-    unit = "N·m" if 20 - torque < 40 - force else "N"
-    assert f"{min(20 - torque, 40 - force):.4g} {unit}" in head
+    share = 100 * min(1 - torque / 20, 1 - force / 40)
+    assert f"{share:.4g} % ({20 - torque:.4g} N·m, {40 - force:.4g} N)" in head
