@@ -311,7 +311,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         ],
         "placement": [
             include("gap"),
-            (_word("by", "at", "rest", "aligned", "x", "y", "z"), Keyword),
+            (_word("by", "at", "rest", "held", "aligned", "x", "y", "z"), Keyword),
             (_word("effector", "for", "oriented", "to", "within"), Keyword, "operand"),
             ("-", Operator),
             (_word("rates"), Keyword, "bound"),

@@ -150,13 +150,13 @@ class _Reader:
             self.sink.error(Code.MISSING_CLAUSE, message, self.task.name.span, hint)
             return None
         match items[0]:
-            case t.StartIn(region=region, effector=effector, rates=rates, span=span):
+            case t.StartIn(region=region, effector=effector, rates=rates, span=span, held=held):
                 name = self.place(region)
                 number = self.effector(effector)
                 bound = Fraction(0)
                 if rates is not None:
                     bound = start_rates(rates, self.kinds, self.sink)
-                return ir.StartIn(name, number, bound, span)
+                return ir.StartIn(name, number, bound, span, held)
             case t.StartAt(point=point, span=span):
                 return start_values(point, span, self.kinds, self.sink)
 

@@ -97,12 +97,16 @@ class Workspace:
 
 @node
 class StartIn:
-    """Start with some effector in a region; all rates at most ``rates`` (0: at rest)."""
+    """Start with some effector in a region; all rates at most ``rates`` (0: at rest).
+
+    ``held``: some inputs within their bounds balance the robot there.
+    """
 
     region: str
     effector: int | None
     rates: Fraction
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    held: bool = False
 
 
 @node

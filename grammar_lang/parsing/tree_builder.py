@@ -53,8 +53,9 @@ def _symbol_word(where: Any) -> Builder:
 
 
 def _start_in(c: Children, span: Span) -> object:
-    rates = c[2].rates if isinstance(c[2], t.StartIn) else None
-    return t.StartIn(_ident(c[0]), c[1], rates, span)
+    begins = c[2] if isinstance(c[2], t.StartIn) else None
+    rates, held = (None, False) if begins is None else (begins.rates, begins.held)
+    return t.StartIn(_ident(c[0]), c[1], rates, span, held)
 
 
 def _final_rates(c: Children, span: Span) -> object:
@@ -172,6 +173,8 @@ _TASKS: dict[str, Builder] = {
     "final_rates": _final_rates,
     "by_effector": lambda c, _: c[0],
     "at_rest": lambda _, span: span,
+    "start_rest": lambda c, span: t.StartIn(s.Ident(""), None, None, span, c[0] is not None),
+    "held": lambda _, span: span,
     "rates": _rates,
     "avoid": _avoid,
     "subject": lambda c, _: c[0].text,

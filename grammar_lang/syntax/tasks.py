@@ -125,12 +125,13 @@ class TaskWorkspace:
 
 @node
 class StartIn:
-    """``start in R by effector n at rest;``, or ``rates <= v``; None where not written."""
+    """``start in R by effector n at rest held;``, or ``rates <= v``; None where not written."""
 
     region: Ident
     effector: Expr | None
     rates: Expr | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    held: bool = False
 
 
 @node

@@ -77,10 +77,8 @@ def single_changes(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
 def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
     task = posed.task
     match line.kind:
-        case "start" if isinstance(task.start, ir.StartIn) and task.start.effector is not None:
-            anyone = replace(task.start, effector=None)
-            says = f"with any effector starting in `{task.start.region}`"
-            yield Change(line, says, posed.with_task(start=anyone))
+        case "start" if isinstance(task.start, ir.StartIn):
+            yield from _start(posed, task.start, line)
         case "reach" if task.reach is not None:
             yield from _reach(posed, task.reach, line)
         case "avoid":
@@ -105,6 +103,16 @@ def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
             yield Change(line, f"with `{line.key[1]}` free", without(posed, [line]))
         case _:
             return
+
+
+def _start(posed: PosedTask, start: ir.StartIn, line: TaskLine) -> Iterator[Change]:
+    if start.held:
+        falling = replace(start, held=False)
+        yield Change(line, "without `held`", posed.with_task(start=falling))
+    if start.effector is not None:
+        anyone = replace(start, effector=None)
+        says = f"with any effector starting in `{start.region}`"
+        yield Change(line, says, posed.with_task(start=anyone))
 
 
 def with_feedback(posed: PosedTask, line: TaskLine) -> Change:

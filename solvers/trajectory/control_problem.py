@@ -14,6 +14,7 @@ from compiler.discretisation.spanning_points import Points
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from solvers.trajectory.convex_step import ConvexStep, StepMaker
+from solvers.trajectory.held_start import held_start
 from solvers.trajectory.linear_model import (
     Model,
     PositionRows,
@@ -40,7 +41,8 @@ class ControlProblem:
     solves the convex steps, ``rates`` is the price of squares of rates in them, in SI.
     ``mobility`` is the price of phi (``mobility.py``) per sample, for efforts at joints that are
     off by ``errors`` (n,).  What is said of metres is meant of the robot's ``unit`` of length (m).
-    Positions may exceed their rows by ``excess``, in metres.
+    Positions may exceed their rows by ``excess``, in metres.  ``held``: inputs have to be able to
+    balance the robot at its start.
     """
 
     numeric: NumericRobot
@@ -55,6 +57,7 @@ class ControlProblem:
     errors: Array = field(default_factory=lambda: np.zeros(0))
     unit: float = 1.0
     excess: float = EXCESS
+    held: bool = False
 
     @property
     def scale(self) -> float:
@@ -246,15 +249,22 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
     if np.max(np.abs(dynamics.state)) > STEEPEST:
         return None
     rows = problem.rows(trajectory, points)
+    holding = None
+    if problem.held:
+        own = problem.limits.own_start
+        holding = held_start(numeric, trajectory, problem.groups, own, problem.unit)
     rises, beyond = _accelerated(problem, trajectory)
     if not np.isfinite(beyond):
         return None
     return MeasuredMotion(
-        Model(trajectory, dynamics, points, fictitious, pushed, rises),
+        Model(trajectory, dynamics, points, fictitious, pushed, rises, holding),
         rows,
         np.max(np.abs(needed), axis=1, initial=0.0),
         float(np.max(np.abs(gap), initial=0.0)),
-        float(np.max(rows.excess(points), initial=0.0)),
+        max(
+            0.0 if holding is None else holding.excess,
+            float(np.max(rows.excess(points), initial=0.0)),
+        ),
         max(beyond, limit_excess(problem.limits, x)),
         input_margin(problem.groups, u),
     )

@@ -37,8 +37,8 @@ class Model:
     """Everything linearised about one trajectory.
 
     ``fictitious`` is B' of C.2, shape (k, N, N); ``mobility`` is given where it has a price,
-    ``rises`` where accelerations are bound: by how much rates may rise and fall in each step,
-    (2, k, n).
+    ``holding`` says which inputs balance the robot at its start, where some have to; ``rises``
+    where accelerations are bound: by how much rates may rise and fall in each step, (2, k, n).
     """
 
     about: Trajectory
@@ -47,6 +47,7 @@ class Model:
     fictitious: Array
     mobility: Mobility | None = None
     rises: Array | None = None
+    holding: LinearRows | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +70,22 @@ class LinearRows:
             np.matmul(normal, slopes[pick])[:, 0, :] for slopes in (points.by_q, points.by_theta)
         )
         slack = rows.offset - np.einsum("rd,rd->r", rows.normal, points.value[pick])
-        return LinearRows(rows.sample, by_q, by_theta, slack)
+        found = LinearRows(rows.sample, by_q, by_theta, slack)
+        return found if model.holding is None else found.joined(model.holding)
+
+    @property
+    def excess(self) -> float:
+        """By how much rows are violated at most, 0 where none is."""
+        return float(np.max(-self.slack, initial=0.0))
+
+    def joined(self, other: LinearRows) -> LinearRows:
+        """These rows and others."""
+        return LinearRows(
+            np.concatenate([self.sample, other.sample]),
+            np.concatenate([self.by_q, other.by_q]),
+            np.concatenate([self.by_theta, other.by_theta]),
+            np.concatenate([self.slack, other.slack]),
+        )
 
     def taken(self, some: Indices) -> LinearRows:
         """Some of the rows, by their numbers (w,)."""

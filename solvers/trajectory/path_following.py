@@ -221,6 +221,7 @@ class PathProblem:
             step_maker(self.solver), self.rates / (task.steps + 1), self.mobility / task.steps,
             joint_errors(self.numeric, task) if self.mobility else np.zeros(0), self.unit,
             min(EXCESS * self.unit, ABSORBED * self.margin),
+            isinstance(task.start, ir.StartIn) and task.start.held,
         )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------

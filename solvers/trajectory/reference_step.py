@@ -21,9 +21,9 @@ has a slack of its own, the sum of which is paid for, and rho is worth nothing:
     \text{(C.6)}\quad \lVert v_i \rVert_\infty \le g_i, \qquad \epsilon \sum_{l<i} g_l \le g_i.
 
 S is the largest margin of an input, w that of one over S.  Where rates have a price :math:`w_v`,
-that times the sum of their squares is taken off; where mobility has a price :math:`w_\varphi`, that times the sum of
-:math:`\varphi_i`, linearised, without its value at the trajectory.  Further terms, the same tiny
-share of the square of every other unknown, make the optimum unique.
+that times the sum of their squares is taken off; where mobility has a price :math:`w_\varphi`,
+that times the sum of :math:`\varphi_i`, linearised, without its value at the trajectory.  Further
+terms, the same tiny share of the square of every other unknown, make the optimum unique.
 """
 
 from __future__ import annotations
@@ -146,6 +146,7 @@ class _Step:
             *self.slacks(),
             *self.limits(),
             *self.trust(),
+            *self.holding(),
         ]
 
     def positions(self) -> list[cp.Constraint]:
@@ -160,6 +161,16 @@ class _Step:
         if self.free:
             at += (normal @ points.by_theta[pick])[:, 0, :] @ (self.theta - about.theta)
         return [at <= rows.offset + self.sigma]
+
+    def holding(self) -> list[cp.Constraint]:
+        """Inputs that balance the robot at its start are within their bounds."""
+        rows, about = self.model.holding, self.model.about
+        if rows is None:
+            return []
+        used = rows.by_q @ (self.x[0, : self.n] - about.x[0, : self.n])
+        if self.free:
+            used += rows.by_theta @ (self.theta - about.theta)
+        return [used <= rows.slack + self.sigma]
 
     def dynamics(self) -> list[cp.Constraint]:
         """C.2: the linearised step, one entry of the state after the other."""

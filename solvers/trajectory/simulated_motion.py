@@ -238,7 +238,7 @@ class _Review:
 
     def at_start(self) -> list[CheckedCondition]:
         """Where and how the motion begins."""
-        return start_conditions(self.scene, self.motion, self.states[0], self.places(0))
+        return start_conditions(self.scene, self.motion, self.states[0], self.tail, self.places(0))
 
     def always(self) -> Iterator[CheckedCondition]:
         """The bounds, clearances, ranges and rates that are violated."""

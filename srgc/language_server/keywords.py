@@ -82,6 +82,7 @@ _TASK = {
     "start": "`start in R at rest;` or `start at (…);`: the pose at time 0.",
     "reach": "`reach R;`: an effector is in R at the final instant.",
     "avoid": "`avoid R with effector;` (`body`, `margin d`): at every instant.",
+    "held": "`start in R at rest held;`: some inputs within their bounds balance the robot there.",
     "effort": "`effort <= v unit;`: the bound of every free input of that kind.",
     "norm": "`norm 2`: the bound is that of the Euclidean norm of all inputs.",
     "horizon": "`horizon k steps of dt;`: k inputs, each held for dt; the end is at k·dt.",

@@ -64,7 +64,7 @@ def _start(program: ir.Program, task: ir.Task) -> str:
         return "The robot starts at rest in the pose that the spec gives"
     rates = task.start.rates
     how = (
-        "at rest"
+        f"at rest{', where its inputs can hold it' if task.start.held else ''}"
         if not rates
         else f"with rates of at most {_value(rates)} {_rate_unit(program, task)}"
     )

@@ -13,7 +13,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from solvers.backends.conic import NotSolved, Status
 from solvers.trajectory.convex_step import FEW, ConvexStep
-from solvers.trajectory.linear_model import Model, PositionRows, fictitious_inputs
+from solvers.trajectory.linear_model import LinearRows, Model, PositionRows, fictitious_inputs
 from solvers.trajectory.mobility import mobility
 from solvers.trajectory.reference_step import ReferenceStep
 from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegion, Weights
@@ -69,6 +69,29 @@ def accelerated(model: Model, limits: MotionLimits, seed: int) -> Model:
         return model
     parts = np.random.default_rng(seed).uniform(0.3, 1.0, (2, STEPS, 2))
     return replace(model, rises=DT * parts * limits.accelerations)
+
+
+def test_inputs_that_hold_a_start_are_bound() -> None:
+    """Rows about the first sample alone, in lengths like others."""
+    model, rng = linearised(4), np.random.default_rng(4)
+    rows = end_in(model, 0.1)
+    by_q, by_theta = rng.uniform(-1, 1, (3, 2)), rng.uniform(-1, 1, (3, 2))
+    first = np.zeros(3, dtype=np.int64)
+    moved = replace(model, holding=LinearRows(first, by_q, by_theta, np.array([-0.2, 0.3, -0.1])))
+    for box in (None, BOX):
+        case = Case(box=box)
+        found, free = (agree(case, each, rows, fictitious=True) for each in (moved, model))
+        assert found is not None
+        assert free is not None
+
+        def worst(result: StepResult) -> float:
+            dq = result.trajectory.x[0, :2] - model.about.x[0, :2]
+            dp = result.trajectory.theta - model.about.theta
+            left = by_q @ dq + by_theta @ dp - [-0.2, 0.3, -0.1]
+            return float(np.max(left)) - result.position_slack
+
+        assert worst(found) <= 1e-6
+        assert worst(free) > 1e-3
 
 
 def end_in(model: Model, offset: float) -> PositionRows:

@@ -97,7 +97,7 @@ workspace Hall {
 }
 task Turn {
   robot robot; workspace workspace;
-  start in in by effector 1 rates <= 0.1 rad/s;
+  start in in by effector 1 rates <= 0.1 rad/s; start in held at rest held;
   start at (0 deg, 2 m, 3);
   reach reach by effector 1 at rest; reach for rates <= 0.1 rad/s for (1 + 1) s;
   reach rates at rest for 1 s; reach to aligned -x to (0, 1 + 1) within 5 deg at rest;

@@ -39,7 +39,7 @@ def effort_conditions(
     for bound in input_bounds(model, task):
         status, margin, most, worst = Status.HOLDS, inf, inf, 0
         for step, row in enumerate(commanded):
-            gap = _gap(bound, row)
+            gap = distance(bound, row)
             lower = below(gap)
             if bool(gap < 0):
                 status = Status.FAILS
@@ -120,7 +120,7 @@ def planned_ranges(
     return peak, robustness if robustness[0] < inf else (0.0, 0.0)
 
 
-def _gap(bound: InputBound, row: Sequence[arb]) -> arb:
+def distance(bound: InputBound, row: Sequence[arb]) -> arb:
     """The distance of inputs from a bound; negative beyond it."""
     own = [row[i] for i in bound.inputs]
     upper = ball(bound.upper)

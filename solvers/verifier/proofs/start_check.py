@@ -14,6 +14,7 @@ from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside, least
+from solvers.verifier.proofs.held_start import held_start
 from solvers.verifier.proofs.scene import Motion, Scene
 from solvers.verifier.proofs.tube_checks import Status
 
@@ -52,19 +53,27 @@ def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]
 
 
 def start_conditions(
-    scene: Scene, motion: Motion, state: Sequence[arb], tips: Sequence[Sequence[arb]]
+    scene: Scene,
+    motion: Motion,
+    state: Sequence[arb],
+    tail: Sequence[arb],
+    tips: Sequence[Sequence[arb]],
 ) -> list[CheckedCondition]:
-    """The initial state is one that the task allows; ``tips`` are the positions there."""
+    """The initial state is one that the task allows; ``tips`` are the positions there.
+
+    ``tail`` holds the balls of theta and k.
+    """
     start, n = scene.task.start, len(scene.model.dofs)
     rates = [abs(value) for value in motion.state[n:]]
     if isinstance(start, ir.StartAt):
         return [_pose(scene, start, state), _rates("start at rest", rates, Fraction(0))]
     region = scene.polytope(scene.workspace.region(start.region))
     number = motion.effector if start.effector is None else start.effector - 1
-    return [
+    found = [
         inside(f"start {start.region}", region, tips[number], 0.0),
         _rates("start rates", rates, start.rates),
     ]
+    return [*found, held_start(scene, state, tail)] if start.held else found
 
 
 def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> CheckedCondition:

@@ -108,7 +108,8 @@ def _conditions(
     robot = driven_robot(scene, motion)
     found = [positive_mass(scene.graph, robot.state, robot.tail)]
     found += unphysical(scene.model, robot.tail)
-    found += start_conditions(scene, motion, robot.state, robot.point_map.positions(robot.state))
+    tips = robot.point_map.positions(robot.state)
+    found += start_conditions(scene, motion, robot.state, robot.tail, tips)
     if any(condition.status is Status.FAILS for condition in found):
         return tuple(found)
     followed = follow(robot, InitialSet(robot.state), None, accuracy, watch)

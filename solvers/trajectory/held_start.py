@@ -1,0 +1,65 @@
+"""That some inputs within their bounds balance a robot where it starts, for a search."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from solvers.trajectory.linear_model import LinearRows
+from solvers.trajectory.task_limits import InputGroup
+from solvers.trajectory.trajectory import Trajectory
+
+KEPT = 1e-3
+"""The part of their bounds that these inputs keep free."""
+ROUNDS = 3
+"""Steps of Newton's method: accelerations are affine in most inputs."""
+TINY = 1e-300
+
+
+def held_start(
+    numeric: NumericRobot,
+    trajectory: Trajectory,
+    groups: tuple[InputGroup, ...],
+    own: Array,
+    unit: float,
+) -> LinearRows:
+    """The bounds of the inputs that balance a robot at its first sample, linearised there.
+
+    They are the least ones where there are more inputs than joints; their shares of the widest
+    margins count as lengths, in units of ``unit`` (m).  ``own`` (r,) are the modules' own states.
+    """
+    n, m, size = numeric.n, numeric.m, numeric.size
+    state = trajectory.x[:1].copy()
+    state[:, n : 2 * n], state[:, 2 * n :] = 0.0, own
+    u, by_q, by_theta = np.zeros((1, m)), np.zeros((m, n)), np.zeros((m, numeric.p))
+    with np.errstate(all="ignore"):
+        for _ in range(ROUNDS):
+            found = numeric.acceleration(state, u, trajectory.theta)
+            pull, slopes = (each[0, :n] for each in found)
+            if not (np.isfinite(pull).all() and np.isfinite(slopes).all()):
+                break
+            back = -np.linalg.pinv(slopes[:, size : size + m])
+            by_q, by_theta = back @ slopes[:, :n], back @ slopes[:, size + m :]
+            u = u + back @ pull
+    rows = [_rows(group, u[0]) for group in groups]
+    weights = np.concatenate([*(each[0] for each in rows), np.zeros((0, m))])
+    slack = np.concatenate([*(each[1] for each in rows), np.zeros(0)])
+    first = np.zeros(len(slack), dtype=np.int64)
+    return LinearRows(first, unit * weights @ by_q, unit * weights @ by_theta, unit * slack)
+
+
+def _rows(group: InputGroup, u: Array) -> tuple[Array, Array]:
+    """Weights (w, m) of inputs and what is left (w,) of one, as shares of the widest margin."""
+    own, widest = list(group.inputs), group.widest_margin
+    kept = KEPT * widest
+    if group.norm2:
+        length = float(np.linalg.norm(u[own]))
+        weights = np.zeros((1, len(u)))
+        weights[0, own] = u[own] / max(length, TINY)
+        left = np.array([group.upper - kept - length])
+    else:
+        one = np.eye(len(u))[own]
+        weights = np.concatenate([one, -one])
+        left = np.repeat([group.upper - kept, -group.lower - kept], len(own)) - weights @ u
+    return weights / (widest or 1.0), left / (widest or 1.0)
