@@ -8,7 +8,6 @@ from fractions import Fraction
 
 import numpy as np
 from flint import arb, arb_mat
-from scipy.linalg import qr
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import BALLS, ball, below, closed_ball, column
@@ -20,6 +19,7 @@ from solvers.verifier.proofs.scene import Scene
 from solvers.verifier.proofs.tube_checks import Status
 
 HELD = "start held"
+TINY = 1e-300
 ROUNDS = 4
 """Steps of Newton's method in floats."""
 WIDTHS = (1e15, 1e-6)
@@ -74,8 +74,7 @@ class _Balance:
         about = self._zero(start) if m >= n else None
         if about is None:
             return None
-        order = qr(_floats(self._slopes([arb(x) for x in about.tolist()])), pivoting=True)[-1]
-        chosen = sorted(order[:n].tolist())
+        chosen = _independent(_floats(self._slopes([arb(x) for x in about.tolist()])))
         for width in WIDTHS:
             found = self._enclosed(about, chosen, width)
             if found is not None:
@@ -131,6 +130,18 @@ class _Balance:
 
 def _floats(matrix: arb_mat) -> Array:
     return np.array([[float(item) for item in row] for row in matrix.tolist()])
+
+
+def _independent(slopes: Array) -> list[int]:
+    """As many columns of a matrix (n, m) as it has rows, each the farthest from those before."""
+    rest, chosen = slopes.copy(), list[int]()
+    for _ in range(len(slopes)):
+        sizes = np.linalg.norm(rest, axis=0)
+        sizes[chosen] = -1.0
+        chosen.append(int(np.argmax(sizes)))
+        direction = rest[:, chosen[-1]] / max(sizes[chosen[-1]], TINY)
+        rest -= np.outer(direction, direction @ rest)
+    return sorted(chosen)
 
 
 def _middle(bounds: Sequence[InputBound], place: int) -> Fraction:
