@@ -1,8 +1,7 @@
 """Syntax highlighting of ``.srg`` for Pygments: Sphinx, ``pygmentize``, rich.
 
 Keywords are contextual, so the lexer follows the grammar (``srg.lark``): a statement is a chain of
-states, each names the few words that mean something there, and what it does not know ends it.  On a
-correct program a word is a keyword where it is one for the parser; broken statements are left soon.
+states, each names the few words that mean something there, and what it does not know ends it.
 
 Source: G. Brandl et al., Pygments, *Write your own lexer*, https://pygments.org/docs/lexerdevelopment/.
 """
@@ -270,7 +269,8 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "map": [include("gap"), (_word("from"), Keyword), include("string"), default("#pop")],
         "shape": [
             include("gap"),
-            (_word("box", "polytope", "hull"), Keyword),
+            (_word("box", "polytope", "hull", "ball", "capsule", "cylinder"), Keyword),
+            (_word("radius"), Keyword, "operand"),
             (_word("x"), Operator.Word),
             (",", Punctuation),
             (r"\[", Punctuation, ("unit", "interval", "operand")),

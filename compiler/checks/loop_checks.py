@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from compiler.robots.effector_counts import several_effectors
-from compiler.workspaces.polytope import Polytope, polytope_of
+from compiler.workspaces.polytope import Polytope, refuting_polytope
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.source import Span
@@ -114,5 +114,5 @@ def _starting(program: ir.Program, task: ir.Task, start: ir.StartIn) -> int | No
 
 def _region(workspace: ir.Workspace, name: str) -> Polytope | None:
     """The exact set of a region; None where it is none with interior, which is reported."""
-    shape = polytope_of(workspace.region(name).shape, workspace.dimension)
+    shape = refuting_polytope(workspace.region(name).shape, workspace.dimension)
     return shape if shape.is_bounded and not shape.is_empty and shape.has_interior else None

@@ -11,9 +11,9 @@ from typing import Literal
 from compiler.workspaces.hull import Point
 from compiler.workspaces.overlaps import interiors_meet
 from compiler.workspaces.partition import remainder
-from compiler.workspaces.polytope import AXES, Polytope, polytope_of
+from compiler.workspaces.polytope import AXES, Polytope, refuting_polytope
 from grammar_lang.diagnostics.diagnostic import Code, Sink
-from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region, StartIn, Task
+from grammar_lang.ir import NOWHERE, HalfSpace, Hull, Region, Round, StartIn, Task
 from grammar_lang.source import Span
 
 # --- Findings about single regions: empty, flat and unbounded sets, with the reason why -----------
@@ -24,7 +24,7 @@ def sound_polytope(region: Region, dimension: Literal[2, 3], sink: Sink) -> Poly
 
     Anything else is reported, an unbounded region as a warning.
     """
-    shape = polytope_of(region.shape, dimension)
+    shape = refuting_polytope(region.shape, dimension)
     if not shape.has_interior:
         _no_interior(region, shape, sink)
         return None
@@ -64,7 +64,9 @@ def _no_interior(region: Region, shape: Polytope, sink: Sink) -> None:
     if isinstance(region.shape, Hull):
         reason, hint = _flat_hull(region.shape.points, shape)
     else:
-        reason, hint, notes = _contradiction(region.shape.rows, shape)
+        # A round region has an interior.
+        rows = () if isinstance(region.shape, Round) else region.shape.rows
+        reason, hint, notes = _contradiction(rows, shape)
     sink.error(code, f"{_called(region)} {verb} {lacking}: {reason}", region.span, hint, notes)
 
 

@@ -10,7 +10,7 @@ from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel
 from compiler.tasks.necessary import task_visits
 from compiler.tasks.specification import missing_effector
-from compiler.workspaces.polytope import Polytope, polytope_of
+from compiler.workspaces.polytope import Polytope, polytope_of, refuting_polytope
 from grammar_lang import ir
 
 # --- What a task asks of the whole body of a robot at any instant, in the plane -------------------
@@ -51,7 +51,9 @@ def _avoided(task: ir.Task, subject: str) -> tuple[str, ...]:
 
 
 def _polygons(workspace: ir.Workspace, names: tuple[str, ...]) -> tuple[PolygonTerms, ...]:
-    shapes = (polytope_of(workspace.region(name).shape, workspace.dimension) for name in names)
+    shapes = (
+        refuting_polytope(workspace.region(name).shape, workspace.dimension) for name in names
+    )
     terms = [found for found in map(polygon_terms, shapes) if found is not None]
     middle = polytope_of(workspace.bounds.shape, workspace.dimension)
     if len(terms) > MOST:
@@ -134,7 +136,7 @@ def pose_questions(workspace: ir.Workspace, task: ir.Task) -> tuple[PoseQuestion
 
 
 def _rows(region: ir.Region, workspace: ir.Workspace) -> tuple[ir.HalfSpace, ...]:
-    return polytope_of(region.shape, workspace.dimension).rows
+    return refuting_polytope(region.shape, workspace.dimension).rows
 
 
 def start_fault(model: RobotModel, question: PoseQuestion) -> str:

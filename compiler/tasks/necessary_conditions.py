@@ -16,7 +16,7 @@ from compiler.tasks.endless_slots import EndlessSlots
 from compiler.tasks.formula_parts import operands, subformulas
 from compiler.tasks.formula_slots import Clause, Node, Slots, TooManySlotsError, common_step
 from compiler.workspaces.partition import remainder
-from compiler.workspaces.polytope import Polytope, polytope_of
+from compiler.workspaces.polytope import Polytope, polytope_of, refuting_polytope
 from grammar_lang import ir
 from grammar_lang.source import Span
 
@@ -186,7 +186,7 @@ def _regions(workspace: ir.Workspace, names: frozenset[str]) -> _Regions | None:
     if not bounds.is_bounded or not bounds.has_interior:
         return None
     chosen = [region for region in workspace.regions if region.name in names]
-    shapes: list[Polytope] = [polytope_of(r.shape, workspace.dimension) for r in chosen]
+    shapes: list[Polytope] = [refuting_polytope(r.shape, workspace.dimension) for r in chosen]
     if any(shape.is_empty for shape in shapes):
         return None
     signatures = region_signatures(bounds, shapes, SIGNATURE_LIMIT)

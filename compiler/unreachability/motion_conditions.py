@@ -15,7 +15,7 @@ from compiler.encodings.pose_questions import PoseQuestion, effector_choices, po
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, RodBody, Shape
 from compiler.tasks.necessary import task_avoidance
-from compiler.workspaces.polytope import polytope_of
+from compiler.workspaces.polytope import refuting_polytope
 from grammar_lang import ir
 
 Rows: TypeAlias = tuple[ir.HalfSpace, ...]
@@ -148,4 +148,4 @@ def _passages(model: RobotModel, task: ir.Task, question: PoseQuestion) -> tuple
 
 
 def _rows(region: ir.Region, workspace: ir.Workspace) -> Rows:
-    return polytope_of(region.shape, workspace.dimension).rows
+    return refuting_polytope(region.shape, workspace.dimension).rows

@@ -24,9 +24,9 @@ from compiler.workspaces.convex_pieces import coarsened
 from compiler.workspaces.hull import Point
 from compiler.workspaces.overlaps import Pair
 from compiler.workspaces.partition import Cut, divide, split_cells
-from compiler.workspaces.polytope import Polytope, polytope_of
+from compiler.workspaces.polytope import Polytope, polytope_of, refuting_polytope
 from grammar_lang import ir
-from grammar_lang.ir import Region, Workspace
+from grammar_lang.ir import Region, Round, Workspace
 
 CellKind: TypeAlias = Literal["obstacle", "target", "region", "free"]
 FREE: Final = "free"
@@ -291,15 +291,17 @@ class PassableCells:
     _meeting: dict[str, frozenset[int]] = field(default_factory=dict[str, frozenset[int]])
 
     def free(self, avoided: Collection[str]) -> frozenset[int]:
-        """The cells that are inside no avoided region."""
-        inside = self.abstraction.within(avoided)
+        """The cells that may be outside all avoided regions, as those about a round one may."""
+        regions = map(self.workspace.region, avoided)
+        sure = [region.name for region in regions if not isinstance(region.shape, Round)]
+        inside = self.abstraction.within(sure)
         return frozenset(range(len(self.abstraction.cells))) - frozenset(inside)
 
     def meeting(self, region: str) -> frozenset[int]:
         """The closed cells that have a point in common with a region."""
         if region not in self._meeting:
             bounds, shape = (
-                polytope_of(r.shape, self.workspace.dimension)
+                refuting_polytope(r.shape, self.workspace.dimension)
                 for r in (self.workspace.bounds, self.workspace.region(region))
             )
             part = bounds.intersection(shape)

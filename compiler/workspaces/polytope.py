@@ -8,7 +8,7 @@ rounding.  Floats leave through ``A``, ``b`` and ``box`` only, which load numpy.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -26,7 +26,7 @@ from compiler.workspaces.hull import (
     polyhedron_volume,
     value,
 )
-from grammar_lang.ir import HalfSpace, Hull, Inequalities
+from grammar_lang.ir import HalfSpace, Hull, Inequalities, RegionShape, Round
 
 if TYPE_CHECKING:
     from compiler.arrays import Array
@@ -321,14 +321,28 @@ class Polytope:
             raise ValueError("the polytope is unbounded")
 
 
-def polytope_of(shape: Inequalities | Hull, dimension: int) -> Polytope:
-    """The polytope of a shape of the workspace; no rows at all mean the whole space."""
+def polytope_of(shape: RegionShape, dimension: int) -> Polytope:
+    """The polytope of a shape of the workspace; no rows at all mean the whole space.
+
+    Of a round set the one that motions are held to: motions that keep to it keep to the set.
+    """
     match shape:
         case Inequalities(rows=rows):
             zero = HalfSpace((Fraction(0),) * dimension, Fraction(0))
             return Polytope(rows or (zero,))
         case Hull(points=points):
             return Polytope(hull_rows(points))
+        case Round():
+            from compiler.workspaces.round_set import round_rows
+
+            return Polytope(round_rows(shape))
+
+
+def refuting_polytope(shape: RegionShape, dimension: int) -> Polytope:
+    """The polytope of a shape that refutations may count on: of a round set, on its other side."""
+    if isinstance(shape, Round):
+        shape = replace(shape, outward=not shape.outward)
+    return polytope_of(shape, dimension)
 
 
 def half_space_complement(row: HalfSpace) -> HalfSpace:

@@ -21,6 +21,7 @@ from grammar_lang.elaboration.joint_values import (
 from grammar_lang.elaboration.modules import ModuleInfo
 from grammar_lang.elaboration.sorts import DimensionUse
 from grammar_lang.elaboration.task_clauses import clause_places, lower_efforts
+from grammar_lang.elaboration.workspaces import check_round
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.syntax import tasks as t
@@ -85,6 +86,16 @@ class _Reader:
             self.sink.error(Code.MISSING_CLAUSE, message, self.task.name.span, hint)
         return items[0] if items else None
 
+    def avoided(self, name: s.Ident) -> str:
+        """The name of a region or map that is avoided; reported if it is none."""
+        check_round(name, self.workspace, ("obstacle",), "to be avoided", self.sink)
+        return self.region(name)
+
+    def spoken_of(self, name: s.Ident) -> str:
+        """The name of a region or map in a formula; reported if it is none."""
+        check_round(name, self.workspace, (), "in formulas", self.sink)
+        return self.region(name)
+
     def region(self, name: s.Ident) -> str:
         """The name of a region or map of the workspace; reported if it is none."""
         if self.workspace is not None and self.around.names.entity(name) is None:
@@ -94,6 +105,8 @@ class _Reader:
 
     def place(self, name: s.Ident) -> str:
         """The name of a region where the task starts or ends; reported if it is none."""
+        ends: tuple[ir.RegionKind, ...] = ("region", "target")
+        check_round(name, self.workspace, ends, "a place to start or to end", self.sink)
         found = self.around.names.entity(name)
         if found is not None and found.kind == "map":
             message = f"`{name.text}` is a map of obstacles, and no place to start or to end"
@@ -191,7 +204,7 @@ class _Reader:
             if self._is_self(name):
                 self._avoid_self(item, name, margin)
             else:
-                others.append(self.region(name))
+                others.append(self.avoided(name))
         if item.excepted and not any(self._is_self(name) for name in item.regions):
             message = "`except` belongs to `avoid self`"
             hint = "remove it: a region is avoided by every body, or by every effector"
@@ -238,7 +251,7 @@ class _Reader:
                 # Loaded where a task needs it, so that a check starts fast.
                 from grammar_lang.elaboration.formulas import lower_formula
 
-                formula = lower_formula(item.formula, self.region, self.sink)
+                formula = lower_formula(item.formula, self.spoken_of, self.sink)
                 found.append(ir.Satisfy(formula, item.span))
         return tuple(found)
 

@@ -36,6 +36,21 @@ class Hull:
     points: tuple[tuple[Fraction, ...], ...]
 
 
+@node
+class Round:
+    """What is nearer than a radius to a point or a segment; of a cylinder without round ends.
+
+    It stands for a polytope: where it is ``outward``, one that holds all of it, as motions keep out
+    of it; else one inside it.
+    """
+
+    kind: Literal["ball", "capsule", "cylinder"]
+    points: tuple[tuple[Fraction, ...], ...]
+    radius: Fraction
+    outward: bool
+
+
+RegionShape: TypeAlias = Inequalities | Hull | Round
 RegionKind: TypeAlias = Literal["bounds", "region", "obstacle", "target"]
 
 
@@ -45,7 +60,7 @@ class Region:
 
     name: str
     kind: RegionKind
-    shape: Inequalities | Hull
+    shape: RegionShape
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -158,6 +158,9 @@ _WORKSPACES: dict[str, Builder] = {
     "polytope": lambda c, span: t.Polytope(tuple(c[:-1]), _optional(c[-1]), span),
     "inequality": lambda c, span: t.Inequality(c[0], c[1], c[2], span),
     "hull": lambda c, span: t.Hull(tuple(c), span),
+    "ball": lambda c, span: t.Round("ball", tuple(c[:-1]), c[-1], span),
+    "capsule": lambda c, span: t.Round("capsule", tuple(c[:-1]), c[-1], span),
+    "cylinder": lambda c, span: t.Round("cylinder", tuple(c[:-1]), c[-1], span),
     "point": lambda c, span: t.Point(tuple(c[:-1]), _optional(c[-1]), span),
 }
 

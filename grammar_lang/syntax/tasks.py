@@ -74,7 +74,17 @@ class Hull:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-Shape: TypeAlias = Box | Polytope | Hull
+@node
+class Round:
+    """``ball (..) radius r``, ``capsule (..), (..) radius r``, ``cylinder`` likewise."""
+
+    kind: Literal["ball", "capsule", "cylinder"]
+    points: tuple[Point, ...]
+    radius: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Shape: TypeAlias = Box | Polytope | Hull | Round
 
 
 @node

@@ -61,7 +61,7 @@ def point_set(place: Array) -> ConvexSet:
 
 
 @lru_cache(maxsize=4096)
-def region_set(shape: ir.Inequalities | ir.Hull, dimension: int) -> ConvexSet:
+def region_set(shape: ir.RegionShape, dimension: int) -> ConvexSet:
     """A set of a workspace in floats, made once: searches ask for the same ones again and again."""
     return convex_set(polytope_of(shape, dimension))
 

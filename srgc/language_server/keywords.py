@@ -75,6 +75,10 @@ _WORKSPACE = {
     "box": "`box [lo, hi] x [lo, hi] unit`: a product of intervals.",
     "polytope": "`polytope { inequalities } unit`: a bounded intersection of half-spaces.",
     "hull": "`hull (..), (..) unit`: the convex hull of points.",
+    "ball": "`ball (..) unit radius r`: what is nearer than r to a point.",
+    "capsule": "`capsule (..), (..) unit radius r`: what is nearer than r to a segment.",
+    "cylinder": "`cylinder (..), (..) unit radius r`: likewise, without round ends.",
+    "radius": "The radius of a ball, a capsule or a cylinder.",
 }
 _TASK = {
     "robot": "`robot GRAMMAR;`: the family of robots.",

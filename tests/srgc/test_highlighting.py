@@ -93,6 +93,8 @@ workspace Hall {
   bounds box [0, 6] x [0, 4] m;
   region box hull (0.2, 0.2), (1.4, 0.2), (0.2, 1.4) m;
   obstacle task polytope { x >= 2; x <= 3; y <= 1 + x/2; y >= 0 } m;
+  region radius ball (1, 1) m radius 2 * 5 cm; target ball capsule (1, 1), (2, 1) m radius 1 cm;
+  region capsule cylinder (1, 1), (2, 1) m radius 1 cm;
   obstacles from "map.yaml";
 }
 task Turn {

@@ -280,8 +280,11 @@ _MOST_ROWS = 60
 def region_text(region: ir.Region, dimension: int) -> str:
     """What a region is like, as Markdown."""
     shape = region.shape
-    size = len(shape.rows if isinstance(shape, ir.Inequalities) else shape.points)
     kind = f"A{'n' if region.kind == 'obstacle' else ''} {region.kind}"
+    if isinstance(shape, ir.Round):
+        ends = " and ".join(f"({', '.join(map(number_text, point))})" for point in shape.points)
+        return f"{kind}: a {shape.kind} of radius {number_text(shape.radius)} m about {ends} m."
+    size = len(shape.rows if isinstance(shape, ir.Inequalities) else shape.points)
     if size > _MOST_ROWS:
         return f"{kind} of {size} rows."
     from compiler.workspaces.polytope import polytope_of
