@@ -30,7 +30,7 @@ from grammar_lang.files.file_tree import (
     reason,
     too_large,
 )
-from grammar_lang.files.inclusion import include_all
+from grammar_lang.files.inclusion import Inclusion, include_all
 from grammar_lang.names.resolver import resolve_names
 from grammar_lang.names.table import NameTable, report_unused
 from grammar_lang.parsing.parse import without_collection
@@ -129,7 +129,7 @@ def _checked(source: Source, tree: FileTree | None, sink: Sink, *, sound: bool) 
         hint = "declare modules, a grammar, a workspace and a task"
         sink.error(Code.EMPTY_FILE, "the file declares nothing", _START, hint)
     names = resolve_names(all_of_it.file, sink)
-    program = lower(all_of_it.file, names, sources, all_of_it.maps, sink)
+    program = lower(all_of_it.file, names, sources, all_of_it, sink)
     if not sink.has_errors:
         return Loaded(program, sink.sorted(), sources, program, all_of_it.file, names)
     part = sound_part(program, all_of_it.file, sink.found)
@@ -184,7 +184,7 @@ def lower(
     file: t.File,
     names: NameTable,
     sources: tuple[Source, ...],
-    maps: Mapping[Span, ir.ObstacleMap],
+    read: Inclusion,
     sink: Sink,
 ) -> ir.Program:
     """The program of a file, meaningful if no error was reported.
@@ -193,7 +193,7 @@ def lower(
         file: the items of the file and of all it includes.
         names: what its names stand for.
         sources: the texts that spans point into.
-        maps: the files of obstacles, by the span of the path that names each.
+        read: the maps and meshes that were read.
         sink: takes the findings.
     """
     declared = names.declared
@@ -205,11 +205,15 @@ def lower(
         info = lower_grammar(grammar, names, sink)
         semantics = None
         if name in declared.semantics:
-            semantics = lower_semantics(info, declared.semantics[name], modules, names, sink)
+            semantics = lower_semantics(
+                info, declared.semantics[name], modules, names, read.meshes, sink
+            )
         blocks = None if semantics is None else semantics.blocks
         grammars[name] = replace(info.grammar, semantics=blocks)
         families[name] = _family(info, semantics, modules)
-    workspaces = {name: lower_workspace(w, maps, sink) for name, w in declared.workspaces.items()}
+    workspaces = {
+        name: lower_workspace(w, read.maps, sink) for name, w in declared.workspaces.items()
+    }
     tasks: dict[str, ir.Task] = {}
     around = Surroundings(names, modules, families, workspaces)
     for name, task in declared.tasks.items():

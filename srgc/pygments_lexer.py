@@ -17,9 +17,8 @@ from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation
 from grammar_lang.units import UNIT_NAMES
 
 FUNCTIONS = ("rot", "move", "sin", "cos", "tan", "sqrt", "abs", "rate")
-EMISSIONS = ("rod", "point", "solid", "effector", "sphere", "capsule", "cylinder", "box")
+EMISSIONS = ("rod", "point", "solid", "effector", "sphere", "capsule", "cylinder", "box", "hull")
 ROLES = ("base", "joint", "link", "effector")
-
 _ITEMS = "module|grammar|semantics|workspace|task"
 _END = r"(?![A-Za-z0-9_])"
 _NAME = rf"(?!(?:and|or|not|empty|this|world|start|accept|x|y|z){_END})[A-Za-z_][A-Za-z0-9_]*"
@@ -228,6 +227,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         # --- expressions --------------------------------------------------------------------
         "operand": [
             include("gap"),
+            include("string"),
             ("-", Operator),
             (_NUMBER, Number, ("#pop", "operator", "unit")),
             (r"\(", Punctuation, ("#pop", "operator", "unit", "arguments", "argument")),

@@ -184,8 +184,11 @@ class Kinematics:
     def bases(self, collider: Collider) -> list[ca.SX]:
         """The points that a body or shape is about.
 
-        Both ends of what has a length, the middle of a box or sphere, the place of a mass.
+        Both ends of what has a length, the middle of a box or sphere, the place of a mass, the
+        corners of a hull.
         """
+        if isinstance(collider, Shape) and collider.corners:
+            return [self.point(collider.frame, corner) for corner in collider.corners]
         if isinstance(collider, SolidBody):
             return [self.point(collider.frame, collider.com)]
         origin = self.origins[collider.frame]

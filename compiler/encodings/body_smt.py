@@ -146,6 +146,8 @@ def _lengths(model: RobotModel) -> set[int]:
             found.update(each.com[:2])
         elif isinstance(each, RodBody | Shape) and each.length is not None:
             found.add(each.length)
+        elif isinstance(each, Shape):
+            found.update(scalar for corner in each.corners for scalar in corner[:2])
     return found
 
 

@@ -32,6 +32,7 @@ from compiler.robots.robot import (
     Offset,
     PointBody,
     RobotModel,
+    Shape,
     SolidBody,
     Step,
     Turn,
@@ -103,6 +104,10 @@ class PlanarPose:
             if isinstance(each, SolidBody):
                 local = (self.scalars.term(each.com[0]), self.scalars.term(each.com[1]))
                 self.points.append(self._beside(frame, local))
+            elif isinstance(each, Shape) and each.corners:
+                for x, y, _ in each.corners:
+                    local = (self.scalars.term(x), self.scalars.term(y))
+                    self.points.append(self._beside(frame, local))
             elif isinstance(each, PointBody) or each.length is None:
                 self.points.append(frame.place)
             else:

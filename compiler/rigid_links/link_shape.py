@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -27,7 +27,8 @@ class Geometry:
     """A set centred on ``pose``.
 
     ``size`` in metres: of a cylinder or capsule radius and length (along z, that of a capsule
-    without its ends), of a sphere its radius, of a box its three sides.
+    without its ends), of a sphere its radius, of a box its three sides, of a hull the coordinates
+    of its corners in ``pose``, three each.
     """
 
     kind: ir.ShapeKind
@@ -68,7 +69,7 @@ def shape_geometry(
 ) -> Geometry | None:
     """What a body or shape whose frame has this pose is in collisions; None if it has no extent.
 
-    Boxes of the plane are ``flat`` metres thick.
+    Boxes and hulls of the plane are ``flat`` metres thick.
     """
     if isinstance(each, RodBody):
         if each.radius is None:
@@ -79,6 +80,8 @@ def shape_geometry(
         kind, sizes = each.kind, tuple(scalars[size] for size in each.sizes)
     else:
         return None
+    if isinstance(each, Shape) and each.corners:
+        return Geometry(kind, frame, _sizes(*_spread(each, scalars, flat)))
     if kind == "sphere":
         return Geometry(kind, frame, _sizes(*sizes))
     if kind == "box":
@@ -86,6 +89,15 @@ def shape_geometry(
     length, radius = sizes
     middle = frame.moved(unit(each.axis, each.sign) * (length / 2))
     return Geometry(kind, _upright(middle, each.axis), _sizes(radius, length))
+
+
+def _spread(each: Shape, scalars: Sequence[arb], flat: Fraction) -> Iterator[arb]:
+    """The coordinates of the corners of a hull, one after the other."""
+    corners = [tuple(scalars[i] for i in corner) for corner in each.corners]
+    if all(z.is_zero() for _, _, z in corners):
+        corners = [(x, y, side * ball(flat) / 2) for side in (-1, 1) for x, y, _ in corners]
+    for corner in corners:
+        yield from corner
 
 
 def _upright(pose: Pose, axis: int) -> Pose:

@@ -22,6 +22,7 @@ from compiler.robots.frame_table import (
     product,
 )
 from compiler.robots.links import links_of
+from compiler.robots.mesh_corners import mesh_corners
 from compiler.robots.robot import (
     Body,
     BodyOwner,
@@ -77,7 +78,7 @@ def evaluate(
             if isinstance(emission, ir.Effector):
                 effectors.append(emitted.frame(node, emission.frame))
             elif isinstance(emission, ir.Shape):
-                shapes.append(emitted.shape(node, emission))
+                shapes.append(emitted.shape(node, emission, dimension))
                 shape_owners.append(_owner(derivation, node, emission))
             else:
                 bodies.append(emitted.body(node, emission))
@@ -173,11 +174,17 @@ class _Emitted:
                 tensor = tuple(self.scalar(node, item) for item in inertia)
                 return SolidBody(frame, heavy, (x, y, z), tensor)
 
-    def shape(self, node: int, emission: ir.Shape) -> Shape:
+    def shape(self, node: int, emission: ir.Shape, dimension: int) -> Shape:
         frame = self.frame(node, emission.frame)
         axis, sign = AXES[emission.axis or "x"]
         sizes = tuple(self.scalar(node, size) for size in emission.sizes)
-        return Shape(frame, emission.kind, axis, sign, sizes)
+        if emission.mesh is None:
+            return Shape(frame, emission.kind, axis, sign, sizes)
+        corners = []
+        for corner in mesh_corners(emission.mesh, emission.scale, dimension):
+            x, y, z = (self.scalar(node, ir.Num(value)) for value in corner)
+            corners.append((x, y, z))
+        return Shape(frame, emission.kind, axis, sign, sizes, tuple(corners))
 
 
 # --- Values of attributes and of the expressions over them, at the nodes of one derivation --------

@@ -93,7 +93,7 @@ class _Reach:
         for shape in model.shapes:
             self.carries[shape.frame] = True
             if shape.kind != "sphere":
-                self._add_all(shape.frame, None if shape.kind == "box" else shape.axis)
+                self._add_all(shape.frame, None if shape.kind in {"box", "hull"} else shape.axis)
         for frame in model.effectors:
             self.carries[frame] = True
             if model.posed:

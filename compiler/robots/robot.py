@@ -240,7 +240,8 @@ Body: TypeAlias = RodBody | PointBody | SolidBody
 class Shape:
     """What a link is in collisions: a massless convex set, in ``sizes`` as ``ir.Shape`` has them.
 
-    Those with an axis lead from the frame's origin along ``sign`` times it.
+    Those with an axis lead from the frame's origin along ``sign`` times it.  A hull is that of
+    ``corners``, three scalars each.
     """
 
     frame: int
@@ -248,6 +249,7 @@ class Shape:
     axis: int
     sign: int
     sizes: tuple[int, ...]
+    corners: tuple[tuple[int, int, int], ...] = ()
 
     @property
     def radius(self) -> int | None:

@@ -154,7 +154,7 @@ def _used_scalars(model: RobotModel) -> set[int]:
     """The scalars that frames and bodies use, directly or not."""
     used = {i for frame in model.frames for i in scalars_of_step(frame.step)}
     used |= {i for body in model.bodies for i in scalars_of_body(body)}
-    used |= {i for shape in model.shapes for i in shape.sizes}
+    used |= {i for shape in model.shapes for i in _of_shape(shape)}
     for i in range(len(model.scalars) - 1, -1, -1):
         node = model.scalars[i]
         if i in used and isinstance(node, Apply):
@@ -174,8 +174,13 @@ def _body_text(body: Body, texts: list[str]) -> str:
             return f"solid {frame} {texts[mass]} {items}"
 
 
+def _of_shape(shape: Shape) -> tuple[int, ...]:
+    """The scalars of a shape."""
+    return (*shape.sizes, *(scalar for corner in shape.corners for scalar in corner))
+
+
 def _shape_text(shape: Shape, texts: list[str]) -> str:
-    sizes = [texts[i] for i in shape.sizes]
+    sizes = [texts[i] for i in _of_shape(shape)]
     return f"{shape.kind} {shape.frame} {shape.axis} {shape.sign} {sizes}"
 
 
@@ -212,7 +217,10 @@ def _skeleton(model: RobotModel) -> tuple[object, ...]:
         model.dimension,
         tuple(_bare_frame(frame) for frame in model.frames),
         tuple(_bare_body(body) for body in model.bodies),
-        tuple(replace(shape, sizes=(0,) * len(shape.sizes)) for shape in model.shapes),
+        tuple(
+            replace(shape, sizes=(0,) * len(shape.sizes), corners=((0, 0, 0),) * len(shape.corners))
+            for shape in model.shapes
+        ),
         model.covered,
         tuple(
             (dof.kind, *(each is None for each in (dof.range, dof.rate, *_amounts(dof))))
@@ -271,7 +279,7 @@ def _scalars(model: RobotModel) -> tuple[int, ...]:
     """The scalars of frames and bodies, in order."""
     found = [scalar for frame in model.frames for scalar in scalars_of_step(frame.step)]
     found += [scalar for body in model.bodies for scalar in scalars_of_body(body)]
-    found += [scalar for shape in model.shapes for scalar in shape.sizes]
+    found += [scalar for shape in model.shapes for scalar in _of_shape(shape)]
     return tuple(found)
 
 

@@ -100,6 +100,8 @@ def body_points(model: RobotModel) -> tuple[tuple[int, ...], ...]:
     for each in model.colliders:
         long = isinstance(each, RodBody) or (isinstance(each, Shape) and each.length is not None)
         count = 2 if long else 1
+        if isinstance(each, Shape) and each.corners:
+            count = len(each.corners)
         found.append(tuple(range(start, start + count)))
         start += count
     return tuple(found)
@@ -119,7 +121,7 @@ def _obstacles(
             if len(hull) == 2:
                 segments.setdefault(name, []).append((hull[0], hull[1]))
             else:
-                points.setdefault(name, []).append(hull[0])
+                points.setdefault(name, []).extend(hull)
     return tuple(
         Obstacle(
             region.name,

@@ -36,7 +36,7 @@ def round_rows(shape: Round) -> tuple[HalfSpace, ...]:
     if shape.kind == "ball":
         (centre,) = shape.points
         return tuple(
-            HalfSpace(normal, _dot(normal, centre) + grown) for normal in _normals(dimension)
+            HalfSpace(normal, _dot(normal, centre) + grown) for normal in unit_normals(dimension)
         )
     if shape.kind == "capsule":
         about = [_scaled(corner, grown) for corner in _corners(dimension)]
@@ -70,7 +70,7 @@ def _disc(shape: Round) -> Iterator[Point]:
 
 
 @lru_cache(maxsize=2)
-def _normals(dimension: int) -> tuple[Point, ...]:
+def unit_normals(dimension: int) -> tuple[Point, ...]:
     """Rational unit vectors: every 22.5 degrees, or to the 26 neighbours of a cube's middle."""
     if dimension == 2:
         angles = [2 * pi * number / SIDES for number in range(SIDES)]
@@ -90,7 +90,7 @@ def _unit(near: tuple[float, ...]) -> Point:
 @lru_cache(maxsize=2)
 def _corners(dimension: int) -> tuple[Point, ...]:
     """The corners of the polytope whose planes touch the ball."""
-    rows = tuple(HalfSpace(normal, Fraction(1)) for normal in _normals(dimension))
+    rows = tuple(HalfSpace(normal, Fraction(1)) for normal in unit_normals(dimension))
     return tuple(Polytope(rows).vertices)
 
 

@@ -96,10 +96,10 @@ def _parts(text: str) -> Iterator[re.Match[str] | None]:
 def examples(text: str) -> tuple[Example, ...]:
     """The examples of a Markdown page, in order.
 
-    Blocks ``srg`` (or ``srg NAME``, and for maps ``json NAME``) make up a program; the
-    ``diagnostics`` block that follows says what it prints.  A program that a heading, ``Repaired:``
-    or another one follows instead has no error.  A ``console`` block shows the command itself,
-    about files that no page can show.
+    Blocks ``srg`` (or ``srg NAME``, for maps and meshes ``json NAME`` and ``text NAME``) make up a
+    program; the ``diagnostics`` block that follows says what it prints.  A program that a heading,
+    ``Repaired:`` or another one follows instead has no error.  A ``console`` block shows the
+    command itself, about files that no page can show.
     """
     found: list[Example] = []
     files: dict[str, str] = {}
@@ -116,7 +116,7 @@ def examples(text: str) -> tuple[Example, ...]:
             continue
         body = fence["body"]
         command = _COMMAND.match(body) if fence["kind"] == "console" else None
-        if fence["kind"] == "srg" or (fence["kind"] == "json" and fence["name"]):
+        if fence["kind"] == "srg" or (fence["kind"] in {"json", "text"} and fence["name"]):
             name = fence["name"] or MAIN
             if name in files:
                 close(None, (0, 0))

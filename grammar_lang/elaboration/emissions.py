@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
-from grammar_lang.elaboration.closed import list_unit
+from grammar_lang.elaboration.closed import Constants, list_unit
 from grammar_lang.elaboration.frames import require_axis
 from grammar_lang.elaboration.modules import ModuleInfo
 from grammar_lang.elaboration.sorts import (
@@ -27,6 +27,7 @@ from grammar_lang.elaboration.sorts import (
 from grammar_lang.elaboration.typecheck import FUNCTIONS, Checker
 from grammar_lang.ir import constants
 from grammar_lang.ir.expressions import too_large
+from grammar_lang.source import Span
 from grammar_lang.units import DENSITY, INERTIA, LENGTH, MASS, Dimension
 
 _ARGUMENTS: dict[str, tuple[str, ...]] = {
@@ -38,6 +39,7 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
     "capsule": ("frame", "axis", "length", "radius"),
     "cylinder": ("frame", "axis", "length", "radius"),
     "box": ("frame", "size"),
+    "hull": ("frame", "file", "scale"),
 }
 _OPTIONAL = frozenset({("rod", "radius")})
 
@@ -49,6 +51,7 @@ class Emissions:
     scope: Scope
     sink: Sink
     modules: Sequence[ModuleInfo | None] = ()
+    meshes: Mapping[Span, ir.Mesh] = field(default_factory=dict[Span, ir.Mesh])
 
     def lower(self, emission: s.Emission) -> ir.Emission | None:
         """The emission; None where an error was reported."""
@@ -71,7 +74,7 @@ class Emissions:
 
     def _build(
         self, kind: str, arguments: Mapping[str, s.Expr], emission: s.Emission
-    ) -> ir.Emission:
+    ) -> ir.Emission | None:
         frame = self._frame(arguments["frame"])
         others = [value for name, value in arguments.items() if name != "frame"]
         mentions = self.scope.mentions(others)
@@ -94,6 +97,8 @@ class Emissions:
             case "box":
                 edges = self._edges(arguments["size"])
                 return ir.Shape("box", frame, None, edges, emission.span, mentions)
+            case "hull":
+                return self._hull(frame, arguments, emission, mentions)
             case _:
                 shape: ir.ShapeKind = "capsule" if kind == "capsule" else "cylinder"
                 axis = self._axis(arguments["axis"], kind)
@@ -116,6 +121,28 @@ class Emissions:
         if "radius" in arguments:
             radius = self._positive(arguments["radius"], LENGTH)
         return ir.Rod(frame, axis, length, density, radius, emission.span, mentions)
+
+    def _hull(
+        self,
+        frame: ir.Expr,
+        arguments: Mapping[str, s.Expr],
+        emission: s.Emission,
+        mentions: tuple[int, ...],
+    ) -> ir.Shape | None:
+        path, scale = arguments["file"], Constants(self.sink).rational(arguments["scale"], LENGTH)
+        if scale is not None and scale <= 0:
+            message = "the unit of a mesh is not positive"
+            at = arguments["scale"].span
+            self.sink.error(Code.BAD_EMISSION, message, at, "write `scale: 1 mm`, or what it is")
+            return None
+        if not isinstance(path, s.Text):
+            message = "the file of a hull is a path in quotes"
+            self.sink.error(Code.BAD_EMISSION, message, path.span, 'write `file: "part.stl"`')
+            return None
+        mesh = self.meshes.get(path.ident.span)
+        if mesh is None or scale is None:
+            return None
+        return ir.Shape("hull", frame, None, (), emission.span, mentions, mesh, scale)
 
     def _axis(self, written: s.Expr, kind: str) -> ir.Axis:
         axis = require_axis(written, self.sink)

@@ -93,11 +93,16 @@ def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
 
 
 def _block(
-    block: s.Block, rules: list[PlacedRule], scope: ProductionScope, sink: Sink
+    block: s.Block,
+    rules: list[PlacedRule],
+    scope: ProductionScope,
+    meshes: Mapping[Span, ir.Mesh],
+    sink: Sink,
 ) -> ir.SemanticBlock:
     lowered = tuple(_rule(placed, scope, sink) for placed in rules)
     symbols = scope.info.production.right
-    emissions = Emissions(scope, sink, [scope.modules.get(symbol.name) for symbol in symbols])
+    modules = [scope.modules.get(symbol.name) for symbol in symbols]
+    emissions = Emissions(scope, sink, modules, meshes)
     emitted = [emissions.lower(e) for e in block.statements if isinstance(e, s.Emission)]
     failed = scope.info.broken or None in emitted
     if not failed and scope.info.production.label not in scope.attributes.failed:
@@ -171,9 +176,13 @@ def lower_semantics(
     semantics: s.Semantics,
     modules: Mapping[str, ModuleInfo],
     names: NameTable,
+    meshes: Mapping[Span, ir.Mesh],
     sink: Sink,
 ) -> SemanticsInfo:
-    """The semantics of a grammar; whatever is wrong with it is reported."""
+    """The semantics of a grammar; whatever is wrong with it is reported.
+
+    ``meshes`` are by the span of the path that names each.
+    """
     before = len(sink.found)
     blocks = _blocks(grammar, semantics, names, sink)
     attributes = collect_attributes(grammar, blocks, names, sink)
@@ -187,7 +196,7 @@ def lower_semantics(
     for label, info in grammar.productions.items():
         if label in blocks:
             scope = ProductionScope(info, modules, attributes, types, names)
-            lowered[label] = _block(blocks[label], rules.get(label, []), scope, sink)
+            lowered[label] = _block(blocks[label], rules.get(label, []), scope, meshes, sink)
             uses.extend(scope.uses)
     if Sink(sink.found[before:]).has_errors:
         return SemanticsInfo(lowered, ())

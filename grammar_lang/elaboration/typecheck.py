@@ -41,7 +41,7 @@ _SCALAR_FUNCTIONS: dict[str, ir.Function] = {
     "abs": "abs",
 }
 FUNCTIONS = (*_SCALAR_FUNCTIONS, "rot", "move")
-SHAPES = ("sphere", "capsule", "cylinder", "box")
+SHAPES = ("sphere", "capsule", "cylinder", "box", "hull")
 EMISSIONS = ("rod", "point", "solid", "effector", *SHAPES)
 
 
@@ -96,8 +96,13 @@ class Checker:
             case _:
                 return self._other(expr)
 
-    def _other(self, expr: s.AxisName | s.Tuple | s.Scaled) -> Typed:
+    def _other(self, expr: s.AxisName | s.Tuple | s.Scaled | s.Text) -> Typed:
         match expr:
+            case s.Text():
+                message = "the path of a file is no value here"
+                hint = 'one stands in `file: "…"` of a `hull` only'
+                self.sink.error(Code.SORT_MISMATCH, message, expr.span, hint)
+                return UNKNOWN
             case s.AxisName(axis=axis):
                 message = f"the axis `{axis}` is no value here"
                 hint = "axes stand in `rot(axis, …)`, `move(axis, …)` and `axis:` only"

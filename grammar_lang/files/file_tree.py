@@ -319,11 +319,10 @@ class FileSet:
         self.sources.append(Source(self._name(place), text, place.path, data))
         return number
 
-    def image(self, place: Place, written: Ident) -> bytes | None:
-        """The bytes of an image, read at the first call; None if it cannot be read."""
+    def binary(self, place: Place, written: Ident, suffixes: tuple[str, ...]) -> bytes | None:
+        """The bytes of an image or a mesh, read at the first call; None if it cannot be read."""
         if place.path in self._numbers:
             return self.sources[self._numbers[place.path]].data
-        suffixes = (".pgm", ".png")
         data = self._data(place, written, self.left_images, IMAGE_LIMIT, suffixes)
         if data is None:
             return None

@@ -12,9 +12,11 @@ from dataclasses import dataclass, field
 from typing import Literal, NoReturn, TypeAlias
 
 from grammar_lang import ir
+from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import FileSet, visible
+from grammar_lang.files.meshes import read_mesh
 from grammar_lang.names.declarations import map_name
 from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Source, Span, node
@@ -27,13 +29,16 @@ _ENDS = 3
 
 @node
 class Inclusion:
-    """The items of all files as those of one; ``maps`` by the span of the path that names each.
+    """The items of all files as those of one.
+
+    ``maps`` and ``meshes`` are by the span of the path that names each.
 
     ``complete`` is False where a file could not be read: nobody knows what it declares.
     """
 
     file: t.File
     maps: Mapping[Span, ir.ObstacleMap]
+    meshes: Mapping[Span, ir.Mesh]
     complete: bool
 
 
@@ -53,6 +58,7 @@ class _Traversal:
     broken: list[Span] = field(default_factory=list[Span])
     skipped: set[str] = field(default_factory=set[str])
     maps: dict[Span, ir.ObstacleMap] = field(default_factory=dict[Span, ir.ObstacleMap])
+    meshes: dict[Span, ir.Mesh] = field(default_factory=dict[Span, ir.Mesh])
     chain: list[_Open] = field(default_factory=list[_Open])
     depths: dict[str, int] = field(default_factory=dict[str, int])
     numbers: dict[str, int] = field(default_factory=dict[str, int])
@@ -71,6 +77,8 @@ class _Traversal:
                 self._include(item, self.chain[-1].number)
             elif isinstance(item, t.Workspace):
                 self._maps(item, self.chain[-1].number)
+            elif isinstance(item, s.Semantics):
+                self._meshes(item, self.chain[-1].number)
 
     def _open(self, number: int, real: str) -> None:
         self.numbers[real] = number
@@ -116,13 +124,22 @@ class _Traversal:
                 if found is not None:
                     self.maps[item.path.span] = found
 
+    def _meshes(self, semantics: s.Semantics, base: int) -> None:
+        statements = (each for block in semantics.blocks for each in block.statements)
+        for emission in statements:
+            for argument in emission.arguments if isinstance(emission, s.Emission) else ():
+                if isinstance(argument.value, s.Text):
+                    found = read_mesh(argument.value.ident, base, self.files)
+                    if found is not None:
+                        self.meshes[argument.value.ident.span] = found
+
 
 def include_all(files: FileSet, real: str) -> Inclusion:
     """Follow the includes of the first of ``files``, the main file, whose real path is ``real``."""
     traversal = _Traversal(files)
     traversal.follow(real)
     file = t.File(tuple(traversal.items), tuple(traversal.broken), frozenset(traversal.skipped))
-    return Inclusion(file, traversal.maps, traversal.complete)
+    return Inclusion(file, traversal.maps, traversal.meshes, traversal.complete)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -246,7 +263,7 @@ def _image_path(source: Source, number: int, sink: Sink) -> Ident | None:
 def _image(path: Ident, number: int, files: FileSet) -> ir.MapImage | None:
     """The image at a path; None if it cannot be read."""
     place = files.place(path, number)
-    data = None if place is None else files.image(place, path)
+    data = None if place is None else files.binary(place, path, (".pgm", ".png"))
     return None if place is None or data is None else ir.MapImage(place.path, data)
 
 

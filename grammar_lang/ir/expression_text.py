@@ -40,6 +40,7 @@ from grammar_lang.ir.family import (
     AttributeRule,
     Effector,
     Emission,
+    Mesh,
     PointMass,
     Production,
     Rod,
@@ -152,6 +153,10 @@ def _emitted(emission: Emission, names: Names) -> tuple[str, list[tuple[str, str
             moments = ", ".join(map(text, inertia))
             tensor = moments if len(inertia) == 1 else f"({moments})"
             return "solid", [frame, ("mass", text(mass)), ("com", text(com)), ("inertia", tensor)]
+        case Shape(mesh=Mesh(path=path), scale=scale):
+            number = number_text(scale)
+            unit = f"({number}) m" if "/" in number else f"{number} m"
+            return "hull", [frame, ("file", f'"{path}"'), ("scale", unit)]
         case Shape(kind, _, axis, sizes):
             return kind, [frame, *_measures(kind, axis, tuple(map(text, sizes)))]
         case Effector():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from grammar_lang.ir.expressions import NOWHERE, AttributeOf, Axis, EffortOf, Expr, leaves
@@ -290,7 +291,16 @@ class Solid:
     mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
 
 
-ShapeKind: TypeAlias = Literal["sphere", "capsule", "cylinder", "box"]
+ShapeKind: TypeAlias = Literal["sphere", "capsule", "cylinder", "box", "hull"]
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """The vertices of a mesh, each once, as the file at ``path`` with that ``digest`` has them."""
+
+    path: str
+    digest: str
+    vertices: tuple[tuple[Fraction, ...], ...] = field(compare=False, repr=False)
 
 
 @node
@@ -299,7 +309,8 @@ class Shape:
 
     A sphere has its centre, a box its middle at the frame's origin; capsules and cylinders lead
     from there along an ``axis``.  ``sizes`` are the radius of a sphere, length and radius of
-    capsules and cylinders, the edges of a box: two in the plane, three in space.
+    capsules and cylinders, the edges of a box: two in the plane, three in space.  A hull is that of
+    a ``mesh`` in the frame, whose unit is ``scale`` metres.
     """
 
     kind: ShapeKind
@@ -308,6 +319,8 @@ class Shape:
     sizes: tuple[Expr, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
     mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
+    mesh: Mesh | None = None
+    scale: Fraction = Fraction(1)
 
 
 @node

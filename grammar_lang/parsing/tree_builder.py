@@ -78,6 +78,7 @@ _EXPRESSIONS: dict[str, Builder] = {
     "member": lambda c, span: s.Member(c[0], _ident(c[1]), span),
     "owner": lambda c, _: _ident(c[0]),
     "call": _call,
+    "text": lambda c, span: s.Text(_ident(c[0]), span),
     "argument": lambda c, span: s.Argument(_optional(c[0]), c[1], span),
     "world": lambda _, span: s.WorldName(span),
     "axis_x": lambda _, span: s.AxisName("x", span),

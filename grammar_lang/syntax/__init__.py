@@ -22,6 +22,7 @@ from grammar_lang.syntax.expressions import (
     Number,
     Operator,
     Scaled,
+    Text,
     Tuple,
     WorldName,
 )
@@ -118,6 +119,7 @@ __all__ = [
     "Semantics",
     "StartSymbol",
     "State",
+    "Text",
     "Torque",
     "Tuple",
     "WorldName",

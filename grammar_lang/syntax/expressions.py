@@ -72,8 +72,16 @@ class WorldName:
 
 
 @node
+class Text:
+    """``"…"``: the path of a file, in an argument."""
+
+    ident: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class Argument:
-    """``expr`` or ``name: expr``."""
+    """``expr``, ``name: expr`` or ``name: "…"``."""
 
     name: Ident | None
     value: Expr
@@ -126,7 +134,7 @@ class Binary:
 
 
 Expr: TypeAlias = (
-    Number | Name | AxisName | Member | WorldName | Call | Tuple | Scaled | Negate | Binary
+    Number | Name | AxisName | Member | WorldName | Call | Tuple | Scaled | Negate | Binary | Text
 )
 
 
@@ -167,7 +175,7 @@ def readings(expressions: Iterable[Expr]) -> Iterator[Name | Member]:
                 stack.append(operand)
             case Binary(left=left, right=right):
                 stack.extend((left, right))
-            case Number() | AxisName() | WorldName():
+            case Number() | AxisName() | WorldName() | Text():
                 pass
 
 

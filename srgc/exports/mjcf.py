@@ -57,6 +57,7 @@ class _Writer:
         self.children = robot.tree.children()
         self.tools = robot.tree.tools()
         self.order: list[int] = []
+        self.hulls: dict[tuple[float, ...], str] = {}
 
     def document(self) -> str:
         robot, xml = self.robot, self.xml
@@ -71,6 +72,7 @@ class _Writer:
         xml.open("option", timestep=timestep, integrator="RK4", gravity=robot.gravity)
         xml.element("flag", contact="disable")
         xml.close()
+        self.meshes()
         xml.open("worldbody")
         self.bodies()
         xml.close()
@@ -79,6 +81,19 @@ class _Writer:
         self.keyframe()
         xml.close()
         return xml.document()
+
+    def meshes(self) -> None:
+        """The hulls that links collide as, by their corners."""
+        links = self.robot.tree.links
+        found = [g.size for link in links for g in (*link.looks, *link.collisions)
+                 if g.kind == "hull"]  # fmt: skip
+        if not found:
+            return
+        self.xml.open("asset")
+        for number, corners in enumerate(dict.fromkeys(found), 1):
+            self.hulls[corners] = f"hull_{number}"
+            self.xml.element("mesh", name=self.hulls[corners], vertex=corners)
+        self.xml.close()
 
     def bodies(self) -> None:
         """All bodies, depth first; None on the stack closes one."""
@@ -166,10 +181,12 @@ class _Writer:
             size = (geometry.size[0], geometry.size[1] / 2)
         elif geometry.kind == "box":
             size = tuple(side / 2 for side in geometry.size)
+        what: dict[str, Value] = {"type": geometry.kind, "size": size}
+        if geometry.kind == "hull":
+            what = {"type": "mesh", "mesh": self.hulls[size]}
         self.xml.element(
             "geom",
-            type=geometry.kind,
-            size=size,
+            **what,
             pos=doubles(geometry.pose.origin),
             quat=geometry.pose.quaternion(),
             **more,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.expressions.evaluators.balls import ball, column, working_precision
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
 from compiler.rigid_links.link_shape import Geometry
 from compiler.rigid_links.mass_moments import MassMoments, inertial, legal, token
@@ -95,6 +95,9 @@ class _Writer:
         self.xml.element("origin", xyz=doubles(pose.origin), rpy=pose.roll_pitch_yaw())
 
     def geometry(self, tag: str, geometry: Geometry) -> None:
+        if geometry.kind == "hull":
+            self.xml.comment("a box about a hull, for which URDF needs a file of its own")
+            geometry = _box_about(geometry)
         self.xml.open(tag)
         self.origin(geometry.pose)
         self.xml.open("geometry")
@@ -104,7 +107,7 @@ class _Writer:
                 self.xml.element("cylinder", radius=radius, length=length)
             case "sphere":
                 self.xml.element("sphere", radius=geometry.size[0])
-            case "box":
+            case "box" | "hull":
                 self.xml.element("box", size=geometry.size)
         self.xml.close()
         self.xml.close()
@@ -155,6 +158,14 @@ class _Writer:
         xml.text("mechanicalReduction", "1")
         xml.close()
         xml.close()
+
+
+def _box_about(hull: Geometry) -> Geometry:
+    """The box along the axes of a hull's frame that holds it."""
+    sides = [hull.size[axis::3] for axis in range(3)]
+    middle = [(Fraction(min(side)) + Fraction(max(side))) / 2 for side in sides]
+    pose = hull.pose.moved(column([ball(value) for value in middle]))
+    return Geometry("box", pose, tuple(max(side) - min(side) for side in sides))
 
 
 def _parts(geometry: Geometry) -> list[Geometry]:

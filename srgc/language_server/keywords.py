@@ -60,6 +60,7 @@ _SEMANTICS = {
     "sphere": "A ball about the origin of a frame, which collides and has no mass.",
     "capsule": "What is nearer than a radius to a segment along an axis; it collides.",
     "cylinder": "A cylinder from the origin of a frame along an axis; it collides.",
+    "hull": "The convex hull of a mesh in a frame; it collides and has no mass.",
     "box": "A box about the origin of a frame, along its axes; it collides.",
     "rot": "`rot(axis, angle)`: turned about an axis of the local frame.",
     "move": "`move(axis, d)` or `move((x, y, z))`: moved in the local frame.",

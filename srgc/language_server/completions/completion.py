@@ -199,6 +199,7 @@ EMISSION_SNIPPETS = MappingProxyType(
             "cylinder(frame: ${1:N.frame}, axis: ${2:x}, length: ${3:L.length}, radius: ${4:4 cm});"
         ),
         "box": "box(frame: ${1:this.frame}, size: ${2:(10, 8, 6) cm});",
+        "hull": 'hull(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
     }
 )
 

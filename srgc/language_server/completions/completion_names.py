@@ -290,6 +290,14 @@ EMISSIONS: dict[str, Form] = {
         (("frame", "where its middle is"), ("size", "its edges (a, b, c), in the plane (a, b), m")),
         "a box along the axes of the frame that collides, without mass",
     ),
+    "hull": Form(
+        (
+            ("frame", "the frame of the mesh"),
+            ("file", "the path of a mesh in quotes: STL or OBJ"),
+            ("scale", "the unit of the mesh, such as 1 mm"),
+        ),
+        "the convex hull of a mesh that collides, without mass",
+    ),
 }
 FUNCTIONS: dict[str, Form] = {
     "rot": Form(

@@ -1,0 +1,123 @@
+"""Files of meshes: the vertices of STL, as text or binary, and of OBJ; exact, each once.
+
+What hulls are made of them is not decided here.  Sources: 3D Systems, *StereoLithography interface
+specification* (1988); Wavefront, *Object files (.obj)*.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import struct
+from fractions import Fraction
+from typing import TypeAlias
+
+from grammar_lang import ir
+from grammar_lang.diagnostics.diagnostic import Code
+from grammar_lang.files.file_tree import FileSet
+from grammar_lang.syntax import Ident
+
+SUFFIXES = (".stl", ".obj")
+MOST = 500_000
+"""Vertices, counting one of each triangle of an STL file thrice."""
+_HEADER, _TRIANGLE = 84, 50
+
+Vertices: TypeAlias = tuple[tuple[Fraction, ...], ...]
+
+
+class MeshError(ValueError):
+    """A file that is no mesh; the message says why."""
+
+
+def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
+    """The mesh at a path that stands in the file number ``base``.
+
+    What is wrong with the path or the file is reported; None then.
+    """
+    place = files.place(path, base)
+    if place is None:
+        return None
+    if not place.path.lower().endswith(SUFFIXES):
+        message = "this is no mesh, by the end of its name"
+        hint = "known: STL (`.stl`) and OBJ (`.obj`)"
+        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        return None
+    data = files.binary(place, path, SUFFIXES)
+    if data is None:
+        return None
+    try:
+        vertices = _obj(data) if place.path.lower().endswith(".obj") else _stl(data)
+    except MeshError as error:
+        message, hint = f"this is no mesh: {error}", "export it again as STL or OBJ"
+        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        return None
+    return ir.Mesh(place.path, hashlib.sha256(data).hexdigest(), vertices)
+
+
+def _stl(data: bytes) -> Vertices:
+    """Binary where the size fits the number of triangles that is said, whatever it begins with."""
+    if len(data) >= _HEADER:
+        (count,) = struct.unpack_from("<I", data, 80)
+        if len(data) == _HEADER + _TRIANGLE * count:
+            return _binary(data, count)
+    return _lines(data, "vertex", "facet")
+
+
+def _binary(data: bytes, count: int) -> Vertices:
+    if 3 * count > MOST:
+        raise MeshError(f"it has {count:,} triangles, and may have {MOST // 3:,}")
+    found = dict[tuple[float, float, float], None]()
+    for number in range(count):
+        values = struct.unpack_from("<9f", data, _HEADER + _TRIANGLE * number + 12)
+        if not all(map(math.isfinite, values)):
+            raise MeshError(f"triangle {number + 1} has a corner that is not finite")
+        for first in (0, 3, 6):
+            found[values[first], values[first + 1], values[first + 2]] = None
+    return _distinct([tuple(map(Fraction, corner)) for corner in found])
+
+
+def _obj(data: bytes) -> Vertices:
+    return _lines(data, "v", "f")
+
+
+def _lines(data: bytes, word: str, piece: str) -> Vertices:
+    """The three numbers behind a ``word`` that begins a line; there have to be ``piece`` lines."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise MeshError("it is neither binary of the right size nor text") from None
+    found = dict[tuple[Fraction, ...], None]()
+    pieces = 0
+    for number, line in enumerate(text.splitlines(), 1):
+        parts = line.split()
+        pieces += bool(parts) and parts[0].lower() == piece
+        if not parts or parts[0].lower() != word:
+            continue
+        try:
+            corner = tuple(Fraction(part) for part in parts[1:4] if _is_decimal(part))
+        except (ValueError, ZeroDivisionError):
+            corner = ()
+        if len(corner) != 3:
+            raise MeshError(f"line {number} does not have three numbers behind `{word}`")
+        found[corner] = None
+        if len(found) > MOST:
+            raise MeshError(f"it has more than {MOST:,} vertices")
+    if not pieces:
+        raise MeshError(f"no line begins with `{piece}`")
+    return _distinct(list(found))
+
+
+def _is_decimal(part: str) -> bool:
+    """Whether a text is a number of a usual size; Fraction reads quotients, too."""
+    try:
+        value = float(part)
+    except ValueError:
+        return False
+    return math.isfinite(value) and "/" not in part and (value == 0 or 1e-60 < abs(value) < 1e12)
+
+
+def _distinct(vertices: list[tuple[Fraction, ...]]) -> Vertices:
+    found = tuple(sorted(set(vertices)))
+    if not found:
+        raise MeshError("it has no vertex")
+    return found
