@@ -104,7 +104,7 @@ def test_a_plan_says_that_it_leaves_them_out(srgc, spec):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("radius", "proved"), [("20 deg", False), ("10 deg", True)])
+@pytest.mark.parametrize(("radius", "proved"), [("20 deg", False), ("12 deg", True)])
 def test_too_much_for_any_room_is_unknown_with_the_reason(srgc, spec, tmp_path, radius, proved):
     text = SHAKEN.replace("0.2 deg,", f"{radius},").replace("horizon", "modules <= 4;\n  horizon")
     text = text.replace("robust start", "control open loop; robust start")
