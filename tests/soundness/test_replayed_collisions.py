@@ -1,0 +1,174 @@
+"""Proved motions replayed in MuJoCo's dynamics: no contact in its checker, and none in Coal's.
+
+1,000 instants of an arm in space whose links are boxes, capsules, cylinders, spheres and hulls of
+meshes, beside obstacles and itself.  The robot is what is exported; the obstacles and the pairs
+that may touch are stated here again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from solvers.verifier.verification import Outcome, verify_directory
+from srgc.cli import run
+from tests.oracles import result_files
+from tests.oracles.mesh_files import WEDGE, binary_stl, tube
+
+SPEC = """\
+module B { role base; }
+module J { role joint; dof q: revolute z in [-170, 170] deg; }
+module K { role joint; dof q: revolute y in [-150, 150] deg; }
+module U { role link; const length = 0.3 m; }
+module F { role link; const length = 0.25 m; }
+module E { role effector; }
+grammar Arm { start N; all: N -> B J I:K U M:K F E; }
+semantics Arm {
+  all {
+    this.at = move(z, 0.2 m) * rot(z, J.q) * rot(y, I.q);
+    this.two = this.at * move(x, U.length) * rot(y, M.q);
+    solid(frame: this.at, mass: 1 kg, com: (0.15, 0, 0) m,
+      inertia: (0.001, 0.01, 0.01, 0, 0, 0) kg*m^2);
+    solid(frame: this.two, mass: 0.6 kg, com: (0.12, 0, 0) m,
+      inertia: (0.0005, 0.004, 0.004, 0, 0, 0) kg*m^2);
+    UPPER
+    FORE
+    box(frame: world * move(z, 5 cm), size: (10, 12, 10) cm);
+    effector(frame: this.two * move(x, F.length));
+  }
+}
+workspace W {
+  space xyz;
+  bounds box [-2, 2] x [-2, 2] x [-1, 2] m;
+  region S box [0.3, 0.5] x [-0.1, 0.1] x [0.1, 0.3] m;
+  target T box [-0.1, 0.1] x [0.3, 0.5] x [0.2, 0.4] m;
+  obstacle O box [0.3, 0.4] x [0.28, 0.4] x [0, 0.6] m;
+  obstacle P ball (0.1, 0.2, 0.55) m radius 8 cm;
+}
+task Go {
+  robot Arm; workspace W; start in S at rest; reach T at rest;
+  avoid O, P with body, margin 5 mm; avoid self with body, margin 2 mm;
+  effort <= 30 N*m; gravity (0, 0, -9.81) m/s^2; horizon 25 steps of 0.05 s;
+}
+"""
+SHAPES = {
+    "hulls": (
+        'hull(frame: this.at, file: "tube.stl", scale: 1 mm);',
+        'hull(frame: this.two, file: "wedge.obj", scale: 1 mm);',
+    ),
+    "round": (
+        "capsule(frame: this.at, axis: x, length: 30 cm, radius: 25 mm);",
+        (
+            "cylinder(frame: this.two, axis: x, length: 20 cm, radius: 2 cm);"
+            " sphere(frame: this.two * move(x, 22 cm), radius: 25 mm);"
+        ),
+    ),
+}
+INSTANTS = 40
+"""Of each of 25 steps."""
+
+
+def replayed(folder: Path) -> tuple[mujoco.MjModel, np.ndarray]:
+    """The exported robot, and its coordinates at the instants in MuJoCo's own integration."""
+    exported = folder / "robot.xml"
+    assert run(["export", str(folder), "--to", "mjcf", "-o", str(exported)]) == 0
+    text = exported.read_text(encoding="utf-8").replace('contact="disable"', 'contact="enable"')
+    model = mujoco.MjModel.from_xml_string(text)
+    certificate = result_files.read(folder)
+    data, start = mujoco.MjData(model), [float(x) for x in certificate["start"]]
+    n = model.nq
+    data.qpos, data.qvel = start[:n], start[n:]
+    # Contacts are looked at, not felt: they are switched off while time passes.
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    model.opt.timestep = 0.05 / INSTANTS
+    found = [data.qpos.copy()]
+    for row in certificate["inputs"]:
+        data.ctrl[:] = [float(x) for x in row]
+        for _ in range(INSTANTS):
+            mujoco.mj_step(model, data)
+            found.append(data.qpos.copy())
+    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    return model, np.array(found)
+
+
+def coal_shape(coal: Any, model: mujoco.MjModel, geom: int) -> Any:
+    """What a geom of MuJoCo is in Coal."""
+    size = model.geom_size[geom]
+    match model.geom_type[geom]:
+        case mujoco.mjtGeom.mjGEOM_BOX:
+            return coal.Box(*(2 * size))
+        case mujoco.mjtGeom.mjGEOM_SPHERE:
+            return coal.Sphere(size[0])
+        case mujoco.mjtGeom.mjGEOM_CAPSULE:
+            return coal.Capsule(size[0], 2 * size[1])
+        case mujoco.mjtGeom.mjGEOM_CYLINDER:
+            return coal.Cylinder(size[0], 2 * size[1])
+        case mujoco.mjtGeom.mjGEOM_MESH:
+            mesh = model.geom_dataid[geom]
+            first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+            points = coal.StdVec_Vec3s()
+            points.extend(model.mesh_vert[first : first + count].astype(float))
+            return coal.Convex.convexHull(points, False, "")
+    raise AssertionError(model.geom_type[geom])
+
+
+def placed(coal: Any, rotation: np.ndarray, origin: np.ndarray) -> Any:
+    return coal.Transform3s(np.asarray(rotation).reshape(3, 3), np.asarray(origin))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shapes", sorted(SHAPES))
+def test_no_contact_at_a_thousand_instants(tmp_path: Path, shapes: str) -> None:
+    coal = pytest.importorskip("coal")
+    (tmp_path / "tube.stl").write_bytes(binary_stl(tube()))
+    (tmp_path / "wedge.obj").write_text(WEDGE, encoding="utf-8")
+    upper, fore = SHAPES[shapes]
+    text = SPEC.replace("UPPER", upper).replace("FORE", fore)
+    (tmp_path / "s.srg").write_text(text, encoding="utf-8")
+    folder = tmp_path / "out"
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        assert run(["synth", str(tmp_path / "s.srg"), "-o", str(folder), "-q"]) == 0
+        assert verify_directory(folder).outcome is Outcome.VALID
+        model, motion = replayed(folder)
+    data = mujoco.MjData(model)
+    hard = [g for g in range(model.ngeom) if model.geom_group[g] == 3]
+    of = {g: int(model.geom_bodyid[g]) for g in hard}
+    bodies = sorted(set(of.values()))
+    # One joint connects the upper link with the base (its wrist has no body), and with the fore.
+    apart = {(bodies[0], bodies[2])}
+    solids = {g: coal_shape(coal, model, g) for g in hard}
+    fixed = [
+        (coal.Box(0.1, 0.12, 0.6), placed(coal, np.eye(3), np.array([0.35, 0.34, 0.3]))),
+        (coal.Sphere(0.08), placed(coal, np.eye(3), np.array([0.1, 0.2, 0.55]))),
+    ]
+    pairs = [p for p in combinations(hard, 2) if tuple(sorted((of[p[0]], of[p[1]]))) in apart]
+    assert pairs
+    least = {"self": np.inf, "obstacles": np.inf, "mujoco": np.inf}
+    asked, answer = coal.DistanceRequest(), coal.DistanceResult()
+    for q in motion:
+        data.qpos = q
+        mujoco.mj_forward(model, data)
+        at = {g: placed(coal, data.geom_xmat[g], data.geom_xpos[g]) for g in hard}
+        for one, other in pairs:
+            answer.clear()
+            gap = coal.distance(solids[one], at[one], solids[other], at[other], asked, answer)
+            least["self"] = min(least["self"], gap)
+            own = mujoco.mj_geomDistance(model, data, one, other, 1.0, None)
+            least["mujoco"] = min(least["mujoco"], own)
+        for g in hard:
+            for solid, place in fixed:
+                answer.clear()
+                gap = coal.distance(solids[g], at[g], solid, place, asked, answer)
+                least["obstacles"] = min(least["obstacles"], gap)
+    assert len(motion) == 1001
+    # What is proved, less the difference of two integrations.
+    assert least["self"] > 0.002 - 1e-4
+    assert least["mujoco"] > 0.002 - 1e-4
+    assert least["obstacles"] > 0.005 - 1e-4
