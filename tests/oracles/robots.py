@@ -111,6 +111,13 @@ class Builder:
         """``sizes`` are scalars, as ``ir.Shape`` has them."""
         self.shapes.append(Shape(frame, kind, *AXES[axis], tuple(sizes)))
 
+    def hull(self, frame: int, corners: Sequence[tuple[Number, Number, Number]]) -> None:
+        """The hull of corners in a frame."""
+        kept = []
+        for x, y, z in corners:
+            kept.append((self.number(x), self.number(y), self.number(z)))
+        self.shapes.append(Shape(frame, "hull", 0, 1, (), tuple(kept)))
+
     def effector(self, frame: int) -> None:
         self.effectors.append(frame)
 

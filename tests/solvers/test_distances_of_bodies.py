@@ -15,6 +15,7 @@ import pytest
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.bodies_apart import bodies_apart
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir
@@ -124,3 +125,74 @@ def test_capsules_of_coal(seed: int) -> None:
         coal.distance(left, places[0], right, places[1], request, result)
         assert abs(result.min_distance - distance) <= 1e-6
     assert apart > 1000
+
+
+def shaped_arm(seed: int) -> RobotModel:
+    """Three or four joints in space; each link has a box, a sphere, a capsule or a hull."""
+    rng = np.random.default_rng(1000 + seed)
+    builder = Builder(3)
+    frame = WORLD
+    for number in range(3 + seed % 2):
+        frame = builder.joint(frame, str(rng.choice(list("xyz"))))
+        frame = builder.turn(frame, "y", builder.number(Fraction(int(rng.integers(-9, 10)), 10)))
+        sizes = [builder.number(Fraction(int(x), 50)) for x in rng.integers(2, 12, 3)]
+        builder.shape(frame, "box", sizes)
+        frame = builder.link(frame, builder.number(Fraction(int(rng.integers(2, 10)), 10)))
+        match (number + seed) % 3:
+            case 0:
+                builder.shape(frame, "sphere", sizes[:1])
+            case 1:
+                builder.shape(frame, "capsule", sizes[:2], "y")
+            case _:
+                corners = rng.integers(-9, 10, (7, 3)).tolist()
+                builder.hull(frame, [(Fraction(x, 40), Fraction(y, 40), Fraction(z, 40))
+                                     for x, y, z in corners])  # fmt: skip
+    builder.effector(frame)
+    return builder.build()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(5))
+def test_shapes_of_coal(seed: int) -> None:
+    """10,000 poses: boxes and hulls by their corners, spheres and capsules by their cores."""
+    coal = pytest.importorskip("coal")
+    model = shaped_arm(seed)
+    model = replace(model, owners=(None,) * len(model.bodies))
+    model = replace(model, apart=bodies_apart(model, ir.AvoidSelf(Fraction(0))))
+    numeric = NumericRobot(robot_graph(model))
+    q = np.random.default_rng(seed).uniform(-np.pi, np.pi, size=(2000, numeric.n))
+    points, first = numeric.positions(q, np.zeros(0)), len(model.effectors)
+    scalars = scalar_floats(model.scalars, np.zeros(0))
+    request, apart = coal.DistanceRequest(), 0
+    request.gjk_tolerance, request.gjk_max_iterations = 1e-9, 1000
+    here = coal.Transform3s(np.eye(3), np.zeros(3))
+
+    def solid(body: int, corners: Array) -> object:
+        """In the world, grown by its radius."""
+        places = coal.StdVec_Vec3s()
+        places.extend(corners)
+        if len(corners) > 2:
+            return coal.Convex.convexHull(places, False, ""), here
+        radius = getattr(model.colliders[body], "radius", None)
+        thick = 1e-9 if radius is None else float(scalars[radius])
+        if len(corners) == 1:
+            return coal.Sphere(thick), coal.Transform3s(np.eye(3), corners[0])
+        length = float(np.linalg.norm(corners[1] - corners[0]))
+        return coal.Capsule(thick, length), coal.Transform3s(*upright(corners))
+
+    for (a, b), gap in zip(model.apart, numeric.spanning.gaps, strict=True):
+        differences = points[:, [first + i for i in gap]]
+        ours = np.linalg.norm(nearest_to_zero(differences), axis=1)
+        for body in (a, b):
+            radius = getattr(model.colliders[body], "radius", None)
+            ours = ours - (0.0 if radius is None else float(scalars[radius]))
+        for number in np.flatnonzero(ours > 1e-6):
+            apart += 1
+            (one, there), (two, beyond) = (
+                solid(body, points[number, [first + i for i in numeric.spanning.hulls[body]]])
+                for body in (a, b)
+            )
+            result = coal.DistanceResult()
+            coal.distance(one, there, two, beyond, request, result)
+            assert abs(result.min_distance - ours[number]) <= 1e-6
+    assert apart > 2000
