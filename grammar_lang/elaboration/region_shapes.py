@@ -92,14 +92,19 @@ class RegionShapes:
         return ir.Inequalities(found) if len(found) == len(rows) else None
 
     def _hull(self, hull: t.Hull) -> ir.Hull | None:
+        found = self._points(hull.points)
+        return None if found is None else ir.Hull(found)
+
+    def _points(self, points: tuple[t.Point, ...]) -> tuple[tuple[Fraction, ...], ...] | None:
+        """Points, exact; None where an error was reported."""
+        units = self._units(tuple(point.unit for point in points))
         reader = Constants(self.sink)
-        units = self._units(tuple(point.unit for point in hull.points))
-        points = [
+        read = [
             coordinates(reader, point.items, unit, LENGTH, self.size, point.span)
-            for point, unit in zip(hull.points, units, strict=True)
+            for point, unit in zip(points, units, strict=True)
         ]
-        found = tuple(p for p in points if p is not None)
-        return ir.Hull(found) if len(found) == len(points) else None
+        found = tuple(p for p in read if p is not None)
+        return found if len(found) == len(read) else None
 
     def _round(self, shape: t.Round, kind: ir.RegionKind) -> ir.Round | None:
         if kind == "bounds":
@@ -107,19 +112,13 @@ class RegionShapes:
             hint = "write a box, a polytope or a hull"
             self.sink.error(Code.BAD_VALUE, message, shape.span, hint)
             return None
-        reader = Constants(self.sink)
-        units = self._units(tuple(point.unit for point in shape.points))
-        points = [
-            coordinates(reader, point.items, unit, LENGTH, self.size, point.span)
-            for point, unit in zip(shape.points, units, strict=True)
-        ]
-        found = tuple(p for p in points if p is not None)
-        radius = reader.rational(shape.radius, LENGTH)
+        found = self._points(shape.points)
+        radius = Constants(self.sink).rational(shape.radius, LENGTH)
         if radius is not None and radius <= 0:
             message = "the radius is not positive"
             self.sink.error(Code.BAD_VALUE, message, shape.radius.span, "write more than zero")
             radius = None
-        if radius is None or len(found) < len(points):
+        if radius is None or found is None:
             return None
         if len(set(found)) < len(found):
             message = f"both ends of the {shape.kind} are the same point"
