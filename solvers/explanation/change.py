@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from compiler.expressions.exact_numbers import rational_bounds
 from grammar_lang import ir
 from grammar_lang.ir.expression_text import number_text
 from solvers.explanation.posed_task import PosedTask
@@ -60,6 +61,8 @@ def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
             yield from _parameter(posed, line)
         case "effort":
             yield _effort(posed, line)
+        case "joint_effort":
+            yield _joint_effort(posed, line)
         case "horizon":
             yield _horizon(posed, line)
         case "bounds":
@@ -193,9 +196,27 @@ def _effort(posed: PosedTask, line: TaskLine) -> Scale:
         changed = with_effort(posed, index, value / clause.bound)
         return Change(line, f"with `effort <= {number_text(value)} {unit}`", changed, value)
 
-    bound = clause.bound
+    return Scale(line, _stronger(clause.bound), at, posable=False)
+
+
+def _stronger(bound: Fraction) -> tuple[Fraction, ...]:
     indices = range(index_above(bound), index_above(bound * MOST_EFFORT) + 1)
-    return Scale(line, tuple(v for v in map(number_of, indices) if v > bound), at, posable=False)
+    return tuple(v for v in map(number_of, indices) if v > bound)
+
+
+def _joint_effort(posed: PosedTask, line: TaskLine) -> Scale:
+    """A stronger drive of one joint; what the task bounds stays bound by that."""
+    module, name = (str(part) for part in line.key)
+    dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
+    bound = Fraction(0) if dof.effort is None else rational_bounds(dof.effort)[0]
+    unit = "N*m" if dof.kind == "revolute" else "N"
+
+    def at(value: Fraction) -> Change:
+        changed = posed.with_dof(module, name, effort=ir.Num(value))
+        says = f"with `effort <= {number_text(value)} {unit}` of `{module}.{name}`"
+        return Change(line, says, changed, value)
+
+    return Scale(line, _stronger(bound), at, posable=False)
 
 
 def _horizon(posed: PosedTask, line: TaskLine) -> Scale:

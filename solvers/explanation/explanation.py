@@ -24,7 +24,8 @@ from solvers.run_context import RunContext
 from solvers.verdict import NotFound
 
 TELLING = (
-    "parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "joint_accel", "fixed",
+    "parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "joint_accel",
+    "joint_effort", "fixed",
 )  # fmt: skip
 """Kinds of lines that a person would change; conflicts with such lines are told first."""
 

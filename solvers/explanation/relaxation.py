@@ -42,7 +42,7 @@ def without(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
 
 def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
     match line.kind:
-        case "parameter" | "fixed" | "joint_range" | "joint_rate" | "joint_accel":
+        case "parameter" | "fixed" | "joint_range" | "joint_rate" | "joint_accel" | "joint_effort":
             return _ranged(posed, line)
         case "avoid":
             return posed.without_avoided(int(line.key[0]), str(line.key[1]))
@@ -89,6 +89,8 @@ def _ranged(posed: PosedTask, line: TaskLine) -> PosedTask:
         return posed.with_dof(module, name, rate=None)
     if line.kind == "joint_accel":
         return posed.with_dof(module, name, accel=None)
+    if line.kind == "joint_effort":
+        return posed.with_dof(module, name, effort=ir.Num(AMPLE_EFFORT))
     if line.kind == "joint_range":
         dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
         slides = dof.kind == "prismatic" and dof.range is not None

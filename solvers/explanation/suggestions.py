@@ -43,7 +43,7 @@ from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
 """So near to an effort that was too small it is not looked any nearer."""
-DRIVES = ("effort", "horizon")
+DRIVES = ("effort", "joint_effort", "horizon")
 """Changed first: where these are to blame, there are poses whatever the ranges, and changes of
 ranges would use up the runs."""
 LIMITS = ("joint_range", "joint_rate", "joint_accel")
@@ -109,7 +109,7 @@ class SuggestionSearch:
 
     def drives(self, lines: Sequence[TaskLine]) -> None:
         """More effort, then more steps."""
-        for line in sorted(lines, key=lambda line: line.kind != "effort"):
+        for line in sorted(lines, key=lambda line: line.kind == "horizon"):
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
                     self.far(scale)
@@ -198,6 +198,8 @@ class SuggestionSearch:
         low, high = scale.values[0], best.change.value or scale.values[-1]
         if scale.line.kind == "effort":
             self.by_peak(scale, best, low, high)
+        elif scale.line.kind == "joint_effort":
+            self.by_values(scale, high)
         else:
             self.by_halving(scale, low, high)
 
@@ -216,6 +218,18 @@ class SuggestionSearch:
                 wanted = rounded_up(Fraction(found.effort_peak))
             if high < CLOSE * low:
                 return
+
+    def by_values(self, scale: Scale, best: Fraction) -> None:
+        """The effort of one joint: values between those that were too small and the best."""
+        low, high = -1, scale.values.index(best)
+        for _ in range(NEARER):
+            middle = (low + high) // 2
+            if not low < middle < high:
+                return
+            if self.tried(scale.at(scale.values[middle])) is None:
+                low = middle
+            else:
+                high = middle
 
     def by_halving(self, scale: Scale, low: Fraction, high: Fraction) -> None:
         """Steps: a number between one that was too small and the best, as often as allowed."""

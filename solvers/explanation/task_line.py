@@ -13,8 +13,8 @@ from solvers.explanation.posed_task import PosedTask
 
 LineKind: TypeAlias = Literal[
     "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "joint_accel",
-    "avoid", "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds", "modules",
-    "control", "payload",
+    "joint_effort", "avoid", "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds",
+    "modules", "control", "payload",
 ]  # fmt: skip
 
 
@@ -114,6 +114,9 @@ def _ranges(posed: PosedTask) -> Iterator[TaskLine]:
             if dof.accel is not None:
                 says = f"the acceleration of {name}"
                 yield TaskLine("joint_accel", (module.name, dof.name), says, dof.span)
+            if dof.effort is not None:
+                says = f"the effort of {name}"
+                yield TaskLine("joint_effort", (module.name, dof.name), says, dof.span)
 
 
 def _avoided(posed: PosedTask) -> Iterator[TaskLine]:
