@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 
+import numpy as np
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
@@ -69,7 +71,7 @@ def shape_geometry(
 ) -> Geometry | None:
     """What a body or shape whose frame has this pose is in collisions; None if it has no extent.
 
-    Boxes and hulls of the plane are ``flat`` metres thick.
+    Boxes of the plane, and hulls that are flat, are ``flat`` metres thick.
     """
     if isinstance(each, RodBody):
         if each.radius is None:
@@ -96,6 +98,13 @@ def _spread(each: Shape, scalars: Sequence[arb], flat: Fraction) -> Iterator[arb
     corners = [tuple(scalars[i] for i in corner) for corner in each.corners]
     if all(z.is_zero() for _, _, z in corners):
         corners = [(x, y, side * ball(flat) / 2) for side in (-1, 1) for x, y, _ in corners]
+    places = np.array([[float(x) for x in corner] for corner in corners])
+    if np.linalg.matrix_rank(places - places[0]) < 3:
+        # What is flat all the same gets the corners of a small cube about each.
+        sides = list(product((-1, 1), repeat=3))
+        thick = ball(flat) / 2
+        corners = [tuple(x + s * thick for x, s in zip(corner, side, strict=True))
+                   for corner in corners for side in sides]  # fmt: skip
     for corner in corners:
         yield from corner
 

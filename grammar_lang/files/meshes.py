@@ -7,7 +7,7 @@ specification* (1988); Wavefront, *Object files (.obj)*.
 from __future__ import annotations
 
 import hashlib
-import math
+import re
 import struct
 from fractions import Fraction
 from typing import TypeAlias
@@ -20,7 +20,10 @@ from grammar_lang.syntax import Ident
 SUFFIXES = (".stl", ".obj")
 MOST = 500_000
 """Vertices, counting one of each triangle of an STL file thrice."""
+LARGEST = 1e12
+"""Coordinates are smaller, in the unit of the mesh."""
 _HEADER, _TRIANGLE = 84, 50
+_DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,2})?")
 
 Vertices: TypeAlias = tuple[tuple[Fraction, ...], ...]
 
@@ -69,8 +72,10 @@ def _binary(data: bytes, count: int) -> Vertices:
     found = dict[tuple[float, float, float], None]()
     for number in range(count):
         values = struct.unpack_from("<9f", data, _HEADER + _TRIANGLE * number + 12)
-        if not all(map(math.isfinite, values)):
-            raise MeshError(f"triangle {number + 1} has a corner that is not finite")
+        if not all(abs(value) < LARGEST for value in values):
+            raise MeshError(
+                f"triangle {number + 1} has a corner that is not finite, or too far off"
+            )
         for first in (0, 3, 6):
             found[values[first], values[first + 1], values[first + 2]] = None
     return _distinct([tuple(map(Fraction, corner)) for corner in found])
@@ -82,12 +87,12 @@ def _obj(data: bytes) -> Vertices:
 
 def _lines(data: bytes, word: str, piece: str) -> Vertices:
     """The three numbers behind a ``word`` that begins a line; there have to be ``piece`` lines."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise MeshError("it is neither binary of the right size nor text") from None
+    if b"\0" in data:
+        raise MeshError("it is neither binary of the size that its header says nor text")
+    # Comments may be in any encoding.
+    text = data.decode("utf-8-sig", errors="replace")
     found = dict[tuple[Fraction, ...], None]()
-    pieces = 0
+    pieces = corners = 0
     for number, line in enumerate(text.splitlines(), 1):
         parts = line.split()
         pieces += bool(parts) and parts[0].lower() == piece
@@ -95,25 +100,26 @@ def _lines(data: bytes, word: str, piece: str) -> Vertices:
             continue
         try:
             corner = tuple(Fraction(part) for part in parts[1:4] if _is_decimal(part))
-        except (ValueError, ZeroDivisionError):
+        except ValueError:
             corner = ()
         if len(corner) != 3:
-            raise MeshError(f"line {number} does not have three numbers behind `{word}`")
+            raise MeshError(
+                f"line {number} does not have three numbers of a usual size behind `{word}`"
+            )
+        corners += 1
         found[corner] = None
         if len(found) > MOST:
             raise MeshError(f"it has more than {MOST:,} vertices")
     if not pieces:
         raise MeshError(f"no line begins with `{piece}`")
+    if piece == "facet" and corners != 3 * pieces:
+        raise MeshError(f"it has {corners} corners of {pieces} triangles: it may have been cut off")
     return _distinct(list(found))
 
 
 def _is_decimal(part: str) -> bool:
-    """Whether a text is a number of a usual size; Fraction reads quotients, too."""
-    try:
-        value = float(part)
-    except ValueError:
-        return False
-    return math.isfinite(value) and "/" not in part and (value == 0 or 1e-60 < abs(value) < 1e12)
+    """Whether a text is a number of a usual size; a fraction of a huge power takes for ever."""
+    return _DECIMAL.fullmatch(part) is not None and abs(float(part)) < LARGEST
 
 
 def _distinct(vertices: list[tuple[Fraction, ...]]) -> Vertices:

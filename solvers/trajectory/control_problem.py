@@ -272,6 +272,8 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
 
 LEAST_MEAN = 0.2
 """Of what bounds an acceleration, at least this part is left to the mean of a step."""
+SHIFTED = 0.05
+"""By no more of the bound is the middle of the ends of a step taken to be off the mean."""
 JUDGED = 1e-3
 """It may be exceeded by so much of itself: ten times as much is kept free of what proofs ask."""
 
@@ -288,7 +290,9 @@ def _accelerated(problem: ControlProblem, trajectory: Trajectory) -> tuple[Array
     with np.errstate(all="ignore"):
         least, most = acceleration_ranges(problem.numeric, trajectory)
         mean = np.diff(trajectory.x[:, n : 2 * n], axis=0) / dt
-        off = np.maximum(np.array([most - mean, mean - least]), 0.0)
+        # A seed's inputs need not be those of its accelerations, which then shift both ends alike.
+        half = (most - least) / 2 + SHIFTED * np.where(np.isfinite(largest), largest, 0.0)
+        off = np.clip(np.array([most - mean, mean - least]), 0.0, half)
         excess = np.max(np.maximum(most, -least) - (1 + JUDGED) * largest, initial=0.0)
         return dt * np.maximum(largest - off, LEAST_MEAN * largest), float(excess)
 

@@ -26,27 +26,33 @@ def held_start(
 ) -> LinearRows:
     """The bounds of the inputs that balance a robot at its first sample, linearised there.
 
-    They are the least ones where there are more inputs than joints; their shares of the widest
-    margins count as lengths, in units of ``unit`` (m).  ``own`` (r,) are the modules' own states.
+    Where there are more inputs than joints, they are the nearest ones to the middle of their
+    bounds, in shares of these, which count as lengths in units of ``unit`` (m).  ``own`` (r,) are
+    the modules' own states.
     """
     n, m, size = numeric.n, numeric.m, numeric.size
     state = trajectory.x[:1].copy()
     state[:, n : 2 * n], state[:, 2 * n :] = 0.0, own
     u, by_q, by_theta = np.zeros((1, m)), np.zeros((m, n)), np.zeros((m, numeric.p))
+    weights = np.ones(m)
+    for group in groups:
+        inputs = list(group.inputs)
+        weights[inputs] = group.widest_margin
+        u[0, inputs] = 0.0 if group.norm2 else (group.lower + group.upper) / 2
     with np.errstate(all="ignore"):
         for _ in range(ROUNDS):
             found = numeric.acceleration(state, u, trajectory.theta)
             pull, slopes = (each[0, :n] for each in found)
             if not (np.isfinite(pull).all() and np.isfinite(slopes).all()):
                 break
-            back = -np.linalg.pinv(slopes[:, size : size + m])
+            back = -weights[:, None] * np.linalg.pinv(slopes[:, size : size + m] * weights)
             by_q, by_theta = back @ slopes[:, :n], back @ slopes[:, size + m :]
             u = u + back @ pull
-    rows = [_rows(group, u[0]) for group in groups]
-    weights = np.concatenate([*(each[0] for each in rows), np.zeros((0, m))])
+    rows = [_rows(group, u[0]) for group in groups if group.widest_margin > 0]
+    sides = np.concatenate([*(each[0] for each in rows), np.zeros((0, m))])
     slack = np.concatenate([*(each[1] for each in rows), np.zeros(0)])
     first = np.zeros(len(slack), dtype=np.int64)
-    return LinearRows(first, unit * weights @ by_q, unit * weights @ by_theta, unit * slack)
+    return LinearRows(first, unit * sides @ by_q, unit * sides @ by_theta, unit * slack)
 
 
 def _rows(group: InputGroup, u: Array) -> tuple[Array, Array]:
@@ -62,4 +68,4 @@ def _rows(group: InputGroup, u: Array) -> tuple[Array, Array]:
         one = np.eye(len(u))[own]
         weights = np.concatenate([one, -one])
         left = np.repeat([group.upper - kept, -group.lower - kept], len(own)) - weights @ u
-    return weights / (widest or 1.0), left / (widest or 1.0)
+    return weights / widest, left / widest

@@ -76,7 +76,7 @@ def used_inputs(
 def robustness_text(
     used: Sequence[UsedInputs], write: Callable[[float, str], str] | None = None
 ) -> str:
-    """The least margin as a share of the widest there can be, and the least one of each unit.
+    """The least margin as a share of the widest there can be, and what is left of each unit there.
 
     ``write`` writes a number with its unit; default plain text.
     """
@@ -85,10 +85,11 @@ def robustness_text(
     if not counted:
         return "none, no input has a choice"
     share = min(each.margin / each.widest for each in counted)
-    least = dict[str, float]()
-    for each in counted:
-        least[each.unit] = min(each.margin, least.get(each.unit, each.margin))
-    amounts = ", ".join(write(value, unit) for unit, value in least.items())
+    least = dict[str, UsedInputs]()
+    for each in sorted(counted, key=lambda each: each.margin / each.widest):
+        least.setdefault(each.unit, each)
+    units = dict.fromkeys(each.unit for each in counted)
+    amounts = ", ".join(write(least[unit].margin, unit) for unit in units)
     return f"{100 * share:.4g} % ({amounts})"
 
 

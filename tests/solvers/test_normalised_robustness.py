@@ -74,7 +74,8 @@ def test_what_is_said_of_it(folder: Path) -> None:
     assert by_unit == pytest.approx({"N": least, "N*m": 4 - turn}, rel=1e-12)
     said = (folder.parent / "printed").read_text(encoding="utf-8").splitlines()
     share = 100 * (1 - bridge / 1000)
-    assert f"robustness: {share:.4g} % ({least:.4g} N, {4 - turn:.4g} N*m)" in said
+    # Beside the share stands what is left of that very bound.
+    assert f"robustness: {share:.4g} % ({1000 - bridge:.4g} N, {4 - turn:.4g} N*m)" in said
     assert verify_directory(folder).outcome is Outcome.VALID
 
 

@@ -88,13 +88,47 @@ def test_what_falls_from_its_start_could_not_stand_there(tmp_path: Path) -> None
     assert np.abs(needed).max() > 3
 
 
-def test_volts_do_not_hold_a_motor(tmp_path: Path) -> None:
-    """They change its current, and no torque at once: nothing is known of what holds it."""
+@pytest.mark.parametrize("weight", ["", " gravity (0, -1) m/s^2;"])
+def test_a_motor_without_current_holds_what_has_no_weight(tmp_path: Path, weight: str) -> None:
+    """Volts change its current, and no torque at once."""
     (tmp_path / "m.srg").write_text(MOTOR, encoding="utf-8")
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         assert run(["synth", str(tmp_path / "m.srg"), "-o", str(tmp_path / "out"), "-q"]) == 0
-    result_files.alter_spec(tmp_path / "out", "at rest;", "at rest held;", sign=True)
+    result_files.alter_spec(tmp_path / "out", "at rest;", f"at rest held;{weight}", sign=True)
     (tmp_path / "out" / "design.json").unlink()  # it has the digest of the other spec
     report = verify_directory(tmp_path / "out")
-    assert report.outcome is Outcome.UNDECIDED
-    assert "balance" in str(report.reason)
+    assert report.outcome is (Outcome.REFUTED if weight else Outcome.VALID)
+    assert not weight or "no input pushes against" in str(report.reason)
+
+
+BIASED = """\
+module B { role base; }
+module J { role joint; dof q: revolute z in [-170, 170] deg; input b in BIAS N*m;
+  torque(q) = u + b; }
+module E { role effector; }
+grammar G { start N; all: N -> B J E; }
+semantics G { all {
+  this.one = rot(z, J.q);
+  solid(frame: this.one, mass: 1 kg, com: (0.5, 0) m, inertia: 0.1 kg*m^2);
+  effector(frame: this.one * move(x, 1 m));
+} }
+workspace W { plane xy; bounds box [-2, 2] x [-2, 2] m;
+  region S box [0.9, 1.1] x [-0.1, 0.1] m;
+  target T box [-0.2, 0.2] x [0.9, 1.1] m; }
+task Go { robot G; workspace W; start in S at rest held; reach T at rest;
+  effort <= 10 N*m; gravity (0, -9.81) m/s^2; horizon 20 steps of 0.1 s; }
+"""
+
+
+@pytest.mark.parametrize("bias", ["[1, 1]", "[-1, 1]"])
+def test_a_small_or_fixed_input_leaves_the_load_to_the_other(tmp_path: Path, bias: str) -> None:
+    """Where it is level, 4.9 N*m hold it: of equal parts the small input would break its bound."""
+    (tmp_path / "b.srg").write_text(BIASED.replace("BIAS", bias), encoding="utf-8")
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        assert run(["synth", str(tmp_path / "b.srg"), "-o", str(tmp_path / "out"), "-q"]) == 0
+    report = verify_directory(tmp_path / "out")
+    assert report.outcome is Outcome.VALID
+    level = 0.5 * 9.81 * np.cos(float(result_files.read(tmp_path / "out")["start"][0]))
+    # Of a free bias each input takes a share of its square, of a fixed one u the rest.
+    left = 1 - (level - 1) / 10 if bias == "[1, 1]" else 1 - 10 * level / 101
+    assert margin(report) == pytest.approx(left, rel=1e-6)

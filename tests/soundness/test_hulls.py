@@ -134,11 +134,13 @@ def test_stl_in_both_forms(tmp_path: Path, write: object) -> None:
     ("mesh", "name", "says"),
     [
         (b"", "a.stl", "no line begins with `facet`"),
-        (binary_stl(tube())[:-1], "a.stl", "neither binary of the right size nor text"),
-        ("v 1 2\nf 1 1 1\n", "a.obj", "line 1 does not have three numbers behind `v`"),
+        (binary_stl(tube())[:-1], "a.stl", "neither binary of the size that its header says"),
+        ("v 1 2\nf 1 1 1\n", "a.obj", "line 1 does not have three numbers of a usual size"),
         ("v 1 2 nan\nf 1 1 1\n", "a.obj", "line 1 does not have three numbers"),
         ("v 1 2 1/0\nf 1 1 1\n", "a.obj", "line 1 does not have three numbers"),
         ("v 1 2 1e999\nf 1 1 1\n", "a.obj", "line 1 does not have three numbers"),
+        ("v 1e-999999999 2 3\nf 1 1 1\n", "a.obj", "line 1 does not have three numbers"),
+        (b"\n".join(text_stl(tube()).splitlines()[:-5]), "a.stl", "it may have been cut off"),
         ("f 1 2 3\n", "a.obj", "it has no vertex"),
         ("v 1 2 3\n", "a.obj", "no line begins with `f`"),
         ("v 1 2 3\nf 1 1 1\n", "a.ply", "no mesh, by the end of its name"),
@@ -170,3 +172,16 @@ def test_what_is_wrong_with_a_hull(tmp_path: Path, old: str, new: str, says: str
     status, said = quiet("check", spec)
     assert status == 1
     assert says in said
+
+
+@pytest.mark.parametrize(
+    "vertices", ["v 0 0 0", "v 0 0 0\nv 250 0 0", "v 0 0 0\nv 99 9 0\nv 9 99 0"]
+)
+def test_meshes_without_volume_are_exported_as_something_thin(
+    tmp_path: Path, vertices: str
+) -> None:
+    spec = written(tmp_path, "0.195", f"{vertices}\nf 1 1 1\n")
+    assert quiet("synth", spec, "-o", tmp_path / "out", "-q")[0] == 0
+    exported = tmp_path / "robot.xml"
+    assert quiet("export", tmp_path / "out", "--to", "mjcf", "-o", exported)[0] == 0
+    assert mujoco.MjModel.from_xml_path(str(exported)).nmesh == 1

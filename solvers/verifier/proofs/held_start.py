@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 from flint import arb, arb_mat
@@ -20,6 +19,7 @@ from solvers.verifier.proofs.tube_checks import Status
 
 HELD = "start held"
 TINY = 1e-300
+NOT_KNOWN = "no inputs are known to balance the robot"
 ROUNDS = 4
 """Steps of Newton's method in floats."""
 WIDTHS = (1e15, 1e-6)
@@ -33,7 +33,7 @@ def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> Check
     and u0 - S^-1 b(u0) is within the box, it has one there, and no other in the box (interval
     Newton; Neumaier, *Interval methods for systems of equations*, 1990).  The margin is the least
     share that it leaves of a bound.  Of more inputs than joints, some keep values that balance the
-    robot in floats.
+    robot in floats.  Forces that no input changes have to be zero.
 
     Args:
         scene: the robot in its task.
@@ -41,15 +41,15 @@ def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> Check
         tail: theta and k.
     """
     bounds = input_bounds(scene.model, scene.task)
-    found = _Balance(scene, state, tail).inputs(bounds)
-    if found is None:
-        why = "no inputs are known to balance the robot"
-        return CheckedCondition(HELD, Status.UNDECIDED, -NO_MARGIN, "1", 0.0, why=why)
-    inputs, unique = found
+    inputs, unique = _Balance(scene, state, tail, bounds).inputs()
+    if inputs is None:
+        status = Status.FAILS if unique else Status.UNDECIDED
+        why = "no input pushes against what moves a joint" if unique else NOT_KNOWN
+        return CheckedCondition(HELD, status, -NO_MARGIN, "1", 0.0, why=why)
     least = arb(1)
     for bound in bounds:
-        widest = ball(bound.widest_margin) if bound.widest_margin > 0 else arb(1)
-        least = least.min(distance(bound, inputs) / widest)
+        if bound.widest_margin > 0:
+            least = least.min(distance(bound, inputs) / ball(bound.widest_margin))
     margin = below(least)
     status = Status.HOLDS if margin >= 0 else Status.UNDECIDED
     if unique and bool(least < 0):
@@ -59,48 +59,71 @@ def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> Check
 
 @dataclass(frozen=True)
 class _Balance:
-    """The joints' forces of a robot at rest, by its inputs."""
+    """The joints' forces of a robot at rest, by its inputs within ``bounds``."""
 
     scene: Scene
     state: Sequence[arb]
     tail: Sequence[arb]
+    bounds: Sequence[InputBound]
 
-    def inputs(self, bounds: Sequence[InputBound]) -> tuple[list[arb], bool] | None:
-        """Inputs (m,) that balance the robot, and whether no others do; None: none are known."""
-        n, m = len(self.scene.model.dofs), self.scene.graph.parts.u.numel()
-        start = np.array([float(_middle(bounds, place)) for place in range(m)])
-        if not n:
-            return [arb(value) for value in start.tolist()], True
-        about = self._zero(start) if m >= n else None
+    def inputs(self) -> tuple[list[arb] | None, bool]:
+        """Inputs (m,) that balance the robot, None: none are known; and whether no others do."""
+        middle, weights = self._middle_and_weights()
+        centre = [arb(value) for value in middle.tolist()]
+        anything = [arb(value, WIDTHS[0]) for value in middle.tolist()]
+        slopes, forces = self._slopes(anything), self._forces(centre)
+        live = []
+        for joint in range(slopes.nrows()):
+            if any(slopes[joint, j] != 0 for j in range(len(centre))):
+                live.append(joint)
+            elif forces[joint, 0] != 0:
+                return None, not forces[joint, 0].contains(0)
+        free = int(np.count_nonzero(weights))
+        if not live:
+            return centre, free == 0
+        about = self._zero(middle, weights, live) if free >= len(live) else None
         if about is None:
-            return None
-        chosen = _independent(_floats(self._slopes([arb(x) for x in about.tolist()])))
+            return None, False
+        here = _floats(self._slopes([arb(x) for x in about.tolist()]))[live] * weights
+        chosen = _independent(here)
         for width in WIDTHS:
-            found = self._enclosed(about, chosen, width)
+            found = self._enclosed(about, live, chosen, width)
             if found is not None:
-                return found, m == n and width == WIDTHS[0]
-        return None
+                return found, free == len(live) and width == WIDTHS[0]
+        return None, False
 
-    def _zero(self, u: Array) -> Array | None:
-        """Inputs near others at which the forces vanish in floats."""
+    def _middle_and_weights(self) -> tuple[Array, Array]:
+        """The middles of the bounds of the inputs, and the widest margins, (m,) each."""
+        count = self.scene.graph.parts.u.numel()
+        middle, weights = np.zeros(count), np.ones(count)
+        for bound in self.bounds:
+            inputs = list(bound.inputs)
+            weights[inputs] = float(bound.widest_margin)
+            middle[inputs] = 0.0 if bound.norm2 else float((bound.lower + bound.upper) / 2)
+        return middle, weights
+
+    def _zero(self, u: Array, weights: Array, live: Sequence[int]) -> Array | None:
+        """Inputs near others, in shares of their bounds, at which forces vanish in floats."""
         for _ in range(ROUNDS):
             balls = [arb(value) for value in u.tolist()]
-            forces, slopes = _floats(self._forces(balls)), _floats(self._slopes(balls))
+            forces, slopes = (_floats(part(balls))[live] for part in (self._forces, self._slopes))
             if not (np.isfinite(forces).all() and np.isfinite(slopes).all()):
                 return None
-            u = u - np.linalg.lstsq(slopes, forces[:, 0], rcond=None)[0]
+            u = u - weights * np.linalg.lstsq(slopes * weights, forces[:, 0], rcond=None)[0]
         return u
 
-    def _enclosed(self, about: Array, chosen: Sequence[int], width: float) -> list[arb] | None:
+    def _enclosed(
+        self, about: Array, live: Sequence[int], chosen: Sequence[int], width: float
+    ) -> list[arb] | None:
         """Balls about a zero in a box of the chosen inputs, all others being as they are."""
         centre = [arb(value) for value in about.tolist()]
         box = list(centre)
         for j in chosen:
             box[j] = arb(about[j], width)
-        over = self._slopes(box)
-        square = arb_mat([[over[i, j] for j in chosen] for i in range(over.nrows())])
+        over, forces = self._slopes(box), self._forces(centre)
+        square = arb_mat([[over[i, j] for j in chosen] for i in live])
         try:
-            moves = square.solve(self._forces(centre)).entries()
+            moves = square.solve(column([forces[i, 0] for i in live])).entries()
         except ZeroDivisionError:
             return None
         for j, move in zip(chosen, moves, strict=True):
@@ -118,14 +141,10 @@ class _Balance:
 
     def _slopes(self, u: Sequence[arb]) -> arb_mat:
         """The Jacobian of the forces in the inputs, (n, m)."""
-        flat = tape(self.scene.graph.input_slopes).evaluate(self._arguments(u), BALLS)
-        height = len(flat) // len(u)
-        return arb_mat(
-            [
-                [flat[j * height + i] for j in range(len(u))]
-                for i in range(len(self.scene.model.dofs))
-            ]
-        )
+        n, m = len(self.scene.model.dofs), len(u)
+        flat = tape(self.scene.graph.input_slopes).evaluate(self._arguments(u), BALLS) if m else []
+        height = len(flat) // max(m, 1)
+        return arb_mat(n, m, [flat[j * height + i] for i in range(n) for j in range(m)])
 
 
 def _floats(matrix: arb_mat) -> Array:
@@ -142,9 +161,3 @@ def _independent(slopes: Array) -> list[int]:
         direction = rest[:, chosen[-1]] / max(sizes[chosen[-1]], TINY)
         rest -= np.outer(direction, direction @ rest)
     return sorted(chosen)
-
-
-def _middle(bounds: Sequence[InputBound], place: int) -> Fraction:
-    """The middle of the bounds of an input; zero where none is known."""
-    own = [each for each in bounds if place in each.inputs and not each.norm2]
-    return (own[0].lower + own[0].upper) / 2 if own else Fraction(0)
