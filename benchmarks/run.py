@@ -120,9 +120,9 @@ def measure_proof(runs: int, folder: Path) -> list[Line]:
     # The arguments are those of the proof itself, so that both integrate the same motion.
     asked: list[tuple[Any, ...]] = []
 
-    def recorded(*arguments: Any) -> Iterator[TubeSegment]:
+    def recorded(*arguments: Any, **options: bool) -> Iterator[TubeSegment]:
         asked.append(arguments)
-        return tube(*arguments)
+        return tube(*arguments, **options)
 
     with mock.patch("solvers.verifier.proofs.tube_proof.tube", recorded):
         findings = prove_motion(scene, motion)

@@ -136,19 +136,19 @@ class Proofs:
     seconds: float = 0.0
     segments: list[TubeSegment] = field(default_factory=list[TubeSegment])
 
-    def proved(self, *arguments: Any, last: bool = False) -> Any:
+    def proved(self, *arguments: Any, **options: bool) -> Any:
         """Try a proof."""
         self.tried += 1
         begun = time.process_time()
         try:
-            return certified_design(*arguments, last=last)
+            return certified_design(*arguments, **options)
         finally:
             self.seconds += time.process_time() - begun
 
-    def enclosed(self, *arguments: Any) -> Iterator[TubeSegment]:
+    def enclosed(self, *arguments: Any, **options: bool) -> Iterator[TubeSegment]:
         """Enclose, and keep the tube: that of all disturbed motions is the last."""
         self.segments = []
-        for segment in tube(*arguments):
+        for segment in tube(*arguments, **options):
             self.segments.append(segment)
             yield segment
 
@@ -200,9 +200,17 @@ def begun(case: Case) -> Tightening:
     (task,) = program.tasks.values()
     known: list[Tightening] = []
 
-    def kept(search: MotionProof, path_problem: PathProblem, found: Configuration) -> ProofAttempt:
-        known.append(Tightening(search, path_problem, found))
-        return WITH_MARGINS(search, path_problem, found)
+    def kept(
+        search: MotionProof,
+        path_problem: PathProblem,
+        found: Configuration,
+        *more: Any,
+        **options: Any,
+    ) -> ProofAttempt:
+        # Early proofs are of a first motion, and tried with fewer margins.
+        if not more:
+            known.append(Tightening(search, path_problem, found))
+        return WITH_MARGINS(search, path_problem, found, *more, **options)
 
     with mock.patch.object(MotionProof, "with_margins", kept):
         verdict = synthesise(program, task, RunContext()).verdict
