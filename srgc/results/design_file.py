@@ -187,6 +187,8 @@ def design_text(
         "parameters": [],
         "robustness": None,
         "effort_peak": None,
+        "robustness_share": None,
+        "robustness_by_unit": None,
         "control": None,
         "step": float(task.step),
         "horizon": task.steps,

@@ -183,7 +183,7 @@ def test_a_norm_of_inputs_about_zero(
 ) -> None:
     """A ball about 0 has a square whose ball holds negative numbers."""
     bound = InputBound((0, 1), Fraction(-3), Fraction(3), "N*m", "effort", norm2=True)
-    gap = effort_bounds._gap(bound, [arb(*pair) for pair in commanded])
+    gap = effort_bounds.distance(bound, [arb(*pair) for pair in commanded])
     assert bool(gap > 0) is holds
     assert float(gap.lower()) == pytest.approx(margin, abs=1e-6)
 
