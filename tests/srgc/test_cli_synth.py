@@ -14,7 +14,8 @@ DESIGN_FIELDS = [
     "verdict", "reason", "task", "spec", "word", "derivation", "dofs", "parameters", "robustness",
     "effort_peak", "robustness_share", "robustness_by_unit", "control", "step", "horizon", "path",
     "leader", "satisfy", "reconfiguration", "cells", "structures_tried", "nearest",
-    "counterexamples", "iterations", "seed", "least_cells", "all_designs", "solver", "search", "paths", "evaluations", "spec_sha256", "version",
+    "counterexamples", "iterations", "seed", "least_cells", "all_designs", "solver", "search",
+    "paths", "evaluations", "spec_sha256", "version",
 ]  # fmt: skip
 
 
