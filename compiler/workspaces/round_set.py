@@ -14,8 +14,7 @@ from itertools import product
 from math import cos, hypot, isqrt, pi, sin
 from typing import TypeAlias
 
-from compiler.workspaces.hull import hull_rows
-from compiler.workspaces.polytope import Polytope
+from compiler.workspaces.hull import describe, hull_rows, integer_row
 from grammar_lang.ir import HalfSpace, Round
 
 SIDES = 16
@@ -90,8 +89,8 @@ def _unit(near: tuple[float, ...]) -> Point:
 @lru_cache(maxsize=2)
 def _corners(dimension: int) -> tuple[Point, ...]:
     """The corners of the polytope whose planes touch the ball."""
-    rows = tuple(HalfSpace(normal, Fraction(1)) for normal in unit_normals(dimension))
-    return tuple(Polytope(rows).vertices)
+    rows = [integer_row(normal, Fraction(1)) for normal in unit_normals(dimension)]
+    return tuple(sorted(vertex.point() for vertex in describe(rows, dimension)[0]))
 
 
 @lru_cache(maxsize=2)
