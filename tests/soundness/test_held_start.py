@@ -120,6 +120,17 @@ task Go { robot G; workspace W; start in S at rest held; reach T at rest;
 """
 
 
+def test_a_gain_that_may_be_anything_hides_no_balance(tmp_path: Path) -> None:
+    """With torque u * b and b from 1 to 3, each pushes only as much as the other lets it."""
+    text = BIASED.replace("BIAS N*m", "[1, 3]").replace("u + b", "u * b")
+    (tmp_path / "b.srg").write_text(text, encoding="utf-8")
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        assert run(["synth", str(tmp_path / "b.srg"), "-o", str(tmp_path / "out"), "-q"]) == 0
+    report = verify_directory(tmp_path / "out")
+    assert report.outcome is Outcome.VALID
+    assert 0 < margin(report) < 1
+
+
 @pytest.mark.parametrize("bias", ["[1, 1]", "[-1, 1]"])
 def test_a_small_or_fixed_input_leaves_the_load_to_the_other(tmp_path: Path, bias: str) -> None:
     """Where it is level, 4.9 N*m hold it: of equal parts the small input would break its bound."""

@@ -69,14 +69,15 @@ class _Balance:
     def inputs(self) -> tuple[list[arb] | None, bool]:
         """Inputs (m,) that balance the robot, None: none are known; and whether no others do."""
         middle, weights = self._middle_and_weights()
-        centre = [arb(value) for value in middle.tolist()]
+        centre = self._balls(middle)
         anything = [arb(value, WIDTHS[0]) for value in middle.tolist()]
         slopes, forces = self._slopes(anything), self._forces(centre)
         live = []
         for joint in range(slopes.nrows()):
-            if any(slopes[joint, j] != 0 for j in range(len(centre))):
+            # A slope that may be zero, and may not, tells nothing: only exact zeros do.
+            if not all(slopes[joint, j].is_zero() for j in range(len(centre))):
                 live.append(joint)
-            elif forces[joint, 0] != 0:
+            elif not forces[joint, 0].is_zero():
                 return None, not forces[joint, 0].contains(0)
         free = int(np.count_nonzero(weights))
         if not live:
@@ -84,7 +85,7 @@ class _Balance:
         about = self._zero(middle, weights, live) if free >= len(live) else None
         if about is None:
             return None, False
-        here = _floats(self._slopes([arb(x) for x in about.tolist()]))[live] * weights
+        here = _floats(self._slopes(self._balls(about)))[live] * weights
         chosen = _independent(here)
         for width in WIDTHS:
             found = self._enclosed(about, live, chosen, width)
@@ -102,10 +103,19 @@ class _Balance:
             middle[inputs] = 0.0 if bound.norm2 else float((bound.lower + bound.upper) / 2)
         return middle, weights
 
+    def _balls(self, u: Array) -> list[arb]:
+        """Inputs (m,) as balls; those that have one value only have exactly that."""
+        found = [arb(value) for value in u.tolist()]
+        for bound in self.bounds:
+            if bound.widest_margin == 0 and not bound.norm2:
+                for place in bound.inputs:
+                    found[place] = ball(bound.lower)
+        return found
+
     def _zero(self, u: Array, weights: Array, live: Sequence[int]) -> Array | None:
         """Inputs near others, in shares of their bounds, at which forces vanish in floats."""
         for _ in range(ROUNDS):
-            balls = [arb(value) for value in u.tolist()]
+            balls = self._balls(u)
             forces, slopes = (_floats(part(balls))[live] for part in (self._forces, self._slopes))
             if not (np.isfinite(forces).all() and np.isfinite(slopes).all()):
                 return None
@@ -116,7 +126,7 @@ class _Balance:
         self, about: Array, live: Sequence[int], chosen: Sequence[int], width: float
     ) -> list[arb] | None:
         """Balls about a zero in a box of the chosen inputs, all others being as they are."""
-        centre = [arb(value) for value in about.tolist()]
+        centre = self._balls(about)
         box = list(centre)
         for j in chosen:
             box[j] = arb(about[j], width)
