@@ -105,18 +105,15 @@ def _ranges(posed: PosedTask) -> Iterator[TaskLine]:
     for module in posed.modules:
         for dof in module.dofs:
             name = f"`{module.name}.{dof.name}`"
-            if dof.range is not None:
-                says = f"the range of {name}"
-                yield TaskLine("joint_range", (module.name, dof.name), says, dof.span)
-            if dof.rate is not None:
-                says = f"the rates of {name}"
-                yield TaskLine("joint_rate", (module.name, dof.name), says, dof.span)
-            if dof.accel is not None:
-                says = f"the acceleration of {name}"
-                yield TaskLine("joint_accel", (module.name, dof.name), says, dof.span)
-            if dof.effort is not None:
-                says = f"the effort of {name}"
-                yield TaskLine("joint_effort", (module.name, dof.name), says, dof.span)
+            limits: tuple[tuple[LineKind, object, str], ...] = (
+                ("joint_range", dof.range, "range"),
+                ("joint_rate", dof.rate, "rates"),
+                ("joint_accel", dof.accel, "acceleration"),
+                ("joint_effort", dof.effort, "effort"),
+            )
+            for kind, limit, what in limits:
+                if limit is not None:
+                    yield TaskLine(kind, (module.name, dof.name), f"the {what} of {name}", dof.span)
 
 
 def _avoided(posed: PosedTask) -> Iterator[TaskLine]:
