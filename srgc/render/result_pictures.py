@@ -78,7 +78,7 @@ def workspace_figure(
         tuple(result.abstraction.index(name) for name in design.path[design.leader]),
         design.leader,
         f"{task.name}: {' '.join(design.derivation.word)}\n"
-        f"{_caption(design.model, theta, robustness)}",
+        f"{_caption(design.model, task, theta, robustness)}",
     )
     return _motion_figure(drawn, workspace, task)
 
@@ -87,7 +87,7 @@ def nearest_figure(nearest: NearestMotion, workspace: ir.Workspace, task: ir.Tas
     """The same of the motion that came nearest to a design, up to where it is stuck."""
     theta = nearest.trajectory.theta
     title = f"{task.name}: {' '.join(nearest.derivation.word)}, the nearest motion, not proved"
-    caption = _caption(nearest.model, theta, nearest.robustness)
+    caption = _caption(nearest.model, task, theta, nearest.robustness)
     stuck = nearest.sample if nearest.sample is not None and nearest.sample <= task.steps else None
     if stuck is not None:
         caption += f"; it is stuck at {number(float(stuck * task.step))} s"
@@ -145,12 +145,18 @@ def _legend(shapes: Sequence[WorkspaceShape], *, stuck: bool) -> list[tuple[str,
     return found
 
 
-def _caption(model: RobotModel, theta: Array, robustness: float) -> str:
+def _caption(model: RobotModel, task: ir.Task, theta: Array, robustness: float) -> str:
+    """The parameters, and the robustness: in the unit of the inputs, or as a share of several."""
+    bounds = {(bound.unit, bound.widest_margin) for bound in input_bounds(model, task)}
+    written = number(robustness)
+    if len(bounds) > 1:
+        widest = float(max(margin for _, margin in bounds))
+        written = f"{number(100 * robustness / widest)} %" if widest > 0 else written
     values = [
         f"{p.name} {with_unit(float(value), p.unit, 3)}"
         for p, value in zip(model.parameters, theta, strict=True)
     ]
-    return "; ".join([*filter(None, [", ".join(values)]), f"robustness {number(robustness)}"])
+    return "; ".join([*filter(None, [", ".join(values)]), f"robustness {written}"])
 
 
 def _effector_line(

@@ -76,6 +76,8 @@ def test_what_is_said_of_it(folder: Path) -> None:
     share = 100 * (1 - bridge / 1000)
     # Beside the share stands what is left of that very bound.
     assert f"robustness: {share:.4g} % ({1000 - bridge:.4g} N, {4 - turn:.4g} N*m)" in said
+    picture = (folder / "figures" / "workspace.svg").read_text(encoding="utf-8")
+    assert f"robustness {share:.4g} %" in picture
     assert verify_directory(folder).outcome is Outcome.VALID
 
 
