@@ -154,7 +154,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             include("gap"),
             (_word("revolute", "prismatic"), Keyword),
             (_word("in", "rate", "accel", "effort"), Keyword),
-            (_word("gear", "rotor", "viscous"), Keyword, "operand"),
+            (_word("gear", "rotor", "viscous", "coulomb"), Keyword, "operand"),
             (_word("x", "y", "z"), Keyword.Constant),
             (rf"-|{_COMPARISON}", Operator, "operand"),
             (":", Punctuation),

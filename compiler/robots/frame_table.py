@@ -168,6 +168,7 @@ class Declarations:
                     dof.effort,
                     dof.inertia,
                     dof.accel,
+                    dof.coulomb,
                 )
             )
         own = own_dynamics(index, module, self.parameter_index, self.dof_index)

@@ -17,8 +17,7 @@ class OwnDynamics:
     """States, declared inputs and torques of the module at word index ``symbol``.
 
     Their expressions name the module's own things; ``parameters`` and ``dofs`` say which of the
-    robot's those are.  The coordinate, rate and input of a degree of freedom that the robot has
-    lost (None) read zero.
+    robot's those are.  Coordinate, rate and input of a lost degree of freedom (None) read zero.
     """
 
     symbol: int
@@ -144,10 +143,10 @@ class FrameNode:
 
 @dataclass(frozen=True, slots=True)
 class RobotDof:
-    """A degree of freedom.  ``symbols``: word indices of the joints merged into it.
+    """A degree of freedom of the joints at the word indices ``symbols``, merged into one.
 
     ``effort`` bounds its free input, ``inertia`` is its rotor's as the joint feels it, ``accel``
-    bounds the size of its acceleration; all closed.
+    bounds the size of its acceleration, ``coulomb`` is that of its dry friction; all closed.
     """
 
     symbols: tuple[int, ...]
@@ -158,11 +157,17 @@ class RobotDof:
     effort: ir.Expr | None = None
     inertia: ir.Expr | None = None
     accel: ir.Expr | None = None
+    coulomb: ir.Expr | None = None
+
+    @property
+    def amounts(self) -> tuple[ir.Expr | None, ...]:
+        """What is known of its drive."""
+        return self.effort, self.inertia, self.accel, self.coulomb
 
     @property
     def is_driven(self) -> bool:
         """Whether it has a drive of its own, or limits of one; such joints are not merged."""
-        return any(each is not None for each in (self.effort, self.inertia, self.accel))
+        return any(each is not None for each in self.amounts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -307,11 +312,10 @@ class RobotModel:
     ``frames`` are in topological order, frame 0 is the world.  ``effectors`` holds frames, in
     word order.  ``removed`` holds the word indices of joints that move nothing, ``own`` the
     dynamics of their own that modules have, in word order.  ``joints`` holds the degrees of freedom
-    of the word, in word order, once they may be others than ``dofs``.  ``owners`` says per body
-    whose it is, where that is known, ``shape_owners`` per shape.  Bodies that are ``covered`` do
-    not collide: their links do as shapes.  Pairs that have to stay ``apart`` are of ``colliders``,
-    by their numbers.  Of ``posed`` robots it matters how the frames of effectors are turned.  The
-    ``payloads`` of a task are bodies, by number.
+    of the word, in word order, once they may be others than ``dofs``.  ``owners`` says whose a body
+    is, where that is known, ``shape_owners`` whose a shape.  ``covered`` bodies do not collide:
+    their links do as shapes.  Pairs that have to stay ``apart`` are numbers of ``colliders``.  Of
+    ``posed`` robots the turn of effectors matters.  ``payloads`` are numbers of bodies.
     """
 
     dimension: Literal[2, 3]
@@ -378,9 +382,8 @@ class RobotModel:
     @property
     def word_dofs(self) -> tuple[WordDof, ...]:
         """The degrees of freedom of the word, in word order and then as their module has them."""
-        if self.joints is not None:
-            return self.joints
-        return tuple(WordDof(dof.kind, dof.range, i) for i, dof in enumerate(self.dofs))
+        own = (WordDof(dof.kind, dof.range, i) for i, dof in enumerate(self.dofs))
+        return tuple(own) if self.joints is None else self.joints
 
     def chain(self, frame: int) -> list[int]:
         """The frames from the world (excluded) to ``frame`` (included)."""

@@ -146,7 +146,7 @@ def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:
             limits = model.dofs[dof]
             kind = f"{limits.kind} {limits.range} {limits.rate}"
             if limits.is_driven:
-                kind += f" {limits.effort} {limits.inertia} {limits.accel}"
+                kind += " " + " ".join(map(str, limits.amounts))
             return f"{frame.parent} joint {dof} {axis} {sign} {kind}"
 
 
@@ -223,7 +223,7 @@ def _skeleton(model: RobotModel) -> tuple[object, ...]:
         ),
         model.covered,
         tuple(
-            (dof.kind, *(each is None for each in (dof.range, dof.rate, *_amounts(dof))))
+            (dof.kind, *(each is None for each in (dof.range, dof.rate, *dof.amounts)))
             for dof in model.dofs
         ),
         model.effectors,
@@ -263,13 +263,9 @@ def _limits(dof: RobotDof) -> Iterator[arb]:
         if interval is not None:
             yield closed_ball(interval.lower)
             yield closed_ball(interval.upper)
-    for amount in _amounts(dof):
+    for amount in dof.amounts:
         if amount is not None:
             yield closed_ball(amount)
-
-
-def _amounts(dof: RobotDof) -> tuple[ir.Expr | None, ...]:
-    return dof.effort, dof.inertia, dof.accel
 
 
 # --- expressions -----------------------------------------------------------------------------

@@ -160,3 +160,8 @@ def unbounded_kinds(model: RobotModel, task: ir.Task) -> list[ir.DofKind]:
     dofs = (model.dofs[item.dof] for item in robot_inputs(model) if item.dof is not None)
     free = {dof.kind for dof in dofs if dof.effort is None}
     return sorted(free - {effort.kind for effort in task.effort})
+
+
+def dry_friction(model: RobotModel) -> dict[int, ir.Expr]:
+    """The size of the effort of dry friction (closed, SI), by the number of the joint."""
+    return {i: d.coulomb for i, d in enumerate(model.dofs) if d.coulomb is not None}

@@ -19,7 +19,7 @@ from grammar_lang.units import FORCE, INERTIA, LENGTH, ONE, TIME, TORQUE, Dimens
 EFFORT_DIMENSIONS: Mapping[ir.DofKind, Dimension] = {"revolute": TORQUE, "prismatic": FORCE}
 _COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
 
-Kind: TypeAlias = Literal["gear", "rotor", "viscous"]
+Kind: TypeAlias = Literal["gear", "rotor", "viscous", "coulomb"]
 
 
 def lower_effort(item: s.Dof, reader: Constants, sink: Sink) -> ir.Expr | None:
@@ -93,6 +93,9 @@ class DriveReader:
                 message = "what the joint feels of its rotor is beyond all computing"
                 hint = f"gear^2 * rotor is zero, or from {SMALLEST:g} to {LARGEST:g} in SI units"
                 self.sink.error(Code.BAD_NUMBER, message, item.span, hint)
+        coulomb = parts.get("coulomb")
+        if coulomb is not None and constants.to_float(coulomb) > 0:
+            self.dofs[name] = replace(self.dofs[name], coulomb=coulomb)
         if "viscous" in parts:
             self.viscous[name] = parts["viscous"]
 
@@ -103,6 +106,7 @@ class DriveReader:
             "gear": ONE / _COORDINATES[kind],
             "rotor": INERTIA,
             "viscous": EFFORT_DIMENSIONS[kind] / rate,
+            "coulomb": EFFORT_DIMENSIONS[kind],
         }[part.kind]
         found = self.reader.scalar(part.value, due)
         if found is not None and constants.to_float(found) < 0:

@@ -44,8 +44,8 @@ class Dof:
     """A degree of freedom about or along an axis of the local frame; None means unlimited.
 
     ``effort`` bounds its free input, ``inertia`` is that of its rotor times the square of the gear,
-    which moves with the joint alone, ``accel`` bounds the size of its acceleration; all are closed
-    and in SI units.
+    which moves with the joint alone, ``accel`` bounds the size of its acceleration, ``coulomb`` is
+    that of the effort of its dry friction; all are closed and in SI units.
     """
 
     name: str
@@ -56,6 +56,7 @@ class Dof:
     effort: Expr | None = None
     inertia: Expr | None = None
     accel: Expr | None = None
+    coulomb: Expr | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -65,9 +65,9 @@ class Dof:
 
 @node
 class DrivePart:
-    """``gear expr``, ``rotor expr`` or ``viscous expr``."""
+    """``gear expr``, ``rotor expr``, ``viscous expr`` or ``coulomb expr``."""
 
-    kind: Literal["gear", "rotor", "viscous"]
+    kind: Literal["gear", "rotor", "viscous", "coulomb"]
     value: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 

@@ -25,9 +25,10 @@ _MODULE = {
         "`dof NAME: revolute AXIS in [lo, hi] deg rate in [lo, hi] rad/s accel <= a effort <= v;`: "
         "a coordinate with its limits."
     ),
-    "drive": "`drive DOF: gear G rotor J viscous B;`: what moves a joint, from its data sheet.",
+    "drive": "`drive DOF: gear G rotor J viscous B coulomb C;`: what moves a joint, from its data sheet.",
     "gear": "`gear G`: turns of the rotor per turn of the joint, or rad per metre.",
     "rotor": "`rotor J`: the rotor's own moment of inertia; the joint feels gear^2 times it.",
+    "coulomb": "`coulomb C`: dry friction, an effort of this size against the motion, N*m or N.",
     "viscous": "`viscous B`: friction in proportion to the rate, N*m*s or N*s/m.",
     "revolute": "The coordinate is an angle about the axis.",
     "prismatic": "The coordinate is a length along the axis.",
